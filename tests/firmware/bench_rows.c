@@ -69,7 +69,7 @@ int main(void)
     if (auvid_metric_init(&metric, &cfg) != AUVID_OK) {
         return 1;
     }
-    for (uint32_t cell = 0; metric.sets_recorded < SETS; ++cell) {
+    for (uint32_t cell = 0; metric.sets.recorded < SETS; ++cell) {
         make_sample(cell, &sample);
         (void)auvid_metric_add(&metric, &sample);
     }

@@ -58,7 +58,7 @@ static void test_a_bluerov2_in_six_degrees_of_freedom(void)
     uint32_t count[IDS] = {0};
     vector_begin(1);
     TEST_ASSERT_TRUE(world_begin(&bus, &config));
-    for (bool busy = true; busy || node->id.metric.sets_recorded < SETS;) {
+    for (bool busy = true; busy || node->id.metric.sets.recorded < SETS;) {
         world_tick(&bus);
         busy = world_work(&bus, AUVID_DEFAULT_BUDGET);
         hear(count);
@@ -102,7 +102,7 @@ static void test_a_girona500_in_a_current(void)
     TEST_ASSERT_EQUAL(AUVID_OK,
                       auvid_current_bounds(&current, 1, cfg.search.lower, cfg.search.upper));
     TEST_ASSERT_TRUE(world_listen(&bus, &cfg));
-    while (node->id.metric.sets_recorded < SETS) {
+    while (node->id.metric.sets.recorded < SETS) {
         world_tick(&bus);
         (void)world_work(&bus, 1000);
         vector_look(&node->id, node->events);

@@ -234,7 +234,7 @@ inline Run fly(const World &world)
     run.tick.push_back(tick_of(sim.truth, seen));
     auvid_output_t out = {};
     bool excited = false;
-    while (id.metric.sets_recorded < world.sets) {
+    while (id.metric.sets.recorded < world.sets) {
         double wrench[6];
         auvid_real_t applied[6];
         for (int i = 0; i < 6; ++i) {

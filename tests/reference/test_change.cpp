@@ -73,7 +73,7 @@ static void maybe_change(chain_t *c, auvid_input_t *)
     Watch &w = *static_cast<Watch *>(c->cfg.context);
     if (!w.changed && w.moment_s > 0 && c->tick * 1e-6 * SIM_TICK_US > w.moment_s) {
         w.changed = true;
-        w.before = c->id.metric.sets_recorded;
+        w.before = c->id.metric.sets.recorded;
         apply(c->sim.cfg, w.change);
     }
 }

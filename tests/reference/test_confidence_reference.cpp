@@ -58,25 +58,27 @@ struct Dof {
 static Dof read(int j)
 {
     const auvid_metric_t &m = chain.id.metric;
-    double s = double(m.delay_s[j]) / (AUVID_METRIC_DELAY_CELLS * m.cfg.cell_us * 1e-6);
-    bool lag = m.first_order_lag >> j & 1;
+    double s = double(m.result.delay_s[j]) / (AUVID_METRIC_DELAY_CELLS * m.cfg.cell_us * 1e-6);
+    bool lag = m.result.first_order_lag >> j & 1;
     Dof d;
-    d.weight = double(m.weight[j]);
+    d.weight = double(m.evaluator.weight[j]);
     d.delay = delay_weights(s, lag, false);
     d.slope = delay_weights(s, lag, true);
-    d.delayed = m.cfg.estimate_delay && std::fabs(m.delay_s[j]) > 0;
+    d.delayed = m.cfg.estimate_delay && std::fabs(m.result.delay_s[j]) > 0;
     d.sigma = double(m.cfg.delay_sigma_s) / (AUVID_METRIC_DELAY_CELLS * m.cfg.cell_us * 1e-6);
-    d.columns.assign(m.index + m.channel_at[j], m.index + m.channel_at[j] + m.count[j]);
-    int n = m.count[j] + DELAYS, sets = m.cfg.sets;
+    d.columns.assign(m.layout.index + m.layout.channel_at[j],
+                     m.layout.index + m.layout.channel_at[j] + m.layout.count[j]);
+    int n = m.layout.count[j] + DELAYS, sets = m.cfg.sets;
     for (int band = 0; band < AUVID_METRIC_BANDS; ++band) {
-        d.band[band] = double(m.band_weight[band][j]);
+        d.band[band] = double(m.evaluator.band_weight[band][j]);
         for (int age = 0; age < SETS; ++age) {
-            const auvid_set_t &set = m.set[(int(m.sets_stored) + 2 * sets - 1 - age) % sets];
-            const auvid_packed_t *r = set.factor[band] + m.factor_at[j];
+            const auvid_set_t &set = m.sets.set[(int(m.sets.stored) + 2 * sets - 1 - age) % sets];
+            const auvid_packed_t *r = set.factor[band] + m.layout.factor_at[j];
             MatrixXd triangle = MatrixXd::Zero(n, n);
             for (int i = 0; i < n; ++i) {
                 for (int k = i; k < n; ++k) {
-                    triangle(i, k) = std::ldexp(double(*r++), set.exponent[m.channel_at[j] + k]);
+                    triangle(i, k) =
+                        std::ldexp(double(*r++), set.exponent[m.layout.channel_at[j] + k]);
                 }
             }
             d.rows[band].push_back(triangle);
@@ -112,13 +114,13 @@ static MatrixXd spread(const Dof &d, const MatrixXd &optimum)
 static double noise_correlation(bool moment)
 {
     const auvid_metric_t &m = chain.id.metric;
-    std::vector<double> passed(size_t(m.taps) + 4, 0.0);
+    std::vector<double> passed(size_t(m.layout.taps) + 4, 0.0);
     const double interpolated[3] = {0.5, 1, 0.5}, exact[3] = {0, 1, 0}, slope[3] = {0.5, 0, -0.5};
-    for (size_t k = 0; k < m.taps; ++k) {
+    for (size_t k = 0; k < m.layout.taps; ++k) {
         for (size_t a = 0; a < 3; ++a) {
             for (size_t b = 0; b < 3; ++b) {
-                passed[k + a + b] +=
-                    double(m.kernel[moment][k]) * slope[b] * (moment ? exact[a] : interpolated[a]);
+                passed[k + a + b] += double(m.layout.kernel[moment][k]) * slope[b] *
+                                     (moment ? exact[a] : interpolated[a]);
             }
         }
     }
@@ -285,7 +287,7 @@ static void compare(uint64_t seed, double disturbance_N, double lag_s, double no
         add(sums, k, pi, effective, residual);
         agrees(effective, double(actual.effective_noise[modelled[k]]));
         agrees(residual, double(actual.residual_rms[modelled[k]]));
-        delayed = delayed || chain.id.metric.delay_s[modelled[k]] > 0;
+        delayed = delayed || chain.id.metric.result.delay_s[modelled[k]] > 0;
     }
     TEST_ASSERT_TRUE(delayed || !(lag_s > 0));
     MatrixXd p = inverse_of(sums.h), wide = inverse_of(sums.bordered), influence = p * sums.scores;

@@ -126,7 +126,7 @@ static void identify(uint64_t seed, double disturbance_N)
     world.disturbance_N = disturbance_N;
     world.disturbance_Nm = 0.4 * disturbance_N;
     TEST_ASSERT_TRUE(sim_init(&sim, &world));
-    while (id.metric.sets_recorded < SETS) {
+    while (id.metric.sets.recorded < SETS) {
         auvid_input_t in;
         auvid_output_t out;
         const double wrench[6] = {

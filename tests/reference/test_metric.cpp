@@ -570,7 +570,7 @@ static double cost_of(const Vector &x)
     uint32_t budget = UINT32_MAX;
     auvid_metric_cost_begin(&metric, p, 0);
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_metric_cost(&metric, &budget));
-    return double(metric.cost);
+    return double(metric.result.cost);
 }
 
 static Reference run(const auvid_metric_config_t &cfg, std::vector<Cell> cells)
@@ -605,23 +605,23 @@ static Vector anywhere(Noise *noise)
 static void compare_evaluation(const Reference &of)
 {
     Reference reference = of;
-    TEST_ASSERT_EQUAL_HEX(reference.excited, metric.excited);
+    TEST_ASSERT_EQUAL_HEX(reference.excited, metric.result.excited);
     double node = reference.cell_s() * AUVID_METRIC_DELAY_CELLS;
     for (int j : dofs) {
-        TEST_ASSERT_EQUAL_UINT(reference.dof_rows[j], metric.dof_rows[j]);
+        TEST_ASSERT_EQUAL_UINT(reference.dof_rows[j], metric.result.dof_rows[j]);
         if (!(reference.excited >> j & 1)) {
             continue;
         }
         // a parabola through three points 0.1 nodes apart replaces the true minimum
-        TEST_ASSERT_EQUAL(reference.lag[j], metric.first_order_lag >> j & 1);
+        TEST_ASSERT_EQUAL(reference.lag[j], metric.result.first_order_lag >> j & 1);
         TEST_ASSERT_DOUBLE_WITHIN(0.01 * node, reference.delay[j] * node,
-                                  double(metric.delay_s[j]));
+                                  double(metric.result.delay_s[j]));
         TEST_ASSERT_DOUBLE_WITHIN(2e-3 * reference.band_weight[0][j], reference.band_weight[0][j],
-                                  double(metric.band_weight[0][j]));
+                                  double(metric.evaluator.band_weight[0][j]));
         // from here on with the metric's choice, so that all differences are rounding
-        reference.delay[j] = double(metric.delay_s[j]) / node;
-        reference.band_weight[0][j] = double(metric.band_weight[0][j]);
-        reference.band_weight[1][j] = double(metric.band_weight[1][j]);
+        reference.delay[j] = double(metric.result.delay_s[j]) / node;
+        reference.band_weight[0][j] = double(metric.evaluator.band_weight[0][j]);
+        reference.band_weight[1][j] = double(metric.evaluator.band_weight[1][j]);
     }
     double constant = 0;
     for (int j : dofs) {
@@ -631,7 +631,7 @@ static void compare_evaluation(const Reference &of)
         }
     }
     TEST_ASSERT_DOUBLE_WITHIN(reference.tolerance(paper(), constant), constant,
-                              double(metric.constant));
+                              double(metric.result.constant));
     Noise noise{77};
     for (int k = 0; k < 20; ++k) {
         Vector x = k == 0 ? paper() : anywhere(&noise);
@@ -658,7 +658,7 @@ static void compare_evaluation(const Reference &of)
             }
             double allowed =
                 reference.tolerance(x, reference.weight[j] * sse) / reference.weight[j];
-            TEST_ASSERT_DOUBLE_WITHIN(allowed, sse, double(metric.sse[j]));
+            TEST_ASSERT_DOUBLE_WITHIN(allowed, sse, double(metric.result.sse[j]));
             double r2_ref = 1 - sse / total;
             allowed = allowed / total + (1e3 * eps + stored) * (1 + sse / total);
             TEST_ASSERT_DOUBLE_WITHIN(allowed, r2_ref, double(r2[j]));
@@ -679,9 +679,9 @@ static void compare_least_squares(const Reference &of, double relative)
         }
     }
     for (int j : dofs) {
-        reference.delay[j] = double(metric.delay_s[j]) / node;
-        reference.band_weight[0][j] = double(metric.band_weight[0][j]);
-        reference.band_weight[1][j] = double(metric.band_weight[1][j]);
+        reference.delay[j] = double(metric.result.delay_s[j]) / node;
+        reference.band_weight[0][j] = double(metric.evaluator.band_weight[0][j]);
+        reference.band_weight[1][j] = double(metric.evaluator.band_weight[1][j]);
     }
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_metric_least_squares(&metric, mask, p));
     Vector x = reference.least_squares(active, Vector::Zero(AUVID_G500_COUNT));
@@ -709,7 +709,7 @@ static void test_noisy_record_of_three_sets_is_evaluated_as_the_header_says()
     world.noise = 1;
     world.shift = 0.14;
     Reference reference = run(cfg, record(cells_for(cfg, 3), 0.1, world));
-    TEST_ASSERT_EQUAL_UINT(3, metric.sets_recorded);
+    TEST_ASSERT_EQUAL_UINT(3, metric.sets.recorded);
     compare_evaluation(reference);
     compare_least_squares(reference, 2e3 * eps + 10 * stored);
 }
@@ -721,7 +721,7 @@ static void test_full_ring_is_evaluated_without_its_oldest_sets()
     World world;
     world.noise = 1;
     Reference reference = run(cfg, record(cells_for(cfg, 5), 0.1, world));
-    TEST_ASSERT_EQUAL_UINT(5, metric.sets_recorded);
+    TEST_ASSERT_EQUAL_UINT(5, metric.sets.recorded);
     compare_evaluation(reference);
     compare_least_squares(reference, 2e3 * eps + 10 * stored);
 }
@@ -738,7 +738,7 @@ static void test_first_order_lag_and_fixed_parameters_are_evaluated_as_the_heade
     world.noise = 1;
     world.lag = 0.2;
     Reference reference = run(cfg, record(cells_for(cfg, 2), 0.1, world));
-    TEST_ASSERT_EQUAL_HEX(0x27, metric.first_order_lag);
+    TEST_ASSERT_EQUAL_HEX(0x27, metric.result.first_order_lag);
     compare_evaluation(reference);
     compare_least_squares(reference, 2e3 * eps + 10 * stored);
 }
@@ -798,7 +798,7 @@ static void test_literal_smoothing_is_of_the_states_and_leaves_the_wrench_raw()
     world.noise = 1;
     Reference reference =
         run_literal(cfg, record(2 * AUVID_METRIC_DELAY_CELLS + 11 + 5 * 119, 0.1, world));
-    TEST_ASSERT_EQUAL_DOUBLE(1, double(metric.band_weight[0][0]));
+    TEST_ASSERT_EQUAL_DOUBLE(1, double(metric.evaluator.band_weight[0][0]));
     compare_evaluation(reference);
     compare_least_squares(reference, 2e3 * eps + 10 * stored);
 }
@@ -825,8 +825,8 @@ static void test_scale_is_the_inverse_of_the_weighted_norm_of_a_parameters_colum
     auvid_metric_scale(&metric, scale);
     Vector square = Vector::Zero(AUVID_G500_COUNT);
     for (int j : dofs) {
-        reference.band_weight[0][j] = double(metric.band_weight[0][j]);
-        reference.band_weight[1][j] = double(metric.band_weight[1][j]);
+        reference.band_weight[0][j] = double(metric.evaluator.band_weight[0][j]);
+        reference.band_weight[1][j] = double(metric.evaluator.band_weight[1][j]);
         Matrix a = reference.stack(j);
         for (size_t k = 0; k < reference.column[j].size(); ++k) {
             square(reference.column[j][k]) += reference.weight[j] * a.col(k).squaredNorm();

@@ -116,7 +116,7 @@ static Errors identify(const Scenario &s, uint64_t seed)
     TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &cfg));
     sim_output_t nothing = {};
     run.tick.push_back(tick_of(chain.sim.truth, nothing));
-    while (chain.id.metric.sets_recorded < s.sets) {
+    while (chain.id.metric.sets.recorded < s.sets) {
         chain_tick(&chain);
         TEST_ASSERT_TRUE(chain.tick < 1500 * (s.sets + 2));
     }

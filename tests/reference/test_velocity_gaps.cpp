@@ -65,7 +65,7 @@ static void run(outcome_t *to, uint64_t seed, const sim_config_t &dvl, uint32_t 
         double sigma = double(chain.id.estimate.confidence.sigma[i]);
         covered += std::fabs(chain_error(&chain, i) * chain.sim.cfg.parameter[i]) <= 2 * sigma;
     }
-    to->sets += int(chain.id.metric.sets_recorded);
+    to->sets += int(chain.id.metric.sets.recorded);
     to->square[to->runs] = chain_mean_square(&chain);
     to->covered[to->runs] = double(covered) / PARAMETERS;
     ++to->runs;

@@ -137,7 +137,7 @@ static inline double cost_of(auvid_metric_t *m, const auvid_real_t *pi)
     uint32_t budget = UINT32_MAX;
     auvid_metric_cost_begin(m, pi, 0);
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_metric_cost(m, &budget));
-    return (double)m->cost;
+    return (double)m->result.cost;
 }
 
 /* float32: the condition of the rows is about 300, so 300 x 30 eps = 1e-3 of a parameter. */
@@ -203,15 +203,15 @@ static inline uint32_t evaluate_by(auvid_metric_t *m, uint32_t piece, auvid_real
     ALL(auvid_metric_merge(m, &budget));
     auvid_metric_cost_begin(m, pi, AUVID_C(0.13));
     ALL(auvid_metric_cost(m, &budget));
-    out[0] = m->cost;
+    out[0] = m->result.cost;
     auvid_metric_measure_begin(m, pi, AUVID_C(0.13));
     ALL(auvid_metric_measure(m, &budget));
-    memcpy(out + 1, m->sse, sizeof m->sse);
-    memcpy(out + 7, m->delay_s, sizeof m->delay_s);
-    out[13] = m->constant;
+    memcpy(out + 1, m->result.sse, sizeof m->result.sse);
+    memcpy(out + 7, m->result.delay_s, sizeof m->result.delay_s);
+    out[13] = m->result.constant;
     auvid_metric_cost_begin(m, truth, 0);
     ALL(auvid_metric_cost(m, &budget));
-    out[14] = m->cost;
+    out[14] = m->result.cost;
     auvid_metric_scale(m, out + 15);
 #undef ALL
     return used;

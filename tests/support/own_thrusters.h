@@ -142,7 +142,7 @@ static inline void identify(uint64_t seed)
             each_step(&id, &out);
         }
     }
-    TEST_ASSERT_EQUAL_UINT32(SETS, id.metric.sets_recorded);
+    TEST_ASSERT_EQUAL_UINT32(SETS, id.metric.sets.recorded);
     finish_work(&id, UINT32_MAX);
 }
 

@@ -15,7 +15,9 @@ import sys
 from auvid_validation.dwarf import Binding
 
 # Unused between calls: unions whose other member is saved; the configuration, which init copies.
-DEAD = ("cfg.", "refusal.", "actuation.refusal.", "metric.regressor", "confidence.regressor")
+DEAD = ("cfg.", "refusal.", "actuation.refusal.", "metric.evaluator.regressor", "confidence.regressor")
+# Bytes that only fill a gap.
+PADDING = ".unused["
 # Members that decide on forces stay those of init.
 KEPT = tuple("actuation." + name for name in (
     "excitation.cfg.", "excitation.duration_us", "excitation.pause_us", "excitation.fade_us",
@@ -23,7 +25,7 @@ KEPT = tuple("actuation." + name for name in (
     "guard.cfg.", "guard.ready")) + ("adaptive.excursion_limit",)
 # Members of the model and its storage: a change may make the identifier refuse the checkpoint.
 MODEL = ("metric.cfg.free", "metric.cfg.fixed", "metric.cfg.sets", "metric.cfg.set_rows",
-         "metric.columns")
+         "metric.layout.columns")
 # Members of unions are used in other phases of work than the rest.
 ASK, LINEARISE, CONFIDENCE, GLOBAL, LOCAL = 6, 9, 10, 0, 1
 LIVE = (("confidence.", CONFIDENCE, GLOBAL), ("optimum.", LINEARISE, GLOBAL),
@@ -90,8 +92,8 @@ class Subject:
         model has a regressor for the phase that finds the minimum cost, else none."""
         ctypes.memset(ctypes.byref(self.id.optimizer), 0, ctypes.sizeof(self.id.optimizer))
         self.id.phase, self.id.searching = phase, phase == ASK
-        self.id.metric.excited = self.id.metric.dof_rows[0] = self.id.active = 1
-        self.id.metric.held = True
+        self.id.metric.result.excited = self.id.metric.result.dof_rows[0] = self.id.active = 1
+        self.id.metric.sets.held = True
         self.vehicle.path = self.regressor if phase == LINEARISE else self.residual
         if phase == LINEARISE:
             self.id.optimum.n = 1
@@ -146,7 +148,7 @@ def main():
                         (subject.adaptive, "adaptive"), (subject.prediction, "prediction"),
                         (subject.rows, "rows")):
         for path, at, pointer in leaves(type(whole), name):
-            if path.startswith(DEAD + KEPT) or path in FOLLOWED:
+            if path.startswith(DEAD + KEPT) or path in FOLLOWED or PADDING in path:
                 continue
             _, phase, search = next(live for live in LIVE if path.startswith(live[0]))
             subject.pose(phase, search)

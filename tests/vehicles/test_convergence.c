@@ -162,17 +162,17 @@ static void identify(const world_t *world, uint64_t seed)
 static bool row_of(int j, int i, double row[N], double *z)
 {
     const auvid_metric_t *m = &id.metric;
-    int order = auvid_metric_order(m, j), at = m->channel_at[j];
-    if (!(m->excited >> j & 1) || i >= m->count[j]) {
+    int order = auvid_metric_order(m, j), at = m->layout.channel_at[j];
+    if (!(m->result.excited >> j & 1) || i >= m->layout.count[j]) {
         return false;
     }
-    const auvid_real_t *r = m->merged + m->factor_at[j] + auvid_qr_row(order, i);
-    double scale = sqrt((double)m->weight[j]);
+    const auvid_real_t *r = m->evaluator.merged + m->layout.factor_at[j] + auvid_qr_row(order, i);
+    double scale = sqrt((double)m->evaluator.weight[j]);
     memset(row, 0, N * sizeof *row);
-    for (int k = i; k < m->count[j]; ++k) {
-        row[m->index[at + k]] = scale * (double)r[k - i];
+    for (int k = i; k < m->layout.count[j]; ++k) {
+        row[m->layout.index[at + k]] = scale * (double)r[k - i];
     }
-    *z = scale * (double)m->z[at + i];
+    *z = scale * (double)m->evaluator.z[at + i];
     return true;
 }
 
@@ -243,9 +243,9 @@ static int run(const world_t *world, int seeds)
         for (int i = 0; i < N; ++i) {
             x[i] = (double)id.estimate.pi[i];
         }
-        to->cost = cost_of(x) + (double)id.metric.constant;
+        to->cost = cost_of(x) + (double)id.metric.result.constant;
         descend(x, 1000);
-        to->min_cost = cost_of(x) + (double)id.metric.constant;
+        to->min_cost = cost_of(x) + (double)id.metric.result.constant;
         to->by_criterion = id.estimate.evaluations_line <
                            1000u * (unsigned)__builtin_popcount(id.estimate.identified);
         to->not_converged = id.estimate.not_converged;

@@ -247,7 +247,7 @@ static void begin(void)
 static void finish(void)
 {
     TEST_ASSERT_TRUE(world_listen(&world, &cfg));
-    while (world.node[0].id.metric.sets_recorded < SETS && world_time_s(&world) < 600.0) {
+    while (world.node[0].id.metric.sets.recorded < SETS && world_time_s(&world) < 600.0) {
         world_tick(&world);
         (void)world_work(&world, BUDGET);
         TEST_ASSERT_EQUAL_HEX32(0, world.node[1].events & AUVID_EVENT_CHANGED);

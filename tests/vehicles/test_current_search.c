@@ -54,7 +54,7 @@ static void identify(uint64_t seed, const double c[2])
                       auvid_current_bounds(&current, 1, cfg.search.lower, cfg.search.upper));
     TEST_ASSERT_TRUE(world_listen(&world, &cfg));
     id = &world.node[1].id;
-    while (id->metric.sets_recorded < SETS && world_time_s(&world) < 600.0) {
+    while (id->metric.sets.recorded < SETS && world_time_s(&world) < 600.0) {
         world_tick(&world);
         (void)world_work(&world, BUDGET);
     }

@@ -108,7 +108,7 @@ static void test_the_bluerov2_is_identified_over_the_bus(void)
     for (uint32_t linger = 0; linger < rov->linger_ticks;) {
         world_tick(&world);
         bool busy = world_work(&world, AUVID_DEFAULT_BUDGET);
-        bool over = !busy && world.node[0].id.metric.sets_recorded >= cfg.sets;
+        bool over = !busy && world.node[0].id.metric.sets.recorded >= cfg.sets;
         linger = over ? linger + 1 : 0;
         TEST_ASSERT_TRUE(world_time_s(&world) < 400);
         most_rad = fmax(most_rad, fabs(world.vehicle_sim.sim.truth.euler[0]));

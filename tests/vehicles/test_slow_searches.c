@@ -130,10 +130,11 @@ static void check(double seconds)
 {
     uint32_t min_estimates = (uint32_t)(seconds / (2 * seen.longest_s));
     printf("  %u estimates in %.0f s, the longest search took %.0f s; %u rows were dropped\n",
-           (unsigned)seen.estimates, seconds, seen.longest_s, (unsigned)id.metric.rows_dropped);
+           (unsigned)seen.estimates, seconds, seen.longest_s,
+           (unsigned)id.metric.sets.rows_dropped);
     TEST_ASSERT_TRUE(seen.estimates >= 1 && seen.estimates >= min_estimates);
     TEST_ASSERT_TRUE(seen.begun <= seen.estimates + 1);
-    TEST_ASSERT_EQUAL(seen.dropped, id.metric.rows_dropped > 0);
+    TEST_ASSERT_EQUAL(seen.dropped, id.metric.sets.rows_dropped > 0);
     while (auvid_identifier_work(&id, 1000000) == AUVID_PENDING) {
     }
     TEST_ASSERT_TRUE(id.estimate.number >= id.searches);

@@ -84,7 +84,7 @@ static int serve(run_t *run, const uint64_t *clock_us)
     ++run->histogram[took_us < MAX_US ? took_us : MAX_US];
     (void)auvid_node_report(node, (uint32_t)(100u * took_us / LINK_TICK_US), frame, &count);
     status = status == 0 ? link_send(&run->link, frame, count) : status;
-    bool over = !busy && node->id.metric.sets_recorded >= run->options->sets;
+    bool over = !busy && node->id.metric.sets.recorded >= run->options->sets;
     run->linger = over ? run->linger + 1 : 0;
     run->last_tick_us = began_us;
     run->silent = false;

@@ -123,7 +123,7 @@ static void show_progress(const run_t *run, const options_t *options, progress_t
 static bool is_over(const auvid_identifier_t *id, const options_t *options)
 {
     return options->adaptive ? id->actuation->guard.state == AUVID_GUARD_DONE
-                             : id->metric.sets_recorded >= options->sets;
+                             : id->metric.sets.recorded >= options->sets;
 }
 
 /* Lists the estimate of a search that ended in this tick. */

@@ -151,7 +151,7 @@ static void record_motion(field_run_t *run, const field_run_config_t *config)
     long ticks = lround(end_s * 1e6 / SIM_TICK_US), begin_at = lround(BEGIN_S * 1e6 / SIM_TICK_US);
     double thruster_N[SIM_THRUSTERS] = {0.0};
     auvid_identifier_t *id = &run->id;
-    for (long k = 1; k <= ticks && !(excited && id->metric.sets_recorded >= config->sets); ++k) {
+    for (long k = 1; k <= ticks && !(excited && id->metric.sets.recorded >= config->sets); ++k) {
         field_output_t seen;
         auvid_input_t in;
         auvid_output_t out;
@@ -214,7 +214,7 @@ static void gather(const field_run_t *run, const field_run_config_t *config, fie
     record->seed = config->field.seed;
     memcpy(record->size, config->field.size, sizeof record->size);
     record->not_converged = estimate->not_converged;
-    record->sets = id->metric.sets_recorded;
+    record->sets = id->metric.sets.recorded;
     record->simulated_s = field_truth(&run->field)->t_s;
     for (int i = 0; i < SIM_PARAMETERS; ++i) {
         auvid_real_t sigma = estimate->confidence.sigma[i];

@@ -390,7 +390,7 @@ static void print_heading(const job_t *job, const auvid_identifier_t *id)
     printf("  metric   %s, %u set%s of at most %.0f s\n",
            job->options->literal ? "literal smoothing of the paper: smoothed states, raw wrench"
                                  : "states and wrench smoothed with the same filter",
-           (unsigned)id->metric.sets_recorded, id->metric.sets_recorded == 1 ? "" : "s", set_s);
+           (unsigned)id->metric.sets.recorded, id->metric.sets.recorded == 1 ? "" : "s", set_s);
     printf("  model    %s\n", id->metric.cfg.vehicle->name);
     if (job->error[0] >= 0.0 && job->error[1] >= 0.0) {
         printf("           chosen by cross-validation: rms residual %.4f coupled, %.4f decoupled,\n"
@@ -408,7 +408,7 @@ static void gather(const job_t *job, const auvid_identifier_t *id, result_t *res
         bool excited = (id->estimate.excited >> j & 1u) != 0;
         result->why[j] = job->why[j];
         if (!excited && job->why[j] == NULL) {
-            result->why[j] = id->metric.sets_recorded > 0 ? "input hardly varies"
+            result->why[j] = id->metric.sets.recorded > 0 ? "input hardly varies"
                              : job->gaps > 0              ? "no 6 s without a gap in the log"
                                                           : "the log is too short";
         }

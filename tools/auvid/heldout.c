@@ -37,8 +37,8 @@ static double left_out(const auvid_metric_t *whole, uint8_t age, uint8_t sets, u
     }
     (void)auvid_metric_least_squares(&train, auvid_metric_searched(&train), pi);
     test.cfg.estimate_delay = false;
-    memcpy(test.cfg.delay_s, train.delay_s, sizeof test.cfg.delay_s);
-    test.cfg.first_order_lag = train.first_order_lag;
+    memcpy(test.cfg.delay_s, train.result.delay_s, sizeof test.cfg.delay_s);
+    test.cfg.first_order_lag = train.result.first_order_lag;
     uint32_t budget = UINT32_MAX;
     if (!merge(&test)) {
         return 0.0;
@@ -49,10 +49,10 @@ static double left_out(const auvid_metric_t *whole, uint8_t age, uint8_t sets, u
     }
     double sum = 0.0;
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
-        if (test.excited & train.excited & 1u << j) {
+        if (test.result.excited & train.result.excited & 1u << j) {
             double scale = (double)test.cfg.tau_max[j];
-            sum += (double)test.sse[j] / (scale * scale);
-            *rows += test.dof_rows[j];
+            sum += (double)test.result.sse[j] / (scale * scale);
+            *rows += test.result.dof_rows[j];
         }
     }
     return sum;
@@ -60,7 +60,7 @@ static double left_out(const auvid_metric_t *whole, uint8_t age, uint8_t sets, u
 
 double heldout_cross_validation(const auvid_metric_t *metric)
 {
-    uint32_t rows = 0, recorded = metric->sets_recorded;
+    uint32_t rows = 0, recorded = metric->sets.recorded;
     uint8_t sets = recorded < metric->cfg.sets ? (uint8_t)recorded : metric->cfg.sets;
     double sum = 0.0;
     for (uint8_t age = 0; age < sets && sets > 1; ++age) {

@@ -185,7 +185,7 @@ static void run_to_end(scenario_run_t *run, uint32_t sets)
 {
     double end_s = (double)sets * WORLD_SET_S + PATIENCE_S;
     bool busy = true;
-    while ((busy || run->world.node[0].id.metric.sets_recorded < sets) &&
+    while ((busy || run->world.node[0].id.metric.sets.recorded < sets) &&
            world_time_s(&run->world) < end_s) {
         busy = advance(run);
     }

@@ -146,8 +146,8 @@ void literal_gap(literal_t *l)
     uint32_t before = PAST + 2 * l->half, counted = PAST + TAPS - 1u,
              row = l->metric->cfg.row_cells;
     uint32_t mine = l->cells < before ? l->cells : before;
-    uint32_t its = l->metric->cells < counted ? l->metric->cells : counted;
-    l->metric->lost = (uint16_t)(l->metric->lost + mine / row - its / row);
+    uint32_t its = l->metric->rows.cells < counted ? l->metric->rows.cells : counted;
+    l->metric->rows.set.lost = (uint16_t)(l->metric->rows.set.lost + mine / row - its / row);
     l->cells = 0;
     auvid_metric_gap(l->metric);
 }
@@ -155,7 +155,7 @@ void literal_gap(literal_t *l)
 /* Ends a merge after its first pass. */
 static void end_merge(auvid_metric_t *m)
 {
-    if (m->pass == PASS_RESIDUAL && m->cfg.vehicle->regressor == smoothed_rows) {
+    if (m->evaluator.at.pass == PASS_RESIDUAL && m->cfg.vehicle->regressor == smoothed_rows) {
         auvid_metric_restart_pass(m, PASS_PRIOR);
     }
 }

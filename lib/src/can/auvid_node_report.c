@@ -136,7 +136,7 @@ static void node_report_progress(auvid_node_t *node, auvid_can_frame_t *frame, i
         m.as.progress.percent = (uint32_t)(AUVID_C(100.0) * part);
     }
     m.as.progress.work = id->phase;
-    m.as.progress.sets = id->metric.sets_recorded % 256u;
+    m.as.progress.sets = id->metric.sets.recorded % 256u;
     m.as.progress.searches = id->searches % 256u;
     m.as.progress.excited = id->estimate.excited;
     m.as.progress.changed = id->change_test.changed;

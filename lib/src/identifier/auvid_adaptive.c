@@ -189,7 +189,7 @@ static auvid_real_t adaptive_available_rows(const auvid_identifier_t *id, int j)
         id->actuation->excitation.start_us + id->actuation->excitation.run_us - id->t_us;
     auvid_real_t row_s = AUVID_C(1e-6) * (auvid_real_t)(m->cell_us * m->row_cells);
     auvid_real_t rows =
-        (auvid_real_t)id->metric.dof_rows[j] + AUVID_C(1e-6) * (auvid_real_t)left_us / row_s;
+        (auvid_real_t)id->metric.result.dof_rows[j] + AUVID_C(1e-6) * (auvid_real_t)left_us / row_s;
     return auvid_min(rows, (auvid_real_t)(m->sets * m->set_rows));
 }
 
@@ -204,7 +204,7 @@ static void adaptive_assess_parameter(auvid_identifier_t *id, int i, auvid_real_
                  e->confidence.note[i] == AUVID_NOTE_SMALL ||
                  e->confidence.note[i] == AUVID_NOTE_THRUST_SCALE || /* excitation does not help */
                  e->confidence.note[i] == AUVID_NOTE_FIXED;
-    auvid_real_t rows = (auvid_real_t)id->metric.dof_rows[j];
+    auvid_real_t rows = (auvid_real_t)id->metric.result.dof_rows[j];
     a->missing &= ~(1u << i);
     a->abandoned &= ~((uint32_t)known << i);
     if (known || (a->abandoned >> i & 1u)) {
@@ -268,11 +268,11 @@ static void adaptive_evaluate(auvid_identifier_t *id)
     auvid_real_t need[AUVID_DOF_COUNT] = {AUVID_C(0.0)};
     const auvid_metric_t *m = &id->metric;
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
-        bool more = (a->playing >> j & 1) && m->sets_recorded != a->sets && a->tried[j] < UINT8_MAX;
+        bool more = (a->playing >> j & 1) && m->sets.recorded != a->sets && a->tried[j] < UINT8_MAX;
         a->tried[j] = (uint8_t)(a->tried[j] + more);
     }
     a->estimate = id->estimate.number;
-    a->sets = m->sets_recorded;
+    a->sets = m->sets.recorded;
     a->close_rows = 0;
     for (int i = 0; i < identifier_vehicle(id)->parameters; ++i) {
         if (m->cfg.free == 0 || (m->cfg.free >> i & 1u)) {
@@ -315,7 +315,7 @@ static void adaptive_apply(auvid_identifier_t *id, auvid_real_t *wrench)
     } else if (a->estimate != id->estimate.number) {
         adaptive_evaluate(id);
     }
-    if (a->close_rows > 0 && id->metric.rows >= a->close_rows) {
+    if (a->close_rows > 0 && id->metric.rows.set.rows >= a->close_rows) {
         a->close_rows = 0;
         identifier_take_set(id, auvid_metric_close(&id->metric));
     }

@@ -85,7 +85,7 @@ static uint32_t checkpoint_model_checksum(const auvid_identifier_t *id)
 {
     uint32_t c = auvid_checksum_of_model(&id->metric.cfg);
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
-        c = auvid_checksum_word(c, id->metric.columns[j]);
+        c = auvid_checksum_word(c, id->metric.layout.columns[j]);
     }
     return auvid_checksum_word(c, auvid_metric_stores_rows(&id->metric));
 }

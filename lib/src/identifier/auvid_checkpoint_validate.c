@@ -184,26 +184,27 @@ static bool checkpoint_check_recorder(const view_t *v)
 /* Rows of the set of that age. */
 static uint32_t checkpoint_set_rows(const view_t *v, uint32_t age)
 {
-    uint32_t slot = auvid_metric_ring_index(WORD(metric.sets_stored), WORD(metric.cfg.sets),
-                                            WORD(metric.from) + age);
-    return checkpoint_word(v, MEMBER(metric.set[0].rows) + slot * sizeof(auvid_set_t));
+    uint32_t slot = auvid_metric_ring_index(WORD(metric.sets.stored), WORD(metric.cfg.sets),
+                                            WORD(metric.sets.from) + age);
+    return checkpoint_word(v, MEMBER(metric.sets.set[0].rows) + slot * sizeof(auvid_set_t));
 }
 
 /* Which sets are used: all, unless the ring is held, from the validation of the first set to the
  * estimate. Then the waiting newer sets are not used, nor those to be validated later. */
 static bool checkpoint_check_ring(const view_t *v)
 {
-    uint32_t sets = WORD(metric.cfg.sets), from = WORD(metric.from), untested = WORD(untested);
-    uint32_t waiting = WORD(metric.waiting), least = WORD(metric.least), phase = WORD(phase);
-    bool held = WORD(metric.held) != 0, stored = auvid_metric_stores_rows(&v->id->metric);
-    bool full = WORD(metric.full) != 0, changed = WORD(metric.ring_changed) != 0;
+    uint32_t sets = WORD(metric.cfg.sets), from = WORD(metric.sets.from), untested = WORD(untested);
+    uint32_t waiting = WORD(metric.sets.waiting), least = WORD(metric.sets.least),
+             phase = WORD(phase);
+    bool held = WORD(metric.sets.held) != 0, stored = auvid_metric_stores_rows(&v->id->metric);
+    bool full = WORD(metric.sets.full) != 0, changed = WORD(metric.sets.changed) != 0;
     bool tests = phase >= AUVID_WORK_PREPARE && phase <= AUVID_WORK_CHANGE_TEST;
     uint32_t later = waiting + (untested > 0 ? untested - 1u : 0u);
     return from <= sets && waiting <= sets && untested <= sets && least <= sets &&
-           WORD(metric.sets_merged) <= sets && tests == (untested > 0) &&
+           WORD(metric.evaluator.sets_merged) <= sets && tests == (untested > 0) &&
            held == (phase != AUVID_WORK_IDLE) && from == (held ? later : 0u) &&
            (held || (least == 0 && !full && !changed)) && !(full && !stored) &&
-           !(changed && stored) && WORD(metric.rows) < WORD(metric.cfg.set_rows) + full;
+           !(changed && stored) && WORD(metric.rows.set.rows) < WORD(metric.cfg.set_rows) + full;
 }
 
 /* One set, or the one being recorded: each DoF has all of its rows or some. */
@@ -225,15 +226,16 @@ static bool checkpoint_check_rows(const view_t *v, size_t rows, size_t rows_of, 
 static bool checkpoint_check_sets(const view_t *v)
 {
     const auvid_metric_t *m = &v->id->metric;
-    uint32_t rows = WORD(metric.cfg.set_rows), recorded = WORD(metric.sets_recorded), modelled = 0;
+    uint32_t rows = WORD(metric.cfg.set_rows), recorded = WORD(metric.sets.recorded), modelled = 0;
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
         modelled |= (uint32_t)(auvid_metric_order(m, j) > 0) << j;
     }
-    bool good = (WORD(metric.excited) & ~modelled) == 0 &&
-                checkpoint_check_rows(v, MEMBER(metric.rows), MEMBER(metric.rows_of[0]),
-                                      MEMBER(metric.rows_of[0]), 0);
+    bool good =
+        (WORD(metric.result.excited) & ~modelled) == 0 &&
+        checkpoint_check_rows(v, MEMBER(metric.rows.set.rows), MEMBER(metric.rows.set.rows_of[0]),
+                              MEMBER(metric.rows.set.rows_of[0]), 0);
     for (size_t k = 0; k < AUVID_MAX_SETS; ++k) {
-        size_t at = MEMBER(metric.set[0]) + k * sizeof(auvid_set_t);
+        size_t at = MEMBER(metric.sets.set[0]) + k * sizeof(auvid_set_t);
         uint32_t excited = checkpoint_word(v, at + offsetof(auvid_set_t, excited));
         uint32_t filled = checkpoint_word(v, at + offsetof(auvid_set_t, rows));
         good = good && filled <= rows && (excited != 0) == (filled != 0) &&
@@ -244,10 +246,10 @@ static bool checkpoint_check_sets(const view_t *v)
     }
     bool any = WORD(phase) < AUVID_WORK_MERGE;
     for (size_t j = 0; j < AUVID_DOF_COUNT; ++j) {
-        bool excited = (WORD(metric.excited) >> j & 1u) != 0;
-        good = good && (!excited ||
-                        checkpoint_word(v, MEMBER(metric.dof_rows[0]) + j * sizeof(uint16_t)) > 0);
-        any = any || (excited && m->count[j] > 0);
+        bool excited = (WORD(metric.result.excited) >> j & 1u) != 0;
+        good = good && (!excited || checkpoint_word(v, MEMBER(metric.result.dof_rows[0]) +
+                                                           j * sizeof(uint16_t)) > 0);
+        any = any || (excited && m->layout.count[j] > 0);
     }
     return good && any;
 }
@@ -256,9 +258,10 @@ static bool checkpoint_check_sets(const view_t *v)
 static bool checkpoint_check_pass(const view_t *v)
 {
     const auvid_metric_t *m = &v->id->metric;
-    uint32_t phase = WORD(phase), pass = WORD(metric.pass), sets = WORD(metric.cfg.sets);
-    uint32_t at_set = WORD(metric.at_set), at_dof = WORD(metric.at_dof);
-    uint32_t at_row = WORD(metric.at_row), to_set = WORD(metric.to_set);
+    uint32_t phase = WORD(phase), pass = WORD(metric.evaluator.at.pass),
+             sets = WORD(metric.cfg.sets);
+    uint32_t at_set = WORD(metric.evaluator.at.set), at_dof = WORD(metric.evaluator.at.dof);
+    uint32_t at_row = WORD(metric.evaluator.at.row), to_set = WORD(metric.evaluator.at.to_set);
     bool linear = !auvid_metric_stores_rows(m), merges = pass <= PASS_PRIOR;
     bool walks = pass <= PASS_LAST || pass == PASS_MEASURE; /* by DoF */
     bool in_dof = at_dof < AUVID_DOF_COUNT || !walks || at_set >= to_set;
@@ -269,7 +272,7 @@ static bool checkpoint_check_pass(const view_t *v)
         break;
     case AUVID_WORK_COST:
         right = pass == PASS_COST && at_dof <= AUVID_DOF_COUNT &&
-                (!linear || at_dof == AUVID_DOF_COUNT || at_row <= m->count[at_dof]);
+                (!linear || at_dof == AUVID_DOF_COUNT || at_row <= m->layout.count[at_dof]);
         break;
     case AUVID_WORK_PREDICT:
     case AUVID_WORK_COMPARE:
@@ -286,12 +289,13 @@ static bool checkpoint_check_pass(const view_t *v)
     default:
         break;
     }
-    if (pass == PASS_LINEAR && WORD(metric.at_part) > 0) { /* the whole window is present */
-        uint32_t count = sets - WORD(metric.from), length = WORD(metric.window_length);
+    if (pass == PASS_LINEAR &&
+        WORD(metric.evaluator.at.part) > 0) { /* the whole window is present */
+        uint32_t count = sets - WORD(metric.sets.from), length = WORD(metric.layout.window_length);
         uint32_t before = at_set + 1u < count ? checkpoint_set_rows(v, at_set + 1u) : 0u;
         uint32_t parts = (2u * m->cfg.vehicle->parameters + 3u) * length;
         right = right && at_set < count && at_row < checkpoint_set_rows(v, at_set) &&
-                length <= at_row + 1u + before && WORD(metric.at_part) < parts;
+                length <= at_row + 1u + before && WORD(metric.evaluator.at.part) < parts;
     }
     return right && to_set <= sets && at_set <= sets + (phase == AUVID_WORK_CHANGE_TEST ? 2u : 0u);
 }
@@ -396,7 +400,7 @@ static bool checkpoint_check_optimum(const view_t *v)
     uint32_t n = WORD(optimum.n), dof = WORD(optimum.dof);
     bool good = n == checkpoint_count_bits(WORD(active)) && WORD(optimum.fixed_from) <= n &&
                 WORD(optimum.at) <= n + 1u && WORD(optimum.changes) < 4u * (n + 1u) &&
-                (dof == AUVID_DOF_COUNT || WORD(optimum.row) <= v->id->metric.count[dof]);
+                (dof == AUVID_DOF_COUNT || WORD(optimum.row) <= v->id->metric.layout.count[dof]);
     for (size_t k = 0; good && k < n; ++k) {
         good = checkpoint_word(v, MEMBER(optimum.order[0]) + k) < n;
     }
@@ -418,12 +422,12 @@ static bool checkpoint_check_job(const view_t *v)
             good && (unused || to < n || to == NOWHERE) &&
             checkpoint_word(v, MEMBER(confidence.parameter_of[0]) + i) < m->cfg.vehicle->parameters;
     }
-    if (!good || j >= AUVID_DOF_COUNT || m->count[j] == 0 ||
-        (WORD(metric.excited) >> j & 1u) == 0) {
+    if (!good || j >= AUVID_DOF_COUNT || m->layout.count[j] == 0 ||
+        (WORD(metric.result.excited) >> j & 1u) == 0) {
         return false;
     }
     uint32_t steps = phase == OPTIMUM || phase == BIAS ? 1u
-                     : phase == ROTATE                 ? m->count[j]
+                     : phase == ROTATE                 ? m->layout.count[j]
                      : phase == SCATTER ? 2u * (uint32_t)auvid_metric_order(m, (int)j) + 1u
                                         : n;
     return phase < DONE && WORD(confidence.at_row) < steps;

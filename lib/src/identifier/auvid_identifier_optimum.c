@@ -43,8 +43,8 @@ auvid_status_t auvid_identifier_optimum(auvid_identifier_t *id, uint32_t *budget
         }
         ls->spent = 0;
         if (ls->dof == AUVID_DOF_COUNT) {
-            status = auvid_bounded_ls_step(ls, m->constant);
-        } else if (ls->row == m->count[ls->dof] || !(m->excited >> ls->dof & 1)) {
+            status = auvid_bounded_ls_step(ls, m->result.constant);
+        } else if (ls->row == m->layout.count[ls->dof] || !(m->result.excited >> ls->dof & 1)) {
             ++ls->dof;
             ls->row = 0;
         } else {
@@ -54,7 +54,7 @@ auvid_status_t auvid_identifier_optimum(auvid_identifier_t *id, uint32_t *budget
     }
     if (status != AUVID_PENDING) {
         auvid_real_t allowed =
-            EXCESS_OF_MINIMUM * (ls->cost + m->constant) + EXCESS_OF_ZERO * ls->zero;
+            EXCESS_OF_MINIMUM * (ls->cost + m->result.constant) + EXCESS_OF_ZERO * ls->zero;
         id->not_converged |= !(ls->start - ls->cost <= allowed);
     }
     return status == AUVID_PENDING ? AUVID_PENDING : AUVID_OK;

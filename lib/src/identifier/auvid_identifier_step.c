@@ -25,7 +25,7 @@ static void identifier_pass_cell(auvid_identifier_t *id, const auvid_sample_t *c
 static void identifier_take_cells(auvid_identifier_t *id, int max_cells)
 {
     auvid_sample_t cell;
-    uint32_t dropped = id->metric.rows_dropped;
+    uint32_t dropped = id->metric.sets.rows_dropped;
     for (int i = 0; i < max_cells; ++i) {
         auvid_status_t status = auvid_recorder_pop(&id->recorder, &cell);
         if (status == AUVID_GAP) {
@@ -37,7 +37,7 @@ static void identifier_take_cells(auvid_identifier_t *id, int max_cells)
         } else {
             identifier_pass_cell(id, &cell);
             identifier_take_set(id, auvid_metric_add(&id->metric, &cell));
-            bool drops = id->metric.rows_dropped != dropped;
+            bool drops = id->metric.sets.rows_dropped != dropped;
             id->events |= drops ? AUVID_EVENT_ROWS_DROPPED : 0u;
         }
     }
@@ -133,7 +133,7 @@ static void identifier_record_state(auvid_identifier_t *id, const auvid_input_t 
 static bool identifier_drops_rows(const auvid_identifier_t *id, uint64_t t_us)
 {
     const auvid_metric_t *m = &id->metric;
-    return m->held && (m->full || t_us > m->until_us);
+    return m->sets.held && (m->sets.full || t_us > m->sets.until_us);
 }
 
 /* Record a wrench that is known from t_us on. */

@@ -51,12 +51,12 @@ void auvid_identifier_begin_sets(auvid_identifier_t *id)
     if (identifier_listener(id) != NULL) {
         id->listener->set(id->listener_context, m);
     }
-    id->sets = m->sets_recorded;
-    id->untested = id->estimate.number == 0 ? 0u : m->waiting;
+    id->sets = m->sets.recorded;
+    id->untested = id->estimate.number == 0 ? 0u : m->sets.waiting;
     bool limited = identifier_listener(id) != NULL;
     auvid_metric_hold(m, limited ? id->applied.t_us + identifier_set_duration_us(&m->cfg)
                                  : UINT64_MAX);
-    m->from = (uint8_t)(id->untested > 0 ? id->untested - 1u : 0u);
+    m->sets.from = (uint8_t)(id->untested > 0 ? id->untested - 1u : 0u);
     auvid_identifier_begin_change_test(id);
 }
 
@@ -87,9 +87,9 @@ void auvid_identifier_begin_change_test(auvid_identifier_t *id)
     const auvid_estimate_t *e = &id->estimate;
     while (id->untested > 0 && auvid_metric_sets(m) == 0) { /* overwritten before its validation */
         --id->untested;
-        m->from = (uint8_t)(id->untested > 0 ? m->from - 1u : m->from);
+        m->sets.from = (uint8_t)(id->untested > 0 ? m->sets.from - 1u : m->sets.from);
     }
-    m->least = id->untested > 0 && m->cfg.sets >= ENOUGH ? ENOUGH : 0;
+    m->sets.least = id->untested > 0 && m->cfg.sets >= ENOUGH ? ENOUGH : 0;
     if (id->untested == 0) {
         auvid_identifier_begin_merge(id);
         return;
@@ -104,7 +104,8 @@ void auvid_identifier_begin_change_test(auvid_identifier_t *id)
 /* A set is validated: continue with the next newer one. */
 static void identifier_next_set(auvid_identifier_t *id)
 {
-    id->metric.from = (uint8_t)(--id->untested > 0 ? id->metric.from - 1u : id->metric.from);
+    id->metric.sets.from =
+        (uint8_t)(--id->untested > 0 ? id->metric.sets.from - 1u : id->metric.sets.from);
     auvid_identifier_begin_change_test(id);
 }
 
@@ -122,7 +123,7 @@ static auvid_real_t identifier_predicted_cost(const auvid_identifier_t *id)
     uint8_t both = id->estimate.excited & id->accepted_estimate.excited;
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
         auvid_real_t scale = id->metric.cfg.tau_max[j];
-        cost += (both >> j & 1) ? id->metric.predicted[j] / (scale * scale) : AUVID_C(0.0);
+        cost += (both >> j & 1) ? id->metric.result.predicted[j] / (scale * scale) : AUVID_C(0.0);
     }
     return cost;
 }
@@ -140,7 +141,7 @@ static void identifier_record_prediction(auvid_identifier_t *id)
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
         auvid_real_t residual = id->estimate.confidence.residual_rms[j];
         auvid_real_t rows = (auvid_real_t)set->rows_of[j];
-        auvid_real_t ratio = m->predicted[j] / (rows * residual * residual);
+        auvid_real_t ratio = m->result.predicted[j] / (rows * residual * residual);
         test->variance_ratio[j] = auvid_is_finite(ratio) ? ratio : AUVID_C(0.0);
         test->change[j] = AUVID_C(0.0);
     }
@@ -178,8 +179,8 @@ static auvid_real_t identifier_weigh_evidence(const auvid_identifier_t *id, int 
     auvid_real_t max_evidence = AUVID_C(0.0), sum = AUVID_C(0.0);
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
         auvid_real_t noise = id->estimate.confidence.effective_noise[j];
-        auvid_real_t f =
-            m->change[newest - 1][j] / ((auvid_real_t)m->change_rank[j] * noise * noise);
+        auvid_real_t f = m->result.change[newest - 1][j] /
+                         ((auvid_real_t)m->result.change_rank[j] * noise * noise);
         bool known = enough && auvid_metric_excited_sets(m, j, newest) + newest >= ENOUGH &&
                      (id->change_test.excited >> j & 1) && auvid_is_finite(f);
         auvid_real_t excess = known ? f - AUVID_C(1.0) : AUVID_C(0.0);

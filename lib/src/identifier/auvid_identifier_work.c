@@ -137,7 +137,7 @@ static void identifier_collect_speeds(const auvid_metric_t *m, auvid_estimate_t 
     for (int k = 0; k < 2 * AUVID_DOF_COUNT; ++k) {
         uint16_t max_speed = 0;
         for (int age = 0; age < auvid_metric_sets(m); ++age) {
-            const auvid_set_t *set = &m->set[auvid_metric_slot(m, age)];
+            const auvid_set_t *set = &m->sets.set[auvid_metric_slot(m, age)];
             uint16_t speed = (set->excited >> k / 2 & 1) != 0 ? set->fastest[k / 2][k % 2] : 0;
             max_speed = speed > max_speed ? speed : max_speed;
         }
@@ -152,14 +152,14 @@ static void identifier_publish_estimate(auvid_identifier_t *id)
     e->t_us = id->t_us;
     e->sets = id->sets;
     e->identified = auvid_metric_active(&id->metric);
-    e->excited = id->metric.excited;
+    e->excited = id->metric.result.excited;
     memcpy(e->pi, id->candidate, sizeof e->pi);
     e->cost = id->cost;
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
         bool common = auvid_metric_stores_rows(&id->metric) && (e->excited >> j & 1);
-        e->delay_s[j] = common ? id->delay_s : id->metric.delay_s[j];
+        e->delay_s[j] = common ? id->delay_s : id->metric.result.delay_s[j];
     }
-    e->first_order_lag = id->metric.first_order_lag;
+    e->first_order_lag = id->metric.result.first_order_lag;
     auvid_metric_r2(&id->metric, e->r2_force);
     identifier_collect_speeds(&id->metric, e);
     e->not_converged = id->not_converged;
@@ -232,7 +232,7 @@ static auvid_status_t identifier_finish_merge(auvid_identifier_t *id, uint32_t *
 /* A set has replaced the oldest: restart the phase that reads the ring. */
 static void identifier_restart_phase(auvid_identifier_t *id)
 {
-    id->metric.ring_changed = false;
+    id->metric.sets.changed = false;
     switch ((auvid_work_phase_t)id->phase) {
     case AUVID_WORK_PREPARE:
     case AUVID_WORK_PREDICT:
@@ -274,7 +274,7 @@ static auvid_status_t identifier_advance(auvid_identifier_t *id, uint32_t *budge
     case AUVID_WORK_COST:
         status = auvid_metric_cost(&id->metric, budget);
         if (status == AUVID_OK) {
-            (void)auvid_optimizer_tell(&id->optimizer, id->metric.cost);
+            (void)auvid_optimizer_tell(&id->optimizer, id->metric.result.cost);
             id->phase = AUVID_WORK_ASK;
         }
         break;
@@ -308,7 +308,7 @@ auvid_status_t auvid_identifier_work(auvid_identifier_t *id, uint32_t budget)
     }
     uint32_t left = budget;
     auvid_status_t status = AUVID_OK;
-    if (budget > 0 && id->metric.ring_changed) {
+    if (budget > 0 && id->metric.sets.changed) {
         identifier_restart_phase(id);
     }
     if (budget > 0 && id->set_pending && id->phase == AUVID_WORK_IDLE) {

@@ -160,7 +160,7 @@ static void prior_publish(auvid_identifier_t *id, const auvid_prior_t *prior, bo
 /* Is this before the first set? */
 static bool prior_is_allowed(const auvid_identifier_t *id)
 {
-    return identifier_is_ready(id) && id->metric.sets_recorded == 0 && id->estimate.number == 0;
+    return identifier_is_ready(id) && id->metric.sets.recorded == 0 && id->estimate.number == 0;
 }
 
 /* scale_errors: sigma does not include the errors of thrust and DVL scale yet. */

@@ -52,7 +52,7 @@ typedef auvid_confidence_job_t job_t;
 
 static bool confidence_is_excited(const job_t *c, int j)
 {
-    return (c->metric->excited >> j & 1) != 0 && c->metric->count[j] > 0;
+    return (c->metric->result.excited >> j & 1) != 0 && c->metric->layout.count[j] > 0;
 }
 
 /* Compute the weights of the wrench at DoF j's delay, or their derivatives. */
@@ -60,8 +60,8 @@ static void confidence_delay_weights(const job_t *c, int j, bool slopes,
                                      auvid_real_t l[AUVID_METRIC_DELAYS])
 {
     const auvid_metric_t *m = c->metric;
-    auvid_real_t s = m->delay_s[j] / auvid_metric_node_s(m);
-    bool lag = (m->first_order_lag >> j & 1) != 0;
+    auvid_real_t s = m->result.delay_s[j] / auvid_metric_node_s(m);
+    bool lag = (m->result.first_order_lag >> j & 1) != 0;
     (slopes ? auvid_metric_delay_slopes : auvid_metric_delay_weights)(s, lag, l);
 }
 
@@ -70,14 +70,15 @@ static void confidence_delay_weights(const job_t *c, int j, bool slopes,
 static void confidence_find_single_dof_optimum(job_t *c, int j)
 {
     const auvid_metric_t *m = c->metric;
-    int n = auvid_metric_order(m, j), count = m->count[j], at = m->channel_at[j];
+    int n = auvid_metric_order(m, j), count = m->layout.count[j], at = m->layout.channel_at[j];
     auvid_real_t l[AUVID_METRIC_DELAYS], excess = AUVID_C(0.0);
-    auvid_real_t s = m->delay_s[j] / auvid_metric_node_s(m);
+    auvid_real_t s = m->result.delay_s[j] / auvid_metric_node_s(m);
     bool stored = auvid_metric_stores_rows(m);
     uint32_t lost = 0, all = 0;
-    c->rows[j] = (auvid_real_t)m->dof_rows[j]; /* of the merged sets; some may have left the ring */
+    c->rows[j] =
+        (auvid_real_t)m->result.dof_rows[j]; /* of the merged sets; some may have left the ring */
     for (int age = 0; age < auvid_metric_sets(m); ++age) {
-        const auvid_set_t *set = &m->set[auvid_metric_slot(m, age)];
+        const auvid_set_t *set = &m->sets.set[auvid_metric_slot(m, age)];
         uint32_t rows = (set->excited >> j & 1) == 0 ? 0u : set->rows_of[j];
         if (rows > 0) {
             c->rows[j] -= stored ? (auvid_real_t)(rows - set->windows[j]) : AUVID_C(0.0);
@@ -88,12 +89,12 @@ static void confidence_find_single_dof_optimum(job_t *c, int j)
     c->result.lost[j] = (uint8_t)(all > 0 ? 100u * lost / all : 0u);
     for (int i = 0; i < count; ++i) {
         const auvid_real_t *r = confidence_merged(c, j) + auvid_qr_row(n, i);
-        auvid_real_t e = -m->z[at + i];
+        auvid_real_t e = -m->evaluator.z[at + i];
         for (int k = i; k < count; ++k) {
-            e += r[k - i] * c->pi[m->index[at + k]];
+            e += r[k - i] * c->pi[m->layout.index[at + k]];
         }
         excess += e * e;
-        c->single_dof_optimum[at + i] = m->z[at + i];
+        c->single_dof_optimum[at + i] = m->evaluator.z[at + i];
     }
     (void)auvid_qr_solve(confidence_merged(c, j), n, count, AUVID_C(1e-4),
                          c->single_dof_optimum + at);
@@ -102,7 +103,7 @@ static void confidence_find_single_dof_optimum(job_t *c, int j)
         c->single_dof_optimum[at + count + d] = -l[d];
     }
     auvid_real_t squares =
-        excess + auvid_metric_unexplained(m, j, s, (m->first_order_lag >> j & 1) != 0);
+        excess + auvid_metric_unexplained(m, j, s, (m->result.first_order_lag >> j & 1) != 0);
     c->result.residual_rms[j] =
         c->rows[j] > AUVID_C(0.0) ? auvid_sqrt(squares / c->rows[j]) : AUVID_C(0.0);
 }
@@ -122,7 +123,7 @@ static bool confidence_delay_is_estimated(const job_t *c, int j)
 {
     const auvid_metric_t *m = c->metric;
     return confidence_is_excited(c, j) && m->cfg.estimate_delay &&
-           auvid_abs(m->delay_s[j]) > AUVID_C(0.0);
+           auvid_abs(m->result.delay_s[j]) > AUVID_C(0.0);
 }
 
 /* Number of columns of DoF j's delay in `part`. */
@@ -153,7 +154,7 @@ static void confidence_add_delay_priors(job_t *c, int j, int order)
 static void confidence_border_factor(job_t *c, int j)
 {
     const auvid_metric_t *m = c->metric;
-    int n = auvid_metric_order(m, j), count = m->count[j], at = m->channel_at[j];
+    int n = auvid_metric_order(m, j), count = m->layout.count[j], at = m->layout.channel_at[j];
     int first = confidence_delay_columns(c, j), order = first == 1 ? count + 1 : count + 3;
     auvid_real_t slope[AUVID_METRIC_DELAYS], l[AUVID_METRIC_DELAYS];
     static const auvid_real_t bend[AUVID_METRIC_DELAYS] = {AUVID_C(1.0), AUVID_C(-2.0),
@@ -167,7 +168,7 @@ static void confidence_border_factor(job_t *c, int j)
         auvid_real_t residual = AUVID_C(0.0), second = AUVID_C(0.0);
         for (int k = i; k < count && k < AUVID_MAX_PARAMETERS; ++k) {
             row[k + first] = r[k - i];
-            residual -= r[k - i] * c->pi[m->index[at + k]];
+            residual -= r[k - i] * c->pi[m->layout.index[at + k]];
         }
         for (int d = i < count ? 0 : i - count; d < AUVID_METRIC_DELAYS; ++d) {
             row[0] -= r[count + d - i] * slope[d];
@@ -190,8 +191,8 @@ static void confidence_rotate_row(job_t *c, int j, int i)
 {
     const auvid_metric_t *m = c->metric;
     auvid_real_t row[AUVID_MAX_PARAMETERS] = {AUVID_C(0.0)}, residual = AUVID_C(0.0);
-    auvid_real_t scale = auvid_sqrt(m->weight[j]);
-    int count = m->count[j], first = confidence_delay_columns(c, j);
+    auvid_real_t scale = auvid_sqrt(m->evaluator.weight[j]);
+    int count = m->layout.count[j], first = confidence_delay_columns(c, j);
     const auvid_real_t *r = confidence_merged(c, j) + auvid_qr_row(auvid_metric_order(m, j), i);
     if (c->delayed &&
         (confidence_delay_is_uncertain(c, j) || confidence_delay_is_estimated(c, j))) {
@@ -202,7 +203,7 @@ static void confidence_rotate_row(job_t *c, int j, int i)
         residual = first == 1 ? AUVID_C(0.0) : scale * r[count - i];
     }
     for (int k = i; k < count; ++k) {
-        int column = c->column_of[m->index[m->channel_at[j] + k]];
+        int column = c->column_of[m->layout.index[m->layout.channel_at[j] + k]];
         if (column != NOWHERE) {
             row[column] += scale * r[k - i];
             c->influence[column] += scale * r[k - i] * residual;
@@ -274,7 +275,7 @@ static void confidence_step(job_t *c)
 {
     int j = c->at_dof, i = c->at_row,
         n = j < AUVID_DOF_COUNT ? auvid_metric_order(c->metric, j) : 1;
-    const auvid_set_t *set = &c->metric->set[auvid_metric_slot(c->metric, c->at_set)];
+    const auvid_set_t *set = &c->metric->sets.set[auvid_metric_slot(c->metric, c->at_set)];
     switch (c->phase) {
     case OPTIMUM:
         confidence_find_single_dof_optimum(c, j);
@@ -320,7 +321,7 @@ static int confidence_steps(const job_t *c)
     case BIAS:
         return 1;
     case ROTATE:
-        return c->metric->count[c->at_dof];
+        return c->metric->layout.count[c->at_dof];
     case SCATTER:
         return AUVID_METRIC_BANDS * auvid_metric_order(c->metric, c->at_dof) + 1;
     default:
@@ -398,7 +399,7 @@ void auvid_confidence_begin(auvid_confidence_job_t *job, const auvid_metric_t *m
         }
     }
     for (int age = 0; age < auvid_metric_sets(metric); ++age) {
-        bool excited = metric->set[auvid_metric_slot(metric, age)].excited != 0;
+        bool excited = metric->sets.set[auvid_metric_slot(metric, age)].excited != 0;
         c->result.sets = (uint8_t)(c->result.sets + excited);
     }
     /* estimated or uncertain delays: a first run of ROTATE to INVERT computes the widening, a

@@ -39,11 +39,13 @@ static auvid_real_t confidence_pooled_product(const job_t *c, const auvid_real_t
     const auvid_metric_t *m = c->metric;
     auvid_real_t sum = AUVID_C(0.0);
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
-        int n = auvid_metric_order(m, j), count = (m->excited >> j & 1) ? m->count[j] : 0;
-        auvid_real_t scale = m->weight[j] * c->result.effective_noise[j];
+        int n = auvid_metric_order(m, j),
+            count = (m->result.excited >> j & 1) ? m->layout.count[j] : 0;
+        auvid_real_t scale = m->evaluator.weight[j] * c->result.effective_noise[j];
         for (int i = 0; i < count; ++i) {
-            const auvid_real_t *r = m->merged + m->factor_at[j] + auvid_qr_row(n, i);
-            const uint8_t *index = m->index + m->channel_at[j];
+            const auvid_real_t *r =
+                m->evaluator.merged + m->layout.factor_at[j] + auvid_qr_row(n, i);
+            const uint8_t *index = m->layout.index + m->layout.channel_at[j];
             auvid_real_t e = AUVID_C(0.0);
             for (int k = i; k < count; ++k) {
                 int column = c->column_of[index[k]];
@@ -101,7 +103,7 @@ auvid_real_t auvid_confidence_dvl_degree(const auvid_vehicle_t *vehicle, int i)
  * low band. */
 static auvid_real_t confidence_column_rms(const job_t *c, int j, int p)
 {
-    auvid_real_t rows = c->rows[j] * c->metric->band_weight[0][j];
+    auvid_real_t rows = c->rows[j] * c->metric->evaluator.band_weight[0][j];
     auvid_real_t norm = auvid_confidence_column(c, j, p);
     return rows > AUVID_C(0.0) ? norm / auvid_sqrt(rows) : AUVID_C(0.0);
 }
@@ -204,7 +206,7 @@ void auvid_confidence_judge(job_t *c, int i)
     if (c->result.sets > 1) {
         auvid_real_t scatter = sets * c->squares[i] - c->sum[i] * c->sum[i];
         /* include the sets that left the ring */
-        scatter *= (auvid_real_t)c->metric->sets_merged / sets;
+        scatter *= (auvid_real_t)c->metric->evaluator.sets_merged / sets;
         variance =
             (POOLED * variance + auvid_max(scatter, AUVID_C(0.0))) / (POOLED + sets - AUVID_C(1.0));
     }

@@ -25,8 +25,8 @@ static auvid_real_t confidence_noise_tap(const auvid_metric_t *m, int is_moment,
         {AUVID_C(0.0), AUVID_C(0.5), AUVID_C(0.0), AUVID_C(-0.5), AUVID_C(0.0)}};
     auvid_real_t tap = AUVID_C(0.0);
     for (int i = 0; i < LENGTH; ++i) {
-        bool inside = k - i >= 0 && k - i < m->taps;
-        tap += inside ? shape[is_moment][i] * m->kernel[is_moment][k - i] : AUVID_C(0.0);
+        bool inside = k - i >= 0 && k - i < m->layout.taps;
+        tap += inside ? shape[is_moment][i] * m->layout.kernel[is_moment][k - i] : AUVID_C(0.0);
     }
     return tap;
 }
@@ -36,7 +36,7 @@ static auvid_real_t confidence_noise_correlation(const auvid_metric_t *m, int j)
 {
     int is_moment = j >= AUVID_ROLL, lag = m->cfg.lag[is_moment] * m->cfg.row_cells;
     auvid_real_t square = AUVID_C(0.0), product = AUVID_C(0.0);
-    for (int k = 0; k < m->taps + 4; ++k) {
+    for (int k = 0; k < m->layout.taps + 4; ++k) {
         auvid_real_t tap = confidence_noise_tap(m, is_moment, k);
         square += tap * tap;
         product += tap * confidence_noise_tap(m, is_moment, k - lag);
@@ -76,9 +76,10 @@ void auvid_confidence_bias(auvid_confidence_job_t *c, int j)
     }
     auvid_real_t rho = confidence_noise_correlation(m, j);
     auvid_real_t noise =
-        m->band_sse[1][j] *
-        (m->band_weight[0][j] * (AUVID_C(1.0) + rho) / (AUVID_C(1.0) - rho) + m->band_weight[1][j]);
-    auvid_real_t scaled = m->weight[j] * noise / mass;
+        m->evaluator.band_sse[1][j] *
+        (m->evaluator.band_weight[0][j] * (AUVID_C(1.0) + rho) / (AUVID_C(1.0) - rho) +
+         m->evaluator.band_weight[1][j]);
+    auvid_real_t scaled = m->evaluator.weight[j] * noise / mass;
     for (int k = 0; k < c->n && auvid_is_finite(scaled); ++k) {
         c->influence[k] += scaled * a[c->parameter_of[k]];
     }
@@ -90,7 +91,7 @@ void auvid_confidence_note_idle(auvid_confidence_job_t *c, int i)
 {
     const auvid_metric_config_t *cfg = &c->metric->cfg;
     bool free = cfg->free == 0 || (cfg->free >> i & 1u) != 0;
-    bool excited = (c->metric->excited >> cfg->vehicle->parameter[i].dof & 1) != 0;
+    bool excited = (c->metric->result.excited >> cfg->vehicle->parameter[i].dof & 1) != 0;
     c->result.sigma[i] = AUVID_LARGEST;
     c->result.note[i] = !free     ? AUVID_NOTE_FIXED
                         : excited ? AUVID_NOTE_UNCERTAIN
@@ -100,9 +101,10 @@ void auvid_confidence_note_idle(auvid_confidence_job_t *c, int i)
 auvid_real_t auvid_confidence_column(const auvid_confidence_job_t *c, int j, int i)
 {
     const auvid_metric_t *m = c->metric;
-    for (int k = 0; k < m->count[j]; ++k) {
-        if (m->index[m->channel_at[j] + k] == i) {
-            return auvid_qr_column_norm(m->merged + m->factor_at[j], auvid_metric_order(m, j), k);
+    for (int k = 0; k < m->layout.count[j]; ++k) {
+        if (m->layout.index[m->layout.channel_at[j] + k] == i) {
+            return auvid_qr_column_norm(m->evaluator.merged + m->layout.factor_at[j],
+                                        auvid_metric_order(m, j), k);
         }
     }
     return AUVID_C(0.0);
@@ -122,7 +124,7 @@ static auvid_real_t confidence_small_value_in_dof(const auvid_confidence_job_t *
     const auvid_metric_t *m = c->metric;
     auvid_real_t wrench = AUVID_C(0.0), rows = AUVID_C(0.0);
     for (int age = 0; age < auvid_metric_sets(m); ++age) {
-        const auvid_set_t *set = &m->set[auvid_metric_slot(m, age)];
+        const auvid_set_t *set = &m->sets.set[auvid_metric_slot(m, age)];
         if (set->excited >> j & 1) {
             wrench += set->tau_m2[j];
             rows += (auvid_real_t)set->rows_of[j];
@@ -138,7 +140,7 @@ static auvid_real_t confidence_small_value(const auvid_confidence_job_t *c, int 
     auvid_real_t smallest = AUVID_LARGEST;
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
         auvid_real_t value = confidence_small_value_in_dof(c, i, j);
-        smallest = (c->metric->excited >> j & 1) && value < smallest ? value : smallest;
+        smallest = (c->metric->result.excited >> j & 1) && value < smallest ? value : smallest;
     }
     return smallest < AUVID_LARGEST ? smallest : AUVID_C(0.0);
 }
@@ -149,10 +151,10 @@ static bool confidence_is_explained(const auvid_metric_t *m, int j)
 {
     auvid_real_t total = AUVID_C(0.0);
     for (int age = 0; age < auvid_metric_sets(m); ++age) {
-        const auvid_set_t *set = &m->set[auvid_metric_slot(m, age)];
+        const auvid_set_t *set = &m->sets.set[auvid_metric_slot(m, age)];
         total += (set->excited >> j & 1) ? set->tau_m2[j] : AUVID_C(0.0);
     }
-    return m->sse[j] <= total;
+    return m->result.sse[j] <= total;
 }
 
 /* Returns how far parameter i is beyond the possible range; 0: it is within. */
@@ -182,10 +184,11 @@ static auvid_real_t confidence_impossible_part(const auvid_confidence_job_t *c, 
 static auvid_real_t confidence_wrench_norm(const auvid_confidence_job_t *c, int j)
 {
     const auvid_metric_t *m = c->metric;
-    auvid_real_t s = m->delay_s[j] / auvid_metric_node_s(m);
-    auvid_real_t square = auvid_metric_unexplained(m, j, s, (m->first_order_lag >> j & 1) != 0);
-    for (int k = 0; k < m->count[j]; ++k) {
-        auvid_real_t z = m->z[m->channel_at[j] + k];
+    auvid_real_t s = m->result.delay_s[j] / auvid_metric_node_s(m);
+    auvid_real_t square =
+        auvid_metric_unexplained(m, j, s, (m->result.first_order_lag >> j & 1) != 0);
+    for (int k = 0; k < m->layout.count[j]; ++k) {
+        auvid_real_t z = m->evaluator.z[m->layout.channel_at[j] + k];
         square += z * z;
     }
     return auvid_sqrt(square);

@@ -16,7 +16,7 @@ enum { OPTIMUM, ROTATE, BOUND, INVERT, SCATTER, BIAS, JUDGE, CONCLUDE, DONE };
 /** Returns DoF j's merged R factor. */
 static inline const auvid_real_t *confidence_merged(const auvid_confidence_job_t *c, int j)
 {
-    return c->metric->merged + c->metric->factor_at[j];
+    return c->metric->evaluator.merged + c->metric->layout.factor_at[j];
 }
 
 /** SCATTER: take row i of one band of a set, DoF j. */

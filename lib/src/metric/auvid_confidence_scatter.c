@@ -15,20 +15,21 @@ typedef auvid_confidence_job_t job_t;
 void auvid_confidence_take_row(job_t *c, const auvid_set_t *set, int j, int band, int i)
 {
     const auvid_metric_t *m = c->metric;
-    int n = auvid_metric_order(m, j), count = m->count[j], at = m->channel_at[j];
+    int n = auvid_metric_order(m, j), count = m->layout.count[j], at = m->layout.channel_at[j];
     auvid_real_t w[AUVID_MAX_PARAMETERS + AUVID_METRIC_DELAYS] = {AUVID_C(0.0)};
     auvid_real_t dof_residual = AUVID_C(0.0), residual = AUVID_C(0.0),
-                 weight = m->band_weight[band][j];
+                 weight = m->evaluator.band_weight[band][j];
     auvid_metric_unpack_row(m, set, band, j, i, w);
     for (int k = i; k < n; ++k) {
         dof_residual += w[k] * c->single_dof_optimum[at + k];
-        residual += w[k] * (k < count ? c->pi[m->index[at + k]] : c->single_dof_optimum[at + k]);
+        residual +=
+            w[k] * (k < count ? c->pi[m->layout.index[at + k]] : c->single_dof_optimum[at + k]);
     }
     for (int k = i; k < count; ++k) {
-        int column = c->column_of[m->index[at + k]];
+        int column = c->column_of[m->layout.index[at + k]];
         c->score[k] += weight * dof_residual * w[k];
         if (column != NOWHERE) {
-            c->influence[column] += m->weight[j] * weight * residual * w[k];
+            c->influence[column] += m->evaluator.weight[j] * weight * residual * w[k];
         }
     }
     auvid_qr_solve_transposed(confidence_merged(c, j), n, count, w);
@@ -45,7 +46,7 @@ void auvid_confidence_take_row(job_t *c, const auvid_set_t *set, int j, int band
 void auvid_confidence_finish_dof(job_t *c, int j)
 {
     const auvid_metric_t *m = c->metric;
-    int count = m->count[j];
+    int count = m->layout.count[j];
     auvid_qr_solve_transposed(confidence_merged(c, j), auvid_metric_order(m, j), count, c->score);
     for (int a = 0; a < count; ++a) {
         const auvid_real_t *row = c->part + auvid_qr_row(count, a);

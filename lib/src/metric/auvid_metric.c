@@ -147,22 +147,22 @@ static void metric_lay_out(auvid_metric_t *m)
     uint32_t free = m->cfg.free == 0 ? UINT32_MAX : m->cfg.free;
     uint32_t factor = 0, channel = 0;
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
-        m->columns[j] = vehicle->columns[j] & free;
-        m->factor_at[j] = (uint16_t)factor;
-        m->channel_at[j] = (uint16_t)channel;
+        m->layout.columns[j] = vehicle->columns[j] & free;
+        m->layout.factor_at[j] = (uint16_t)factor;
+        m->layout.channel_at[j] = (uint16_t)channel;
         if (vehicle->columns[j] == 0) {
             continue;
         }
         for (int i = 0; i < vehicle->parameters; ++i) {
-            if (m->columns[j] >> i & 1u) {
-                m->index[channel + m->count[j]++] = (uint8_t)i;
+            if (m->layout.columns[j] >> i & 1u) {
+                m->layout.index[channel + m->layout.count[j]++] = (uint8_t)i;
             }
         }
-        uint32_t order = m->count[j] + (uint32_t)AUVID_METRIC_DELAYS;
+        uint32_t order = m->layout.count[j] + (uint32_t)AUVID_METRIC_DELAYS;
         channel += order;
         factor += AUVID_QR_FACTOR(order);
     }
-    m->channel_at[AUVID_DOF_COUNT] = (uint16_t)channel;
+    m->layout.channel_at[AUVID_DOF_COUNT] = (uint16_t)channel;
 }
 
 auvid_status_t auvid_metric_init(auvid_metric_t *metric, const auvid_metric_config_t *cfg)
@@ -178,12 +178,12 @@ auvid_status_t auvid_metric_init(auvid_metric_t *metric, const auvid_metric_conf
     memset((unsigned char *)metric + sizeof metric->cfg, 0, sizeof *metric - sizeof metric->cfg);
     metric->cfg.vehicle->path->make_filter(metric);
     metric_lay_out(metric);
-    memcpy(metric->delay_s, metric->cfg.delay_s, sizeof metric->delay_s);
-    metric->first_order_lag = metric->cfg.first_order_lag;
+    memcpy(metric->result.delay_s, metric->cfg.delay_s, sizeof metric->result.delay_s);
+    metric->result.first_order_lag = metric->cfg.first_order_lag;
     return AUVID_OK;
 }
 
 int auvid_metric_slot(const auvid_metric_t *m, int age)
 {
-    return (int)auvid_metric_ring_index(m->sets_stored, m->cfg.sets, m->from + (uint32_t)age);
+    return (int)auvid_metric_ring_index(m->sets.stored, m->cfg.sets, m->sets.from + (uint32_t)age);
 }

@@ -19,8 +19,8 @@ void auvid_metric_change_begin(auvid_metric_t *metric)
 {
     if (metric != NULL) {
         auvid_metric_restart_pass(metric, PASS_LAST);
-        memset(metric->change, 0, sizeof metric->change);
-        memset(metric->change_rank, 0, sizeof metric->change_rank);
+        memset(metric->result.change, 0, sizeof metric->result.change);
+        memset(metric->result.change_rank, 0, sizeof metric->result.change_rank);
     }
 }
 
@@ -28,25 +28,27 @@ void auvid_metric_change_begin(auvid_metric_t *metric)
 static void metric_record_change(auvid_metric_t *m, int j, int step)
 {
     int sets = auvid_metric_sets(m), n = auvid_metric_order(m, j);
-    auvid_real_t s = m->delay_s[j] / auvid_metric_node_s(m);
+    auvid_real_t s = m->result.delay_s[j] / auvid_metric_node_s(m);
     auvid_metric_clear_dependent(m, j);
-    auvid_real_t u = auvid_metric_unexplained(m, j, s, (m->first_order_lag >> j & 1) != 0);
+    auvid_real_t u = auvid_metric_unexplained(m, j, s, (m->result.first_order_lag >> j & 1) != 0);
     if (step == sets - 3) {
-        m->change[1][j] -= u;
+        m->result.change[1][j] -= u;
     } else if (step == sets - 2) {
-        m->change[0][j] -= u;
+        m->result.change[0][j] -= u;
     } else if (step == sets - 1) {
-        m->change[0][j] += u;
-        m->change[1][j] += u;
-        for (int i = 0; i < m->count[j]; ++i) {
-            bool usable = !auvid_is_zero(m->merged[m->factor_at[j] + auvid_qr_row(n, i)]);
-            m->change_rank[j] = (uint8_t)(m->change_rank[j] + usable);
+        m->result.change[0][j] += u;
+        m->result.change[1][j] += u;
+        for (int i = 0; i < m->layout.count[j]; ++i) {
+            bool usable =
+                !auvid_is_zero(m->evaluator.merged[m->layout.factor_at[j] + auvid_qr_row(n, i)]);
+            m->result.change_rank[j] = (uint8_t)(m->result.change_rank[j] + usable);
         }
-        memset(m->merged + m->factor_at[j], 0, (size_t)AUVID_QR_FACTOR(n) * sizeof u);
+        memset(m->evaluator.merged + m->layout.factor_at[j], 0,
+               (size_t)AUVID_QR_FACTOR(n) * sizeof u);
     } else if (step == sets) {
-        m->change[0][j] -= u;
+        m->result.change[0][j] -= u;
     } else if (step == sets + 1) {
-        m->change[1][j] -= u;
+        m->result.change[1][j] -= u;
     }
 }
 
@@ -55,12 +57,12 @@ static bool metric_change_row(auvid_metric_t *m, int j, int step)
 {
     int sets = auvid_metric_sets(m), n = auvid_metric_order(m, j);
     int age = step < sets ? sets - 1 - step : step - sets;
-    const auvid_set_t *set = &m->set[auvid_metric_slot(m, age)];
-    if ((set->excited >> j & 1) == 0 || m->at_row >= AUVID_METRIC_BANDS * n) {
+    const auvid_set_t *set = &m->sets.set[auvid_metric_slot(m, age)];
+    if ((set->excited >> j & 1) == 0 || m->evaluator.at.row >= AUVID_METRIC_BANDS * n) {
         return true;
     }
-    auvid_metric_rotate(m, set, m->at_row / n, j, m->at_row % n);
-    ++m->at_row;
+    auvid_metric_rotate(m, set, m->evaluator.at.row / n, j, m->evaluator.at.row % n);
+    ++m->evaluator.at.row;
     return false;
 }
 
@@ -72,16 +74,16 @@ auvid_status_t auvid_metric_change(auvid_metric_t *metric, uint32_t *budget)
     auvid_metric_t *m = metric;
     int sets = auvid_metric_sets(m);
     int steps = sets < 3 ? 0 : sets + 2; /* fewer than three: nothing to compare with */
-    for (; m->at_dof < AUVID_DOF_COUNT; ++m->at_dof, m->at_set = 0) {
-        int j = m->at_dof;
-        while (auvid_metric_order(m, j) > 0 && m->at_set < steps) {
+    for (; m->evaluator.at.dof < AUVID_DOF_COUNT; ++m->evaluator.at.dof, m->evaluator.at.set = 0) {
+        int j = m->evaluator.at.dof;
+        while (auvid_metric_order(m, j) > 0 && m->evaluator.at.set < steps) {
             if (*budget == 0) {
                 return AUVID_PENDING;
             }
             if (auvid_metric_spend(m, budget, AUVID_METRIC_ROTATION) &&
-                metric_change_row(m, j, m->at_set)) {
-                metric_record_change(m, j, m->at_set++);
-                m->at_row = 0;
+                metric_change_row(m, j, m->evaluator.at.set)) {
+                metric_record_change(m, j, m->evaluator.at.set++);
+                m->evaluator.at.row = 0;
             }
         }
     }
@@ -90,14 +92,14 @@ auvid_status_t auvid_metric_change(auvid_metric_t *metric, uint32_t *budget)
 
 const auvid_set_t *auvid_metric_newest(const auvid_metric_t *metric)
 {
-    return &metric->set[auvid_metric_slot(metric, 0)];
+    return &metric->sets.set[auvid_metric_slot(metric, 0)];
 }
 
 int auvid_metric_excited_sets(const auvid_metric_t *metric, int j, int newest)
 {
     int sets = 0;
     for (int age = newest; age < auvid_metric_sets(metric); ++age) {
-        sets += metric->set[auvid_metric_slot(metric, age)].excited >> j & 1;
+        sets += metric->sets.set[auvid_metric_slot(metric, age)].excited >> j & 1;
     }
     return sets;
 }

@@ -20,23 +20,23 @@ void auvid_metric_take_candidate(auvid_metric_t *m, const auvid_real_t *pi, auvi
         auvid_metric_path(m)->begin(m, pi, delay_s);
     }
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
-        const uint8_t *index = m->index + m->channel_at[j];
-        auvid_real_t *candidate = m->candidate + m->channel_at[j];
-        for (int k = 0, count = m->count[j]; k < count; ++k) {
+        const uint8_t *index = m->layout.index + m->layout.channel_at[j];
+        auvid_real_t *candidate = m->evaluator.candidate + m->layout.channel_at[j];
+        for (int k = 0, count = m->layout.count[j]; k < count; ++k) {
             candidate[k] = pi[index[k]];
         }
     }
-    m->at_set = m->at_dof = 0;
-    m->at_row = 0;
-    m->window_rows = 0;
-    memset(m->window_of, 0, sizeof m->window_of);
-    m->sum = m->compensation = m->squares = AUVID_C(0.0);
+    m->evaluator.at.set = m->evaluator.at.dof = 0;
+    m->evaluator.at.row = 0;
+    m->evaluator.window_rows = 0;
+    memset(m->evaluator.window_of, 0, sizeof m->evaluator.window_of);
+    m->evaluator.sum = m->evaluator.compensation = m->evaluator.squares = AUVID_C(0.0);
 }
 
 void auvid_metric_cost_begin(auvid_metric_t *metric, const auvid_real_t *pi, auvid_real_t delay_s)
 {
     if (metric != NULL && pi != NULL) {
-        metric->pass = PASS_COST;
+        metric->evaluator.at.pass = PASS_COST;
         auvid_metric_take_candidate(metric, pi, delay_s);
     }
 }
@@ -57,10 +57,11 @@ void auvid_metric_measure_begin(auvid_metric_t *metric, const auvid_real_t *pi,
         auvid_metric_take_candidate(metric, pi, delay_s);
         for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
             auvid_real_t l[AUVID_METRIC_DELAYS];
-            auvid_real_t delay = metric->delay_s[j] / auvid_metric_node_s(metric);
-            auvid_metric_delay_weights(delay, metric->first_order_lag >> j & 1, l);
+            auvid_real_t delay = metric->result.delay_s[j] / auvid_metric_node_s(metric);
+            auvid_metric_delay_weights(delay, metric->result.first_order_lag >> j & 1, l);
             for (int d = 0; d < AUVID_METRIC_DELAYS && auvid_metric_order(metric, j) > 0; ++d) {
-                metric->candidate[metric->channel_at[j] + metric->count[j] + d] = -l[d];
+                metric->evaluator
+                    .candidate[metric->layout.channel_at[j] + metric->layout.count[j] + d] = -l[d];
             }
         }
     }
@@ -71,9 +72,10 @@ void auvid_metric_predict_begin(auvid_metric_t *metric, const auvid_real_t *pi,
 {
     if (metric != NULL && pi != NULL) {
         auvid_metric_measure_begin(metric, pi, delay_s);
-        metric->to_set = 1; /* regressor path by age, residual path from the oldest set on */
+        metric->evaluator.at.to_set =
+            1; /* regressor path by age, residual path from the oldest set on */
         int oldest = auvid_metric_sets(metric) - 1;
-        metric->at_set = auvid_metric_stores_rows(metric) ? (uint8_t)oldest : 0;
+        metric->evaluator.at.set = auvid_metric_stores_rows(metric) ? (uint8_t)oldest : 0;
     }
 }
 
@@ -87,9 +89,9 @@ auvid_status_t auvid_metric_measure(auvid_metric_t *metric, uint32_t *budget)
         return AUVID_PENDING;
     }
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
-        m->sse[j] = m->band_sse[0][j] + m->band_sse[1][j];
-        m->predicted[j] =
-            m->band_weight[0][j] * m->band_sse[0][j] + m->band_weight[1][j] * m->band_sse[1][j];
+        m->result.sse[j] = m->evaluator.band_sse[0][j] + m->evaluator.band_sse[1][j];
+        m->result.predicted[j] = m->evaluator.band_weight[0][j] * m->evaluator.band_sse[0][j] +
+                                 m->evaluator.band_weight[1][j] * m->evaluator.band_sse[1][j];
     }
     return AUVID_OK;
 }
@@ -103,9 +105,9 @@ void auvid_metric_linearise_begin(auvid_metric_t *metric, const auvid_real_t *pi
     }
     auvid_metric_restart_pass(m, PASS_LINEAR);
     auvid_metric_take_candidate(m, pi, delay_s);
-    m->linear_delay_s = delay_s;
-    m->to_set = sets < m->cfg.sets ? sets : m->cfg.sets;
-    m->at_part = 0;
+    m->evaluator.linear_delay_s = delay_s;
+    m->evaluator.at.to_set = sets < m->cfg.sets ? sets : m->cfg.sets;
+    m->evaluator.at.part = 0;
 }
 
 auvid_status_t auvid_metric_linearise(auvid_metric_t *metric, uint32_t *budget)
@@ -130,7 +132,7 @@ uint32_t auvid_metric_free_of(const auvid_metric_t *m, uint8_t excited)
 
 uint32_t auvid_metric_active(const auvid_metric_t *metric)
 {
-    return metric == NULL ? 0 : auvid_metric_free_of(metric, metric->excited);
+    return metric == NULL ? 0 : auvid_metric_free_of(metric, metric->result.excited);
 }
 
 uint32_t auvid_metric_searched(const auvid_metric_t *metric)
@@ -159,10 +161,12 @@ void auvid_metric_scale(const auvid_metric_t *metric, auvid_real_t *scale)
     }
     for (int j = 0; j < AUVID_DOF_COUNT && !auvid_metric_stores_rows(m); ++j) {
         int n = auvid_metric_order(m, j);
-        for (int k = 0; k < m->count[j] && n > 0 && (m->excited >> j & 1); ++k) {
+        for (int k = 0; k < m->layout.count[j] && n > 0 && (m->result.excited >> j & 1); ++k) {
             for (int i = 0; i <= k; ++i) {
-                auvid_real_t r = m->merged[m->factor_at[j] + auvid_qr_row(n, i) + k - i];
-                square[m->index[m->channel_at[j] + k]] += m->weight[j] * r * r;
+                auvid_real_t r =
+                    m->evaluator.merged[m->layout.factor_at[j] + auvid_qr_row(n, i) + k - i];
+                square[m->layout.index[m->layout.channel_at[j] + k]] +=
+                    m->evaluator.weight[j] * r * r;
             }
         }
     }
@@ -176,10 +180,10 @@ void auvid_metric_r2(const auvid_metric_t *metric, auvid_real_t *r2)
     for (int j = 0; j < AUVID_DOF_COUNT && metric != NULL && r2 != NULL; ++j) {
         auvid_real_t total = AUVID_C(0.0);
         for (int age = 0; age < auvid_metric_sets(metric); ++age) {
-            const auvid_set_t *set = &metric->set[auvid_metric_slot(metric, age)];
+            const auvid_set_t *set = &metric->sets.set[auvid_metric_slot(metric, age)];
             total += (set->excited >> j & 1) ? set->tau_m2[j] : AUVID_C(0.0);
         }
-        auvid_real_t unexplained = metric->sse[j] / total;
+        auvid_real_t unexplained = metric->result.sse[j] / total;
         r2[j] = auvid_is_finite(unexplained) ? AUVID_C(1.0) - unexplained : AUVID_C(0.0);
     }
 }
@@ -192,12 +196,13 @@ void auvid_metric_joint_row(const auvid_metric_t *m, int j, int i, uint32_t acti
         row[p] = AUVID_C(0.0);
         column[p] = (active >> p & 1u) ? n++ : -1;
     }
-    const auvid_real_t *r = m->merged + m->factor_at[j] + auvid_qr_row(auvid_metric_order(m, j), i);
-    auvid_real_t scale = auvid_sqrt(m->weight[j]);
-    int at = m->channel_at[j];
-    row[n] = scale * m->z[at + i];
-    for (int k = i; k < m->count[j]; ++k, ++r) {
-        int p = m->index[at + k];
+    const auvid_real_t *r =
+        m->evaluator.merged + m->layout.factor_at[j] + auvid_qr_row(auvid_metric_order(m, j), i);
+    auvid_real_t scale = auvid_sqrt(m->evaluator.weight[j]);
+    int at = m->layout.channel_at[j];
+    row[n] = scale * m->evaluator.z[at + i];
+    for (int k = i; k < m->layout.count[j]; ++k, ++r) {
+        int p = m->layout.index[at + k];
         if (column[p] >= 0) {
             row[column[p]] = scale * *r;
         } else {
@@ -225,7 +230,7 @@ auvid_status_t auvid_metric_least_squares(const auvid_metric_t *metric, uint32_t
         column[i] = (active >> i & 1u) ? n++ : -1;
     }
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
-        for (int i = 0; i < m->count[j] && (m->excited >> j & 1); ++i) {
+        for (int i = 0; i < m->layout.count[j] && (m->result.excited >> j & 1); ++i) {
             auvid_metric_joint_row(m, j, i, active, pi, x);
             auvid_qr_update(joint, n + 1, 0, x);
         }

@@ -73,15 +73,15 @@ auvid_status_t auvid_metric_check_taps(const auvid_metric_config_t *cfg, uint32_
 
 static inline void auvid_metric_set_taps(auvid_metric_t *m, uint32_t taps)
 {
-    m->taps = (uint8_t)taps;
-    m->overlap = (uint8_t)((taps + m->cfg.row_cells - 1u) / m->cfg.row_cells);
+    m->layout.taps = (uint8_t)taps;
+    m->layout.overlap = (uint8_t)((taps + m->cfg.row_cells - 1u) / m->cfg.row_cells);
 }
 
 /** Returns wrench and commands at delay number `delay`, in steps of AUVID_METRIC_DELAY_CELLS. */
 static inline const auvid_real_t *auvid_metric_delayed_inputs(const auvid_metric_t *m, int delay)
 {
-    uint32_t ago = (uint32_t)(delay * AUVID_METRIC_DELAY_CELLS), now = m->cells % METRIC_PAST;
-    return m->past_tau[now >= ago ? now - ago : now + METRIC_PAST - ago];
+    uint32_t ago = (uint32_t)(delay * AUVID_METRIC_DELAY_CELLS), now = m->rows.cells % METRIC_PAST;
+    return m->rows.past_tau[now >= ago ? now - ago : now + METRIC_PAST - ago];
 }
 
 /** y += a x; four entries at a time, which halves the cost. */
@@ -104,37 +104,37 @@ static inline void auvid_metric_record_missing(auvid_metric_t *m, uint32_t slot,
                                                uint8_t missing)
 {
     for (int moment = 0; moment <= 1 && missing != 0; ++moment) {
-        bool counts = auvid_abs(m->kernel[moment][age]) > AUVID_C(0.0);
-        m->missing[slot][moment] |= counts ? missing : 0u;
+        bool counts = auvid_abs(m->layout.kernel[moment][age]) > AUVID_C(0.0);
+        m->rows.missing[slot][moment] |= counts ? missing : 0u;
     }
 }
 
 /** Returns the DoF (bit j) that have no row, because the model reads a missing velocity. */
 static inline uint8_t auvid_metric_dofs_without_row(const auvid_metric_t *m, uint32_t slot)
 {
-    unsigned forces = auvid_vehicle_unmeasured(m->cfg.vehicle, m->missing[slot][0]);
-    unsigned moments = auvid_vehicle_unmeasured(m->cfg.vehicle, m->missing[slot][1]);
+    unsigned forces = auvid_vehicle_unmeasured(m->cfg.vehicle, m->rows.missing[slot][0]);
+    unsigned moments = auvid_vehicle_unmeasured(m->cfg.vehicle, m->rows.missing[slot][1]);
     return (uint8_t)((forces & 7u) | (moments & ~7u));
 }
 
 /** Update the mean of the wrench and the sum of squares about it by one value (Welford). */
 static inline void auvid_metric_update_wrench_moments(auvid_metric_t *m, int j, auvid_real_t tau)
 {
-    auvid_real_t off = tau - m->tau_mean[j];
-    m->tau_mean[j] += off / (auvid_real_t)++m->rows_of[j];
-    m->tau_m2[j] += off * (tau - m->tau_mean[j]);
+    auvid_real_t off = tau - m->rows.set.tau_mean[j];
+    m->rows.set.tau_mean[j] += off / (auvid_real_t)++m->rows.set.rows_of[j];
+    m->rows.set.tau_m2[j] += off * (tau - m->rows.set.tau_mean[j]);
 }
 
 static inline void auvid_metric_count_lost_rows(auvid_metric_t *m, uint32_t rows)
 {
-    uint32_t lost = m->lost + rows;
-    m->lost = (uint16_t)(lost < UINT16_MAX ? lost : UINT16_MAX);
+    uint32_t lost = m->rows.set.lost + rows;
+    m->rows.set.lost = (uint16_t)(lost < UINT16_MAX ? lost : UINT16_MAX);
 }
 
 /** Count a row: taken if some DoF has taken it, else lost. */
 static inline void auvid_metric_count_row(auvid_metric_t *m, bool taken)
 {
-    m->rows = (uint16_t)(m->rows + taken);
+    m->rows.set.rows = (uint16_t)(m->rows.set.rows + taken);
     auvid_metric_count_lost_rows(m, !taken);
 }
 
@@ -144,7 +144,7 @@ auvid_status_t auvid_metric_linearise_sets(auvid_metric_t *m, uint32_t *budget);
 /** Number of sets of the ring that count. Ages below start with 0 for the newest of them. */
 static inline int auvid_metric_sets(const auvid_metric_t *m)
 {
-    return m->from < m->cfg.sets ? m->cfg.sets - m->from : 0;
+    return m->sets.from < m->cfg.sets ? m->cfg.sets - m->sets.from : 0;
 }
 
 /** Index of the set that entered a ring of `sets` slots `back` sets before the last one; `stored`
@@ -161,8 +161,8 @@ int auvid_metric_slot(const auvid_metric_t *m, int age);
 static inline auvid_row_t *auvid_metric_rows(const auvid_metric_t *m, int age)
 {
     uint32_t blocks = m->cfg.sets + 1u;
-    uint32_t back = age < 0 ? 0u : (uint32_t)age + m->from + 1u;
-    uint32_t block = (m->sets_stored + 2u * blocks - back) % blocks;
+    uint32_t back = age < 0 ? 0u : (uint32_t)age + m->sets.from + 1u;
+    uint32_t block = (m->sets.stored + 2u * blocks - back) % blocks;
     return m->cfg.rows + block * m->cfg.set_rows;
 }
 
@@ -182,7 +182,7 @@ void auvid_metric_unpack_row(const auvid_metric_t *m, const auvid_set_t *set, in
 /** Order of DoF j's R factor: its parameters and the wrench at each delay; 0: not modelled. */
 static inline int auvid_metric_order(const auvid_metric_t *m, int j)
 {
-    return m->channel_at[j + 1] - m->channel_at[j];
+    return m->layout.channel_at[j + 1] - m->layout.channel_at[j];
 }
 
 /** Spacing of the delays at which the wrench is stored [s]. */
@@ -202,7 +202,7 @@ void auvid_metric_delay_weights(auvid_real_t s, bool lag, auvid_real_t l[AUVID_M
 static inline int auvid_metric_stride(const auvid_metric_t *m)
 {
     int stride = 1;
-    while (4 * (stride + 1) * (stride + 1) <= m->window_length - 1) {
+    while (4 * (stride + 1) * (stride + 1) <= m->layout.window_length - 1) {
         ++stride;
     }
     return stride;
@@ -242,8 +242,9 @@ enum { PASS_FIRST, PASS_RESIDUAL, PASS_LAST, PASS_PRIOR, PASS_COST, PASS_MEASURE
 static inline bool auvid_metric_spend(auvid_metric_t *m, uint32_t *budget, uint16_t price)
 {
     --*budget;
-    m->spent = (uint16_t)(m->spent + 1u < price ? m->spent + 1u : 0u);
-    return m->spent == 0;
+    m->evaluator.at.spent =
+        (uint16_t)(m->evaluator.at.spent + 1u < price ? m->evaluator.at.spent + 1u : 0u);
+    return m->evaluator.at.spent == 0;
 }
 
 /** Spend units on a call of the model's residual. @return true if all are spent: call it */

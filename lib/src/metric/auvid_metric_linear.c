@@ -29,7 +29,7 @@
 
 auvid_sample_t auvid_metric_delayed_sample(const auvid_metric_t *m, const auvid_row_t *row)
 {
-    const auvid_real_t *l = m->delay_weight;
+    const auvid_real_t *l = m->evaluator.delay_weight;
     auvid_sample_t s = row->sample;
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
         s.tau[j] = l[0] * s.tau[j] + l[1] * row->late[0][j] + l[2] * row->late[1][j];
@@ -49,7 +49,7 @@ static const auvid_row_t *metric_row_before(const auvid_metric_t *m, int age, in
             return NULL;
         }
         back -= r + 1;
-        r = m->set[auvid_metric_slot(m, ++age)].rows - 1;
+        r = m->sets.set[auvid_metric_slot(m, ++age)].rows - 1;
     }
     return back > r ? NULL : &auvid_metric_rows(m, age)[r - back];
 }
@@ -58,7 +58,7 @@ static const auvid_row_t *metric_row_before(const auvid_metric_t *m, int age, in
 static bool metric_has_window(const auvid_metric_t *m, int age, int r)
 {
     const auvid_row_t *later = metric_row_before(m, age, r, 0);
-    for (int k = 1; k < m->window_length; ++k) {
+    for (int k = 1; k < m->layout.window_length; ++k) {
         const auvid_row_t *row = metric_row_before(m, age, r, k);
         if (row == NULL || !auvid_metric_succeeds(m, row->sample.t_us, later->sample.t_us)) {
             return false;
@@ -76,20 +76,21 @@ static auvid_real_t metric_evaluate_perturbed(auvid_metric_t *m, const auvid_row
 {
     int i = (v - 1) / 2, n = m->cfg.vehicle->parameters;
     auvid_real_t sign = v % 2 == 1 ? AUVID_C(0.5) : AUVID_C(-0.5), step = AUVID_C(1.0);
-    auvid_real_t node = auvid_metric_node_s(m), s = m->linear_delay_s / node;
+    auvid_real_t node = auvid_metric_node_s(m), s = m->evaluator.linear_delay_s / node;
     if (v > 0 && i < n) {
-        auvid_real_t pi = m->pi[i];
+        auvid_real_t pi = m->evaluator.pi[i];
         step = auvid_abs(pi) > AUVID_C(0.0) ? auvid_max(PARAMETER_STEP * auvid_abs(pi), MIN_STEP)
                                             : ZERO_STEP;
-        m->pi[i] = pi + sign * step;
+        m->evaluator.pi[i] = pi + sign * step;
         auvid_sample_t sample = auvid_metric_delayed_sample(m, row);
-        auvid_vehicle_residual(m->cfg.vehicle, &sample, m->pi, residual);
-        m->pi[i] = pi;
+        auvid_vehicle_residual(m->cfg.vehicle, &sample, m->evaluator.pi, residual);
+        m->evaluator.pi[i] = pi;
     } else {
         step = v > 0 ? DELAY_STEP_S : step;
-        auvid_metric_delay_weights(v > 0 ? s + sign * step / node : s, false, m->delay_weight);
+        auvid_metric_delay_weights(v > 0 ? s + sign * step / node : s, false,
+                                   m->evaluator.delay_weight);
         auvid_sample_t sample = auvid_metric_delayed_sample(m, row);
-        auvid_vehicle_residual(m->cfg.vehicle, &sample, m->pi, residual);
+        auvid_vehicle_residual(m->cfg.vehicle, &sample, m->evaluator.pi, residual);
     }
     return v > 0 ? (sign > AUVID_C(0.0) ? AUVID_C(1.0) : AUVID_C(-1.0)) / step : AUVID_C(1.0);
 }
@@ -103,15 +104,16 @@ static void metric_add_evaluation(auvid_metric_t *m, const auvid_row_t *row, auv
     auvid_real_t weight = tap * metric_evaluate_perturbed(m, row, v, residual);
     int i = (v - 1) / 2, n = m->cfg.vehicle->parameters;
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
-        auvid_real_t *z = m->z + m->channel_at[j];
+        auvid_real_t *z = m->evaluator.z + m->layout.channel_at[j];
         if (auvid_metric_order(m, j) == 0) {
             continue;
         }
-        for (int k = 0; k < m->count[j] && v > 0; ++k) {
-            z[k] += m->index[m->channel_at[j] + k] == i ? weight * residual[j] : AUVID_C(0.0);
+        for (int k = 0; k < m->layout.count[j] && v > 0; ++k) {
+            z[k] += m->layout.index[m->layout.channel_at[j] + k] == i ? weight * residual[j]
+                                                                      : AUVID_C(0.0);
         }
-        z[m->count[j]] += v == 0 ? weight * residual[j] : AUVID_C(0.0);
-        z[m->count[j] + 1] += v > 0 && i == n ? weight * residual[j] : AUVID_C(0.0);
+        z[m->layout.count[j]] += v == 0 ? weight * residual[j] : AUVID_C(0.0);
+        z[m->layout.count[j] + 1] += v > 0 && i == n ? weight * residual[j] : AUVID_C(0.0);
     }
 }
 
@@ -120,11 +122,11 @@ static void metric_add_derivatives(auvid_metric_t *m, const auvid_row_t *row, au
 {
     auvid_sample_t sample = auvid_metric_delayed_sample(m, row);
     const auvid_vehicle_t *vehicle = m->cfg.vehicle;
-    memset(&m->regressor, 0, sizeof m->regressor);
-    vehicle->regressor(vehicle->context, &sample, m->pi, &m->regressor);
+    memset(&m->evaluator.regressor, 0, sizeof m->evaluator.regressor);
+    vehicle->regressor(vehicle->context, &sample, m->evaluator.pi, &m->evaluator.regressor);
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
-        for (int k = 0, at = m->channel_at[j]; k < m->count[j]; ++k) {
-            m->z[at + k] += tap * m->regressor.row[j][m->index[at + k]];
+        for (int k = 0, at = m->layout.channel_at[j]; k < m->layout.count[j]; ++k) {
+            m->evaluator.z[at + k] += tap * m->evaluator.regressor.row[j][m->layout.index[at + k]];
         }
     }
 }
@@ -134,7 +136,7 @@ static void metric_add_derivatives(auvid_metric_t *m, const auvid_row_t *row, au
 static uint8_t metric_dofs_without_window(const auvid_metric_t *m, int age, int r)
 {
     uint8_t missing = 0;
-    for (int k = 0; k < m->window_length; ++k) {
+    for (int k = 0; k < m->layout.window_length; ++k) {
         missing |= metric_row_before(m, age, r, k)->sample.missing;
     }
     return auvid_vehicle_unmeasured(m->cfg.vehicle, missing);
@@ -144,11 +146,11 @@ static uint8_t metric_dofs_without_window(const auvid_metric_t *m, int age, int 
 static AUVID_NOINLINE void metric_finish_window(auvid_metric_t *m, auvid_set_t *set,
                                                 uint8_t excluded)
 {
-    auvid_real_t node = auvid_metric_node_s(m), s = m->linear_delay_s / node;
+    auvid_real_t node = auvid_metric_node_s(m), s = m->evaluator.linear_delay_s / node;
     /* replace e by sum e_i pi_i - e */
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
-        auvid_real_t *z = m->z + m->channel_at[j];
-        int count = m->count[j];
+        auvid_real_t *z = m->evaluator.z + m->layout.channel_at[j];
+        int count = m->layout.count[j];
         if (auvid_metric_order(m, j) == 0) {
             continue;
         }
@@ -158,16 +160,17 @@ static AUVID_NOINLINE void metric_finish_window(auvid_metric_t *m, auvid_set_t *
         }
         z[count] = -z[count];
         for (int k = 0; k < count; ++k) {
-            z[count] += z[k] * m->pi[m->index[m->channel_at[j] + k]];
+            z[count] += z[k] * m->evaluator.pi[m->layout.index[m->layout.channel_at[j] + k]];
         }
     }
-    if (auvid_all_within(m->z, m->channel_at[AUVID_DOF_COUNT], METRIC_LARGEST_ENTRY) != AUVID_OK) {
+    if (auvid_all_within(m->evaluator.z, m->layout.channel_at[AUVID_DOF_COUNT],
+                         METRIC_LARGEST_ENTRY) != AUVID_OK) {
         return;
     }
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
-        const auvid_real_t *z = m->z + m->channel_at[j];
+        const auvid_real_t *z = m->evaluator.z + m->layout.channel_at[j];
         auvid_real_t row[AUVID_MAX_PARAMETERS + AUVID_METRIC_DELAYS];
-        int count = m->count[j];
+        int count = m->layout.count[j];
         if (auvid_metric_order(m, j) == 0 || (excluded >> j & 1) != 0) {
             continue;
         }
@@ -176,7 +179,8 @@ static AUVID_NOINLINE void metric_finish_window(auvid_metric_t *m, auvid_set_t *
         for (int d = 0; d < AUVID_METRIC_DELAYS; ++d) {
             row[count + d] = z[count] - ((auvid_real_t)d - s) * node * z[count + 1];
         }
-        auvid_qr_update(m->factor[0] + m->factor_at[j], auvid_metric_order(m, j), 0, row);
+        auvid_qr_update(m->rows.set.factor[0] + m->layout.factor_at[j], auvid_metric_order(m, j), 0,
+                        row);
     }
 }
 
@@ -196,39 +200,43 @@ static bool metric_is_perturbed(const auvid_metric_t *m, int v)
 static bool metric_linearise_set(auvid_metric_t *m, auvid_set_t *set, uint32_t *budget)
 {
     int values = 2 * m->cfg.vehicle->parameters + 3, stride = auvid_metric_stride(m);
-    for (; m->at_row < set->rows; m->at_row = (uint16_t)(m->at_row + stride), m->at_part = 0) {
-        if (m->at_part == 0) {
-            if (!metric_has_window(m, m->at_set, m->at_row)) {
+    for (; m->evaluator.at.row < set->rows;
+         m->evaluator.at.row = (uint16_t)(m->evaluator.at.row + stride), m->evaluator.at.part = 0) {
+        if (m->evaluator.at.part == 0) {
+            if (!metric_has_window(m, m->evaluator.at.set, m->evaluator.at.row)) {
                 continue;
             }
-            memset(m->z, 0, sizeof m->z);
+            memset(m->evaluator.z, 0, sizeof m->evaluator.z);
         }
-        for (; m->at_part < values * m->window_length; ++m->at_part) {
-            int k = m->at_part / values, v = m->at_part % values;
+        for (; m->evaluator.at.part < values * m->layout.window_length; ++m->evaluator.at.part) {
+            int k = m->evaluator.at.part / values, v = m->evaluator.at.part % values;
             if (!metric_is_perturbed(m, v)) {
                 continue;
             }
             if (!auvid_metric_spend_model(m, budget)) {
                 return false;
             }
-            const auvid_row_t *row = metric_row_before(m, m->at_set, m->at_row, k);
+            const auvid_row_t *row =
+                metric_row_before(m, m->evaluator.at.set, m->evaluator.at.row, k);
             if (v == 1 && m->cfg.vehicle->regressor != NULL) {
-                metric_add_derivatives(m, row, m->window_weight[k]);
+                metric_add_derivatives(m, row, m->layout.window_weight[k]);
             } else {
-                metric_add_evaluation(m, row, m->window_weight[k], v);
+                metric_add_evaluation(m, row, m->layout.window_weight[k], v);
             }
         }
-        metric_finish_window(m, set, metric_dofs_without_window(m, m->at_set, m->at_row));
+        metric_finish_window(
+            m, set, metric_dofs_without_window(m, m->evaluator.at.set, m->evaluator.at.row));
     }
     return true;
 }
 
 auvid_status_t auvid_metric_linearise_sets(auvid_metric_t *m, uint32_t *budget)
 {
-    for (; m->pass == PASS_LINEAR && m->at_set < m->to_set; ++m->at_set, m->at_row = 0) {
-        auvid_set_t *set = &m->set[auvid_metric_slot(m, m->at_set)];
-        if (m->at_row == 0 && m->at_part == 0) {
-            memset(m->factor, 0, sizeof m->factor);
+    for (; m->evaluator.at.pass == PASS_LINEAR && m->evaluator.at.set < m->evaluator.at.to_set;
+         ++m->evaluator.at.set, m->evaluator.at.row = 0) {
+        auvid_set_t *set = &m->sets.set[auvid_metric_slot(m, m->evaluator.at.set)];
+        if (m->evaluator.at.row == 0 && m->evaluator.at.part == 0) {
+            memset(m->rows.set.factor, 0, sizeof m->rows.set.factor);
             memset(set->windows, 0, sizeof set->windows);
         }
         if (!metric_linearise_set(m, set, budget)) {
@@ -236,8 +244,8 @@ auvid_status_t auvid_metric_linearise_sets(auvid_metric_t *m, uint32_t *budget)
         }
         auvid_metric_pack(m, set);
     }
-    if (m->pass == PASS_LINEAR) {
-        if (m->to_set < m->cfg.sets) {
+    if (m->evaluator.at.pass == PASS_LINEAR) {
+        if (m->evaluator.at.to_set < m->cfg.sets) {
             return AUVID_OK;
         }
         auvid_metric_restart_pass(m, PASS_LAST);
@@ -245,7 +253,7 @@ auvid_status_t auvid_metric_linearise_sets(auvid_metric_t *m, uint32_t *budget)
     if (!auvid_metric_merge_sets(m, budget)) {
         return AUVID_PENDING;
     }
-    m->constant = AUVID_C(0.0); /* the cost of this path contains it */
+    m->result.constant = AUVID_C(0.0); /* the cost of this path contains it */
     return AUVID_OK;
 }
 

@@ -60,7 +60,8 @@ void auvid_metric_delay_slopes(auvid_real_t s, bool lag, auvid_real_t l[AUVID_ME
 auvid_real_t auvid_metric_unexplained(const auvid_metric_t *m, int j, auvid_real_t s, bool lag)
 {
     int n = auvid_metric_order(m, j);
-    const auvid_real_t *t = m->merged + m->factor_at[j] + auvid_qr_row(n, n - AUVID_METRIC_DELAYS);
+    const auvid_real_t *t =
+        m->evaluator.merged + m->layout.factor_at[j] + auvid_qr_row(n, n - AUVID_METRIC_DELAYS);
     auvid_real_t l[AUVID_METRIC_DELAYS];
     auvid_metric_delay_weights(s, lag, l);
     auvid_real_t a = t[0] * l[0] + t[1] * l[1] + t[2] * l[2];
@@ -100,7 +101,7 @@ static auvid_real_t metric_estimate_delay(const auvid_metric_t *m, int j, bool *
     auvid_real_t e_lag = auvid_metric_unexplained(m, j, as_lag, true);
     *lag = as_lag > AUVID_C(0.0) && e_lag < e_shift;
     auvid_real_t s = *lag ? as_lag : as_shift, e_best = *lag ? e_lag : e_shift;
-    auvid_real_t gain = (auvid_real_t)m->dof_rows[j] *
+    auvid_real_t gain = (auvid_real_t)m->result.dof_rows[j] *
                         (auvid_metric_unexplained(m, j, AUVID_C(0.0), false) - e_best);
     auvid_real_t precise = s * auvid_metric_node_s(m) / DELAY_PRECISION_S;
     bool sure = gain > DELAY_SIGMAS * DELAY_SIGMAS * e_best && gain > precise * precise * e_best;
@@ -114,8 +115,8 @@ static auvid_real_t metric_estimate_delay(const auvid_metric_t *m, int j, bool *
 void auvid_metric_clear_dependent(auvid_metric_t *m, int j)
 {
     int n = auvid_metric_order(m, j);
-    auvid_real_t *factor = m->merged + m->factor_at[j];
-    for (int i = 0; i < m->count[j]; ++i) {
+    auvid_real_t *factor = m->evaluator.merged + m->layout.factor_at[j];
+    for (int i = 0; i < m->layout.count[j]; ++i) {
         auvid_real_t *r = factor + auvid_qr_row(n, i);
         auvid_real_t norm = auvid_qr_column_norm(factor, n, i);
         if (auvid_abs(r[0]) > PIVOT_ROUNDING * norm) {
@@ -131,33 +132,35 @@ void auvid_metric_clear_dependent(auvid_metric_t *m, int j)
 /* candidate = [pi_j, -l]. */
 void auvid_metric_solve_dof(auvid_metric_t *m, int j)
 {
-    int n = auvid_metric_order(m, j), count = m->count[j], at = m->channel_at[j];
-    const auvid_real_t *factor = m->merged + m->factor_at[j];
+    int n = auvid_metric_order(m, j), count = m->layout.count[j], at = m->layout.channel_at[j];
+    const auvid_real_t *factor = m->evaluator.merged + m->layout.factor_at[j];
     auvid_real_t l[AUVID_METRIC_DELAYS];
     auvid_real_t s = m->cfg.delay_s[j] / auvid_metric_node_s(m);
-    bool excited = (m->excited >> j & 1) != 0;
+    bool excited = (m->result.excited >> j & 1) != 0;
     bool lag = (m->cfg.first_order_lag >> j & 1) != 0;
     auvid_metric_clear_dependent(m, j);
     if (auvid_metric_stores_rows(m)) { /* linearised at one delay */
-        s = excited ? m->linear_delay_s / auvid_metric_node_s(m) : AUVID_C(0.0);
+        s = excited ? m->evaluator.linear_delay_s / auvid_metric_node_s(m) : AUVID_C(0.0);
         lag = false;
     } else if (m->cfg.estimate_delay) {
         s = excited ? metric_estimate_delay(m, j, &lag) : AUVID_C(0.0);
     }
-    m->delay_s[j] = s * auvid_metric_node_s(m);
-    m->first_order_lag = (uint8_t)((m->first_order_lag & ~(1u << j)) | (unsigned)lag << j);
+    m->result.delay_s[j] = s * auvid_metric_node_s(m);
+    m->result.first_order_lag =
+        (uint8_t)((m->result.first_order_lag & ~(1u << j)) | (unsigned)lag << j);
     auvid_metric_delay_weights(s, lag, l);
     for (int i = 0; i < count; ++i) {
         const auvid_real_t *r = factor + auvid_qr_row(n, i);
-        m->z[at + i] = r[count - i] * l[0] + r[count - i + 1] * l[1] + r[count - i + 2] * l[2];
-        m->candidate[at + i] = m->z[at + i];
+        m->evaluator.z[at + i] =
+            r[count - i] * l[0] + r[count - i + 1] * l[1] + r[count - i + 2] * l[2];
+        m->evaluator.candidate[at + i] = m->evaluator.z[at + i];
     }
-    (void)auvid_qr_solve(factor, n, count, AUVID_C(1e-4), m->candidate + at);
+    (void)auvid_qr_solve(factor, n, count, AUVID_C(1e-4), m->evaluator.candidate + at);
     for (int d = 0; d < AUVID_METRIC_DELAYS; ++d) {
-        m->candidate[at + count + d] = -l[d];
+        m->evaluator.candidate[at + count + d] = -l[d];
     }
     if (excited) {
-        m->constant += m->weight[j] * auvid_metric_unexplained(m, j, s, lag);
+        m->result.constant += m->evaluator.weight[j] * auvid_metric_unexplained(m, j, s, lag);
     }
 }
 
@@ -165,17 +168,17 @@ void auvid_metric_rotate(auvid_metric_t *m, const auvid_set_t *set, int band, in
 {
     int n = auvid_metric_order(m, j);
     auvid_real_t row[AUVID_MAX_PARAMETERS + AUVID_METRIC_DELAYS];
-    auvid_real_t scale = auvid_sqrt(m->band_weight[band][j]);
+    auvid_real_t scale = auvid_sqrt(m->evaluator.band_weight[band][j]);
     auvid_metric_unpack_row(m, set, band, j, i, row);
     for (int k = i; k < n; ++k) {
         row[k] *= scale;
     }
-    auvid_qr_update(m->merged + m->factor_at[j], n, i, row);
+    auvid_qr_update(m->evaluator.merged + m->layout.factor_at[j], n, i, row);
 }
 
 static bool metric_rotates(const auvid_metric_t *m)
 {
-    return m->pass != PASS_RESIDUAL && m->pass != PASS_MEASURE;
+    return m->evaluator.at.pass != PASS_RESIDUAL && m->evaluator.at.pass != PASS_MEASURE;
 }
 
 /* Process one row of one band of one set: rotate it in, or add its residual at the candidate. */
@@ -183,13 +186,13 @@ static void metric_visit_row(auvid_metric_t *m, const auvid_set_t *set, int band
 {
     int n = auvid_metric_order(m, j);
     if (!metric_rotates(m)) {
-        const auvid_real_t *x = m->candidate + m->channel_at[j];
+        const auvid_real_t *x = m->evaluator.candidate + m->layout.channel_at[j];
         auvid_real_t row[AUVID_MAX_PARAMETERS + AUVID_METRIC_DELAYS], e = AUVID_C(0.0);
         auvid_metric_unpack_row(m, set, band, j, i, row);
         for (int k = i; k < n; ++k) {
             e += row[k] * x[k];
         }
-        m->band_sse[band][j] += e * e;
+        m->evaluator.band_sse[band][j] += e * e;
         return;
     }
     auvid_metric_rotate(m, set, band, j, i);
@@ -197,15 +200,15 @@ static void metric_visit_row(auvid_metric_t *m, const auvid_set_t *set, int band
 
 void auvid_metric_restart_pass(auvid_metric_t *m, uint8_t pass)
 {
-    m->pass = pass;
-    m->to_set = (uint8_t)auvid_metric_sets(m);
-    m->at_set = m->at_band = m->at_dof = 0;
-    m->spent = 0;
-    m->at_row = 0;
-    memset(m->band_sse, 0, sizeof m->band_sse);
+    m->evaluator.at.pass = pass;
+    m->evaluator.at.to_set = (uint8_t)auvid_metric_sets(m);
+    m->evaluator.at.set = m->evaluator.at.band = m->evaluator.at.dof = 0;
+    m->evaluator.at.spent = 0;
+    m->evaluator.at.row = 0;
+    memset(m->evaluator.band_sse, 0, sizeof m->evaluator.band_sse);
     if (pass == PASS_FIRST || pass == PASS_LAST) {
-        memset(m->merged, 0, sizeof m->merged);
-        m->constant = AUVID_C(0.0);
+        memset(m->evaluator.merged, 0, sizeof m->evaluator.merged);
+        m->result.constant = AUVID_C(0.0);
     }
 }
 
@@ -213,25 +216,26 @@ void auvid_metric_restart_pass(auvid_metric_t *m, uint8_t pass)
  * for each unit of the budget. @return true if all rows are processed */
 bool auvid_metric_for_each_row(auvid_metric_t *m, uint32_t *budget)
 {
-    while (m->at_set < m->to_set) {
-        const auvid_set_t *set = &m->set[auvid_metric_slot(m, m->at_set)];
-        int j = m->at_dof;
-        bool inside = (set->excited >> j & 1) != 0 && m->at_row < auvid_metric_order(m, j);
+    while (m->evaluator.at.set < m->evaluator.at.to_set) {
+        const auvid_set_t *set = &m->sets.set[auvid_metric_slot(m, m->evaluator.at.set)];
+        int j = m->evaluator.at.dof;
+        bool inside =
+            (set->excited >> j & 1) != 0 && m->evaluator.at.row < auvid_metric_order(m, j);
         if (inside) {
             if (*budget == 0) {
                 return false;
             }
             if (auvid_metric_spend(m, budget, metric_rotates(m) ? AUVID_METRIC_ROTATION : 1)) {
-                metric_visit_row(m, set, m->at_band, j, m->at_row++);
+                metric_visit_row(m, set, m->evaluator.at.band, j, m->evaluator.at.row++);
             }
             continue;
         }
-        m->at_row = 0;
-        if (++m->at_dof == AUVID_DOF_COUNT) {
-            m->at_dof = 0;
-            if (++m->at_band == AUVID_METRIC_BANDS) {
-                m->at_band = 0;
-                ++m->at_set;
+        m->evaluator.at.row = 0;
+        if (++m->evaluator.at.dof == AUVID_DOF_COUNT) {
+            m->evaluator.at.dof = 0;
+            if (++m->evaluator.at.band == AUVID_METRIC_BANDS) {
+                m->evaluator.at.band = 0;
+                ++m->evaluator.at.set;
             }
         }
     }
@@ -241,20 +245,20 @@ bool auvid_metric_for_each_row(auvid_metric_t *m, uint32_t *budget)
 /* weight_b ~ 1 / sse_b, geometric mean one. */
 static void metric_weigh_bands(auvid_metric_t *m, int j)
 {
-    auvid_real_t low = m->band_sse[0][j], high = m->band_sse[1][j];
+    auvid_real_t low = m->evaluator.band_sse[0][j], high = m->evaluator.band_sse[1][j];
     auvid_real_t ratio = AUVID_C(1.0);
     if (low > AUVID_C(0.0) && high > AUVID_C(0.0)) {
         ratio = auvid_clamp(high / low, AUVID_C(1.0) / METRIC_LARGEST_RATIO, METRIC_LARGEST_RATIO);
     }
-    m->band_weight[0][j] = auvid_sqrt(ratio);
-    m->band_weight[1][j] = AUVID_C(1.0) / m->band_weight[0][j];
+    m->evaluator.band_weight[0][j] = auvid_sqrt(ratio);
+    m->evaluator.band_weight[1][j] = AUVID_C(1.0) / m->evaluator.band_weight[0][j];
 }
 
 /* Complete a pass, one DoF at a time, at eight units each. @return true if all are complete */
 static bool metric_finish_dofs(auvid_metric_t *m, uint32_t *budget)
 {
-    while (m->at_dof < AUVID_DOF_COUNT) {
-        int j = m->at_dof;
+    while (m->evaluator.at.dof < AUVID_DOF_COUNT) {
+        int j = m->evaluator.at.dof;
         if (auvid_metric_order(m, j) > 0) {
             if (*budget == 0) {
                 return false;
@@ -262,14 +266,14 @@ static bool metric_finish_dofs(auvid_metric_t *m, uint32_t *budget)
             if (!auvid_metric_spend(m, budget, 2 * AUVID_METRIC_ROTATION)) {
                 continue; /* the work of two rows */
             }
-            if (m->pass == PASS_RESIDUAL) {
+            if (m->evaluator.at.pass == PASS_RESIDUAL) {
                 metric_weigh_bands(m, j);
             } else {
                 auvid_metric_solve_dof(m, j);
             }
         }
-        m->at_row = 0;
-        ++m->at_dof;
+        m->evaluator.at.row = 0;
+        ++m->evaluator.at.dof;
     }
     return true;
 }
@@ -278,10 +282,10 @@ bool auvid_metric_merge_sets(auvid_metric_t *m, uint32_t *budget)
 {
     auvid_status_t status = AUVID_EMPTY;
     while (status == AUVID_EMPTY) {
-        if (m->pass == PASS_PRIOR) {
+        if (m->evaluator.at.pass == PASS_PRIOR) {
             status = m->apply_prior == NULL ? AUVID_OK : m->apply_prior(m, budget);
         } else if (auvid_metric_for_each_row(m, budget) && metric_finish_dofs(m, budget)) {
-            auvid_metric_restart_pass(m, (uint8_t)(m->pass + 1));
+            auvid_metric_restart_pass(m, (uint8_t)(m->evaluator.at.pass + 1));
         } else {
             status = AUVID_PENDING;
         }
@@ -295,22 +299,23 @@ void auvid_metric_merge_begin(auvid_metric_t *metric)
     if (m == NULL) {
         return;
     }
-    m->excited = m->sets_merged = 0;
-    memset(m->dof_rows, 0, sizeof m->dof_rows);
+    m->result.excited = m->evaluator.sets_merged = 0;
+    memset(m->result.dof_rows, 0, sizeof m->result.dof_rows);
     for (int age = 0; age < auvid_metric_sets(m); ++age) {
-        const auvid_set_t *set = &m->set[auvid_metric_slot(m, age)];
-        m->excited |= set->excited;
-        m->sets_merged = (uint8_t)(m->sets_merged + (set->excited != 0));
+        const auvid_set_t *set = &m->sets.set[auvid_metric_slot(m, age)];
+        m->result.excited |= set->excited;
+        m->evaluator.sets_merged = (uint8_t)(m->evaluator.sets_merged + (set->excited != 0));
         for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
             unsigned rows = (set->excited >> j & 1) ? set->rows_of[j] : 0u;
-            m->dof_rows[j] = (uint16_t)(m->dof_rows[j] + rows);
+            m->result.dof_rows[j] = (uint16_t)(m->result.dof_rows[j] + rows);
         }
     }
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
-        m->weight[j] = m->dof_rows[j] == 0 ? AUVID_C(0.0)
-                                           : AUVID_C(1.0) / (m->cfg.tau_max[j] * m->cfg.tau_max[j] *
-                                                             (auvid_real_t)m->dof_rows[j]);
-        m->band_weight[0][j] = m->band_weight[1][j] = AUVID_C(1.0);
+        m->evaluator.weight[j] = m->result.dof_rows[j] == 0
+                                     ? AUVID_C(0.0)
+                                     : AUVID_C(1.0) / (m->cfg.tau_max[j] * m->cfg.tau_max[j] *
+                                                       (auvid_real_t)m->result.dof_rows[j]);
+        m->evaluator.band_weight[0][j] = m->evaluator.band_weight[1][j] = AUVID_C(1.0);
     }
     auvid_metric_restart_pass(m, PASS_FIRST);
 }
@@ -321,7 +326,7 @@ auvid_status_t auvid_metric_merge(auvid_metric_t *metric, uint32_t *budget)
         return AUVID_ERR_NULL;
     }
     auvid_metric_t *m = metric;
-    if (m->excited == 0) {
+    if (m->result.excited == 0) {
         return AUVID_ERR_NO_DATA;
     }
     const auvid_path_t *path = auvid_metric_path(m);

@@ -34,19 +34,20 @@ static int metric_exponent(auvid_real_t x)
 /* Pack column k of DoF j's R factor, of order n. Rows were within bounds, so all is finite. */
 static void metric_pack_column(const auvid_metric_t *m, auvid_set_t *set, int j, int n, int k)
 {
-    int top = m->factor_at[j] + k;
+    int top = m->layout.factor_at[j] + k;
     auvid_real_t largest = AUVID_C(0.0);
     for (int i = 0, at = top; i <= k; at += n - ++i) {
-        auvid_real_t low = auvid_abs(m->factor[0][at]), high = auvid_abs(m->factor[1][at]);
+        auvid_real_t low = auvid_abs(m->rows.set.factor[0][at]),
+                     high = auvid_abs(m->rows.set.factor[1][at]);
         largest = low > largest ? low : largest;
         largest = high > largest ? high : largest;
     }
     int e = metric_exponent(largest);
     auvid_real_t scale = metric_power_of_two(-e);
-    set->exponent[m->channel_at[j] + k] = (int8_t)e;
+    set->exponent[m->layout.channel_at[j] + k] = (int8_t)e;
     for (int i = 0, at = top; i <= k; at += n - ++i) {
-        set->factor[0][at] = (auvid_packed_t)auvid_half_further(scale * m->factor[0][at]);
-        set->factor[1][at] = (auvid_packed_t)auvid_half_further(scale * m->factor[1][at]);
+        set->factor[0][at] = (auvid_packed_t)auvid_half_further(scale * m->rows.set.factor[0][at]);
+        set->factor[1][at] = (auvid_packed_t)auvid_half_further(scale * m->rows.set.factor[1][at]);
     }
 }
 
@@ -63,18 +64,18 @@ void auvid_metric_pack(const auvid_metric_t *m, auvid_set_t *set)
 /* Returns the slot of the set stored `back` - 1 sets before the last one; 0: of the next set. */
 static auvid_set_t *metric_set_slot(auvid_metric_t *m, uint32_t back)
 {
-    return &m->set[(m->sets_stored + m->cfg.sets - back) % m->cfg.sets];
+    return &m->sets.set[(m->sets.stored + m->cfg.sets - back) % m->cfg.sets];
 }
 
 /* Returns true if the next set would overwrite one that is still needed. */
 static bool metric_slot_is_needed(auvid_metric_t *m)
 {
     uint32_t max_waiting = m->cfg.sets > 4 ? (m->cfg.sets - 1u) / 2u : 1u;
-    if (!m->held) {
-        return m->waiting >= m->cfg.sets;
+    if (!m->sets.held) {
+        return m->sets.waiting >= m->cfg.sets;
     }
     return metric_set_slot(m, 0)->rows > 0 &&
-           (m->waiting >= max_waiting || auvid_metric_sets(m) <= m->least);
+           (m->sets.waiting >= max_waiting || auvid_metric_sets(m) <= m->sets.least);
 }
 
 /* Make room for a set. While the ring is held, the sets that count keep more than half of it: the
@@ -84,21 +85,22 @@ static auvid_set_t *metric_make_room(auvid_metric_t *m)
 {
     bool full = metric_slot_is_needed(m);
     if (full) {
-        m->rows_dropped += m->waiting > 0 ? metric_set_slot(m, m->waiting)->rows : m->rows;
+        m->sets.rows_dropped +=
+            m->sets.waiting > 0 ? metric_set_slot(m, m->sets.waiting)->rows : m->rows.set.rows;
     } else {
-        ++m->waiting;
+        ++m->sets.waiting;
     }
-    if (m->waiting == 0) {
+    if (m->sets.waiting == 0) {
         return NULL;
     }
-    if (full && m->held) {
-        for (uint32_t back = m->waiting; back > 1; --back) {
+    if (full && m->sets.held) {
+        for (uint32_t back = m->sets.waiting; back > 1; --back) {
             *metric_set_slot(m, back) = *metric_set_slot(m, back - 1u);
         }
     } else {
-        ++m->sets_stored;
-        m->from = (uint8_t)(m->from + m->held);
-        m->ring_changed = m->held;
+        ++m->sets.stored;
+        m->sets.from = (uint8_t)(m->sets.from + m->sets.held);
+        m->sets.changed = m->sets.held;
     }
     return metric_set_slot(m, 1);
 }
@@ -110,13 +112,13 @@ void auvid_metric_store_set(auvid_metric_t *m, uint8_t excited)
         return;
     }
     memset(set, 0, sizeof *set);
-    set->number = m->sets_recorded + 1u;
-    set->rows = m->rows;
-    memcpy(set->rows_of, m->rows_of, sizeof set->rows_of);
-    set->lost = m->lost;
-    memcpy(set->fastest, m->fastest, sizeof set->fastest);
+    set->number = m->sets.recorded + 1u;
+    set->rows = m->rows.set.rows;
+    memcpy(set->rows_of, m->rows.set.rows_of, sizeof set->rows_of);
+    set->lost = m->rows.set.lost;
+    memcpy(set->fastest, m->rows.set.fastest, sizeof set->fastest);
     set->excited = excited;
-    memcpy(set->tau_m2, m->tau_m2, sizeof set->tau_m2);
+    memcpy(set->tau_m2, m->rows.set.tau_m2, sizeof set->tau_m2);
     if (!auvid_metric_stores_rows(m)) {
         auvid_metric_pack(m, set);
     }
@@ -126,8 +128,9 @@ void auvid_metric_unpack_row(const auvid_metric_t *m, const auvid_set_t *set, in
                              int i, auvid_real_t *row)
 {
     int n = auvid_metric_order(m, j);
-    const auvid_packed_t *packed = set->factor[band] + m->factor_at[j] + auvid_qr_row(n, i) - i;
-    const int8_t *exponent = set->exponent + m->channel_at[j];
+    const auvid_packed_t *packed =
+        set->factor[band] + m->layout.factor_at[j] + auvid_qr_row(n, i) - i;
+    const int8_t *exponent = set->exponent + m->layout.channel_at[j];
     for (int k = i; k < n; ++k) {
         row[k] = (auvid_real_t)packed[k] * metric_power_of_two(exponent[k]);
     }

@@ -26,8 +26,8 @@
 static uint32_t metric_prior_columns(const auvid_metric_t *m, int j)
 {
     uint32_t known = 0;
-    for (int k = 0; k < m->count[j]; ++k) {
-        int i = m->index[m->channel_at[j] + k];
+    for (int k = 0; k < m->layout.count[j]; ++k) {
+        int i = m->layout.index[m->layout.channel_at[j] + k];
         bool of_dof = (int)m->cfg.vehicle->parameter[i].dof == j;
         known |= (uint32_t)(of_dof && (m->prior.known >> i & 1u)) << k;
     }
@@ -38,33 +38,34 @@ static uint32_t metric_prior_columns(const auvid_metric_t *m, int j)
 static void metric_add_prior_row(auvid_metric_t *m, int j, int k, auvid_real_t noise)
 {
     auvid_real_t row[AUVID_MAX_PARAMETERS + AUVID_METRIC_DELAYS] = {AUVID_C(0.0)};
-    int n = auvid_metric_order(m, j), i = m->index[m->channel_at[j] + k];
+    int n = auvid_metric_order(m, j), i = m->layout.index[m->layout.channel_at[j] + k];
     row[k] = noise / m->prior.sigma[i];
     for (int d = 0; d < AUVID_METRIC_DELAYS; ++d) {
-        row[m->count[j] + d] = row[k] * m->prior.pi[i];
+        row[m->layout.count[j] + d] = row[k] * m->prior.pi[i];
     }
     if (auvid_all_within(row + k, (size_t)(n - k), METRIC_LARGEST_ENTRY) != AUVID_OK) {
         return; /* its squares would not be finite */
     }
-    auvid_qr_update(m->merged + m->factor_at[j], n, k, row);
+    auvid_qr_update(m->evaluator.merged + m->layout.factor_at[j], n, k, row);
 }
 
 /* Rotate the priors of DoF j in. @return true if they agree with the sets */
 static bool metric_apply_prior_dof(auvid_metric_t *m, int j)
 {
-    auvid_real_t s = m->delay_s[j] / auvid_metric_node_s(m), rows = (auvid_real_t)m->dof_rows[j];
-    bool lag = (m->first_order_lag >> j & 1) != 0;
+    auvid_real_t s = m->result.delay_s[j] / auvid_metric_node_s(m),
+                 rows = (auvid_real_t)m->result.dof_rows[j];
+    bool lag = (m->result.first_order_lag >> j & 1) != 0;
     auvid_real_t before = auvid_metric_unexplained(m, j, s, lag);
     auvid_real_t square = m->prior.variance_inflation[j] * before / rows, degrees = AUVID_C(0.0);
     uint32_t known = metric_prior_columns(m, j);
-    for (int k = 0; k < m->count[j]; ++k) {
+    for (int k = 0; k < m->layout.count[j]; ++k) {
         if (known >> k & 1u) {
             metric_add_prior_row(m, j, k, auvid_sqrt(square));
             degrees += AUVID_C(1.0);
         }
     }
     auvid_real_t more = auvid_metric_unexplained(m, j, s, lag) - before;
-    m->constant -= m->weight[j] * before;
+    m->result.constant -= m->evaluator.weight[j] * before;
     auvid_metric_solve_dof(m, j);
     return more <= METRIC_LIMIT * degrees * square;
 }
@@ -72,12 +73,12 @@ static bool metric_apply_prior_dof(auvid_metric_t *m, int j)
 /* @return AUVID_OK; AUVID_PENDING; AUVID_EMPTY (prior discarded: the last pass starts again) */
 static auvid_status_t metric_apply_prior(auvid_metric_t *m, uint32_t *budget)
 {
-    for (; m->at_dof < AUVID_DOF_COUNT; ++m->at_dof) {
-        int j = m->at_dof;
-        if ((m->excited >> j & 1) == 0) {
+    for (; m->evaluator.at.dof < AUVID_DOF_COUNT; ++m->evaluator.at.dof) {
+        int j = m->evaluator.at.dof;
+        if ((m->result.excited >> j & 1) == 0) {
             continue;
         }
-        uint8_t price = (uint8_t)(AUVID_METRIC_ROTATION * (m->count[j] + 2));
+        uint8_t price = (uint8_t)(AUVID_METRIC_ROTATION * (m->layout.count[j] + 2));
         do {
             if (*budget == 0) {
                 return AUVID_PENDING;

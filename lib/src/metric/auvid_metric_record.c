@@ -16,18 +16,19 @@
 /* Add a cell to the rows under construction. @return slot of the row that it completes; -1: none */
 static int metric_add_to_rows(auvid_metric_t *m, const auvid_sample_t *sample)
 {
-    if (m->cells + 1 < METRIC_PAST) { /* the wrench is not yet known at all delays */
+    if (m->rows.cells + 1 < METRIC_PAST) { /* the wrench is not yet known at all delays */
         return -1;
     }
-    uint32_t n = m->cells + 1 - METRIC_PAST, step = m->cfg.row_cells, last = m->taps - 1u;
-    uint32_t slot = n / step % m->overlap;
+    uint32_t n = m->rows.cells + 1 - METRIC_PAST, step = m->cfg.row_cells,
+             last = m->layout.taps - 1u;
+    uint32_t slot = n / step % m->layout.overlap;
     if (n % step == 0) {
-        auvid_clear(m->accumulator[slot], AUVID_MAX_COLUMNS);
-        auvid_clear(m->fixed_wrench[slot], AUVID_DOF_COUNT);
-        memset(m->missing[slot], 0, sizeof m->missing[slot]);
+        auvid_clear(m->rows.accumulator[slot], AUVID_MAX_COLUMNS);
+        auvid_clear(m->rows.fixed_wrench[slot], AUVID_DOF_COUNT);
+        memset(m->rows.missing[slot], 0, sizeof m->rows.missing[slot]);
     }
     auvid_metric_path(m)->add_cell(m, sample, n, slot);
-    return n >= last && (n - last) % step == 0 ? (int)((n - last) / step % m->overlap) : -1;
+    return n >= last && (n - last) % step == 0 ? (int)((n - last) / step % m->layout.overlap) : -1;
 }
 
 /* Update the largest speed in each direction, in thousandths. */
@@ -35,7 +36,7 @@ static void metric_update_max_speed(auvid_metric_t *m, const auvid_sample_t *sam
 {
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
         auvid_real_t speed = AUVID_C(1000.0) * auvid_abs(sample->nu[j]);
-        uint16_t *fastest = &m->fastest[j][sample->nu[j] < AUVID_C(0.0)];
+        uint16_t *fastest = &m->rows.set.fastest[j][sample->nu[j] < AUVID_C(0.0)];
         if ((sample->missing >> j & 1) == 0 && speed > (auvid_real_t)*fastest) {
             *fastest = (uint16_t)auvid_min(speed, (auvid_real_t)UINT16_MAX);
         }
@@ -55,33 +56,33 @@ auvid_status_t auvid_metric_add(auvid_metric_t *metric, const auvid_sample_t *sa
         !auvid_all_finite(sample->command, AUVID_MAX_COMMANDS)) {
         return AUVID_ERR_NOT_FINITE;
     }
-    m->full = m->full || (m->held && sample->t_us > m->until_us);
-    if (!m->full && sample->t_us >= m->resume_us) {
+    m->sets.full = m->sets.full || (m->sets.held && sample->t_us > m->sets.until_us);
+    if (!m->sets.full && sample->t_us >= m->sets.resume_us) {
         metric_update_max_speed(m, sample);
     }
-    memcpy(m->past_tau[m->cells % METRIC_PAST], sample->tau, sizeof sample->tau);
-    memcpy(m->past_tau[m->cells % METRIC_PAST] + AUVID_DOF_COUNT, sample->command,
+    memcpy(m->rows.past_tau[m->rows.cells % METRIC_PAST], sample->tau, sizeof sample->tau);
+    memcpy(m->rows.past_tau[m->rows.cells % METRIC_PAST] + AUVID_DOF_COUNT, sample->command,
            AUVID_MAX_COMMANDS * sizeof sample->command[0]);
     auvid_status_t status = AUVID_OK;
     int slot = metric_add_to_rows(m, sample);
     if (slot >= 0) {
-        uint64_t middle = sample->t_us - (uint64_t)(m->taps - 1u) * m->cfg.cell_us / 2u;
+        uint64_t middle = sample->t_us - (uint64_t)(m->layout.taps - 1u) * m->cfg.cell_us / 2u;
         auvid_metric_path(m)->finish_row(m, middle, (uint32_t)slot);
-        if (m->rows >= m->cfg.set_rows) {
+        if (m->rows.set.rows >= m->cfg.set_rows) {
             status = auvid_metric_close(m);
         }
     }
-    ++m->cells;
+    ++m->rows.cells;
     return status == AUVID_PENDING ? AUVID_OK : status;
 }
 
 void auvid_metric_gap(auvid_metric_t *metric)
 {
     if (metric != NULL) {
-        uint32_t cells = METRIC_PAST - 1u + metric->taps - 1u; /* before the first row */
-        cells = metric->cells < cells ? metric->cells : cells;
+        uint32_t cells = METRIC_PAST - 1u + metric->layout.taps - 1u; /* before the first row */
+        cells = metric->rows.cells < cells ? metric->rows.cells : cells;
         auvid_metric_count_lost_rows(metric, cells / metric->cfg.row_cells);
-        metric->cells = 0;
-        memset(metric->successive, 0, sizeof metric->successive);
+        metric->rows.cells = 0;
+        memset(metric->rows.successive, 0, sizeof metric->rows.successive);
     }
 }

@@ -29,7 +29,7 @@
 #if AUVID_MAX_COMMANDS == 0
 #define REGRESSOR(metric) (&(auvid_regressor_t){{{AUVID_C(0.0)}}})
 #else
-#define REGRESSOR(metric) (&(metric)->regressor)
+#define REGRESSOR(metric) (&(metric)->evaluator.regressor)
 #endif
 
 static uint32_t metric_taps(const auvid_metric_config_t *cfg)
@@ -69,7 +69,7 @@ static auvid_status_t metric_check_regressor(const auvid_metric_config_t *cfg, a
 static void metric_make_kernel(const auvid_metric_t *m, auvid_real_t *kernel, uint8_t half_width)
 {
     auvid_real_t dt_s = (auvid_real_t)m->cfg.cell_us * AUVID_C(1e-6);
-    auvid_real_t *first = kernel + m->taps / 2 - m->cfg.passes * half_width;
+    auvid_real_t *first = kernel + m->layout.taps / 2 - m->cfg.passes * half_width;
     (void)auvid_smoother_coefficients(half_width, m->cfg.order, 0, dt_s, 0,
                                       first); /* they exist: metric_check_regressor */
     int n = 2 * half_width + 1;
@@ -87,10 +87,10 @@ static void metric_make_smoother(auvid_metric_t *m)
     const auvid_metric_config_t *cfg = &m->cfg;
     auvid_real_t cells = (auvid_real_t)cfg->velocity_us / (auvid_real_t)cfg->cell_us;
     auvid_metric_set_taps(m, metric_taps(cfg));
-    m->window_length = 1;
-    m->interpolation_spread = auvid_min(cells * cells / AUVID_C(12.0), AUVID_C(0.5));
-    metric_make_kernel(m, m->kernel[0], cfg->half_width[0]);
-    metric_make_kernel(m, m->kernel[1], cfg->half_width[1]);
+    m->layout.window_length = 1;
+    m->layout.interpolation_spread = auvid_min(cells * cells / AUVID_C(12.0), AUVID_C(0.5));
+    metric_make_kernel(m, m->layout.kernel[0], cfg->half_width[0]);
+    metric_make_kernel(m, m->layout.kernel[1], cfg->half_width[1]);
 }
 
 /* The channels of the regressor path form four sections of one weight each. The forces have the
@@ -99,7 +99,8 @@ static void metric_make_smoother(auvid_metric_t *m)
 static int metric_section(const auvid_metric_t *m, int i)
 {
     int j = i < 2 ? AUVID_SURGE : AUVID_ROLL;
-    return m->channel_at[j] + (i % 2 ? m->count[j] + m->count[j + 1] + m->count[j + 2] : 0);
+    return m->layout.channel_at[j] +
+           (i % 2 ? m->layout.count[j] + m->layout.count[j + 1] + m->layout.count[j + 2] : 0);
 }
 
 /* Returns the part of DoF j's wrench that fixed parameters explain. */
@@ -107,7 +108,7 @@ static auvid_real_t metric_explained_by_fixed(const auvid_metric_t *m, int j,
                                               const auvid_real_t *row)
 {
     auvid_real_t sum = AUVID_C(0.0);
-    uint32_t fixed = m->cfg.vehicle->columns[j] & ~m->columns[j];
+    uint32_t fixed = m->cfg.vehicle->columns[j] & ~m->layout.columns[j];
     for (int i = 0; fixed != 0; ++i, fixed >>= 1) {
         for (; (fixed & 15u) == 0; fixed >>= 4) {
             i += 4;
@@ -143,8 +144,8 @@ static bool metric_row_channels(const auvid_metric_t *m, const auvid_regressor_t
         }
         fixed[j] = metric_explained_by_fixed(m, j, y->row[j]);
         any = any || auvid_abs(fixed[j]) > AUVID_C(0.0);
-        const uint8_t *index = m->index + m->channel_at[j];
-        for (int k = m->count[j]; k > 0; --k) {
+        const uint8_t *index = m->layout.index + m->layout.channel_at[j];
+        for (int k = m->layout.count[j]; k > 0; --k) {
             *motion++ = y->row[j][*index++];
         }
         for (int d = 0; d < AUVID_METRIC_DELAYS; ++d) {
@@ -157,10 +158,10 @@ static bool metric_row_channels(const auvid_metric_t *m, const auvid_regressor_t
 /* Returns the weight of the wrench of forces in addition to kernel[age]: see auvid_metric.c. */
 static auvid_real_t metric_spread_weight(const auvid_metric_t *m, uint32_t age)
 {
-    const auvid_real_t *kernel = m->kernel[0];
+    const auvid_real_t *kernel = m->layout.kernel[0];
     auvid_real_t before = age > 0 ? kernel[age - 1] : AUVID_C(0.0);
-    auvid_real_t after = age + 1u < m->taps ? kernel[age + 1u] : AUVID_C(0.0);
-    return m->interpolation_spread * (before - AUVID_C(2.0) * kernel[age] + after);
+    auvid_real_t after = age + 1u < m->layout.taps ? kernel[age + 1u] : AUVID_C(0.0);
+    return m->layout.interpolation_spread * (before - AUVID_C(2.0) * kernel[age] + after);
 }
 
 /* Add weight * channel to the row under construction `slot`, which has `age` cells. fixed: NULL if
@@ -169,10 +170,10 @@ static void metric_accumulate_rows(auvid_metric_t *m, uint32_t slot, uint32_t ag
                                    const auvid_real_t *channel, const auvid_real_t *fixed,
                                    uint8_t missing)
 {
-    const auvid_real_t force = m->kernel[0][age], moment = m->kernel[1][age];
+    const auvid_real_t force = m->layout.kernel[0][age], moment = m->layout.kernel[1][age];
     int wrench = metric_section(m, 1), moments = metric_section(m, 2),
-        end = m->channel_at[AUVID_DOF_COUNT];
-    auvid_real_t *row = m->accumulator[slot];
+        end = m->layout.channel_at[AUVID_DOF_COUNT];
+    auvid_real_t *row = m->rows.accumulator[slot];
     auvid_metric_record_missing(m, slot, age, missing);
     auvid_metric_add_scaled(row, force, channel, wrench);
     auvid_metric_add_scaled(row + wrench, force + metric_spread_weight(m, age), channel + wrench,
@@ -181,7 +182,7 @@ static void metric_accumulate_rows(auvid_metric_t *m, uint32_t slot, uint32_t ag
         auvid_metric_add_scaled(row + moments, moment, channel + moments, end - moments);
     }
     for (int j = 0; fixed != NULL && j < AUVID_DOF_COUNT; ++j) {
-        m->fixed_wrench[slot][j] += (j < AUVID_ROLL ? force : moment) * fixed[j];
+        m->rows.fixed_wrench[slot][j] += (j < AUVID_ROLL ? force : moment) * fixed[j];
     }
 }
 
@@ -190,40 +191,42 @@ static void metric_accumulate_rows(auvid_metric_t *m, uint32_t slot, uint32_t ag
  *     ||a + b||^2 / 4 + ||a - b||^2 / 4 = (||a||^2 + ||b||^2) / 2                              */
 static void metric_rotate_row(auvid_metric_t *m, int j, const auvid_real_t *row)
 {
-    int at = m->channel_at[j], n = auvid_metric_order(m, j);
+    int at = m->layout.channel_at[j], n = auvid_metric_order(m, j);
     uint32_t lag = m->cfg.lag[j >= AUVID_ROLL];
     const auvid_real_t *previous =
-        m->previous[(m->since_gap + AUVID_METRIC_LAGS - lag) % AUVID_METRIC_LAGS] + at;
-    for (int band = 0; band < AUVID_METRIC_BANDS && m->successive[j] >= lag; ++band) {
+        m->rows.previous[(m->rows.since_gap + AUVID_METRIC_LAGS - lag) % AUVID_METRIC_LAGS] + at;
+    for (int band = 0; band < AUVID_METRIC_BANDS && m->rows.successive[j] >= lag; ++band) {
         auvid_real_t sum[AUVID_MAX_PARAMETERS + AUVID_METRIC_DELAYS];
         auvid_real_t other = band == 0 ? AUVID_C(0.5) : AUVID_C(-0.5);
         for (int i = 0; i < n; ++i) {
             sum[i] = AUVID_C(0.5) * row[i] + other * previous[i];
         }
-        auvid_qr_update(m->factor[band] + m->factor_at[j], n, 0, sum);
+        auvid_qr_update(m->rows.set.factor[band] + m->layout.factor_at[j], n, 0, sum);
     }
-    memcpy(m->previous[m->since_gap % AUVID_METRIC_LAGS] + at, row, (size_t)n * sizeof *row);
-    m->successive[j] = (uint8_t)(m->successive[j] + (m->successive[j] < AUVID_METRIC_LAGS));
+    memcpy(m->rows.previous[m->rows.since_gap % AUVID_METRIC_LAGS] + at, row,
+           (size_t)n * sizeof *row);
+    m->rows.successive[j] =
+        (uint8_t)(m->rows.successive[j] + (m->rows.successive[j] < AUVID_METRIC_LAGS));
 }
 
 /* Take a row into the R factors, except for the DoF whose equation reads what was not measured. A
  * row in which the regressor failed does not count: its wrench would seem explained. */
 static void metric_take_row(auvid_metric_t *m, uint64_t t_us, uint32_t slot)
 {
-    const auvid_real_t *channel = m->accumulator[slot], *fixed = m->fixed_wrench[slot];
+    const auvid_real_t *channel = m->rows.accumulator[slot], *fixed = m->rows.fixed_wrench[slot];
     const auvid_real_t *motion = channel, *wrench = channel + metric_section(m, 1);
     uint8_t excluded = auvid_metric_dofs_without_row(m, slot);
     (void)t_us;
-    if (auvid_all_within(channel, m->channel_at[AUVID_DOF_COUNT], METRIC_LARGEST_ENTRY) !=
+    if (auvid_all_within(channel, m->layout.channel_at[AUVID_DOF_COUNT], METRIC_LARGEST_ENTRY) !=
             AUVID_OK ||
         auvid_all_within(fixed, AUVID_DOF_COUNT, METRIC_LARGEST_ENTRY) != AUVID_OK) {
-        memset(m->successive, 0, sizeof m->successive);
+        memset(m->rows.successive, 0, sizeof m->rows.successive);
         return;
     }
     bool any = false;
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
         auvid_real_t row[AUVID_MAX_PARAMETERS + AUVID_METRIC_DELAYS];
-        int count = m->count[j];
+        int count = m->layout.count[j];
         if (j == AUVID_ROLL) {
             motion = channel + metric_section(m, 2);
             wrench = channel + metric_section(m, 3);
@@ -232,7 +235,7 @@ static void metric_take_row(auvid_metric_t *m, uint64_t t_us, uint32_t slot)
             continue;
         }
         if ((excluded >> j & 1) != 0) {
-            m->successive[j] = 0;
+            m->rows.successive[j] = 0;
             motion += count;
             wrench += AUVID_METRIC_DELAYS;
             continue;
@@ -247,7 +250,7 @@ static void metric_take_row(auvid_metric_t *m, uint64_t t_us, uint32_t slot)
         metric_rotate_row(m, j, row);
     }
     auvid_metric_count_row(m, any);
-    ++m->since_gap;
+    ++m->rows.since_gap;
 }
 
 /* Add the equations of cell n of the record to all rows under construction. The newest, begun
@@ -264,25 +267,27 @@ static void metric_add_equations(auvid_metric_t *m, const auvid_sample_t *sample
     }
     metric_evaluate(m, sample, y);
     bool any = metric_row_channels(m, y, late, channel, fixed);
-    for (uint32_t age = n % step; age < m->taps && age <= n; age += step) {
+    for (uint32_t age = n % step; age < m->layout.taps && age <= n; age += step) {
         metric_accumulate_rows(m, slot, age, channel, any ? fixed : NULL, sample->missing);
-        slot = slot > 0 ? slot - 1u : m->overlap - 1u;
+        slot = slot > 0 ? slot - 1u : m->layout.overlap - 1u;
     }
 }
 
 /* J = sum_j weight_j ||R_j pi - z_j||^2, row by row. */
 static auvid_status_t metric_factor_cost(auvid_metric_t *m, uint32_t *budget)
 {
-    for (; m->at_dof < AUVID_DOF_COUNT; ++m->at_dof, m->at_row = 0) {
-        int j = m->at_dof, count = m->count[j], n = count + AUVID_METRIC_DELAYS;
-        if (!(m->excited >> j & 1)) {
+    for (; m->evaluator.at.dof < AUVID_DOF_COUNT; ++m->evaluator.at.dof, m->evaluator.at.row = 0) {
+        int j = m->evaluator.at.dof, count = m->layout.count[j], n = count + AUVID_METRIC_DELAYS;
+        if (!(m->result.excited >> j & 1)) {
             continue;
         }
-        const auvid_real_t *x = m->candidate + m->channel_at[j], *z = m->z + m->channel_at[j];
-        const auvid_real_t *r = m->merged + m->factor_at[j] + auvid_qr_row(n, m->at_row);
-        int i = m->at_row, left = count - i;
+        const auvid_real_t *x = m->evaluator.candidate + m->layout.channel_at[j],
+                           *z = m->evaluator.z + m->layout.channel_at[j];
+        const auvid_real_t *r =
+            m->evaluator.merged + m->layout.factor_at[j] + auvid_qr_row(n, m->evaluator.at.row);
+        int i = m->evaluator.at.row, left = count - i;
         int to = *budget < (uint32_t)left ? i + (int)*budget : count;
-        auvid_real_t squares = m->squares;
+        auvid_real_t squares = m->evaluator.squares;
         *budget -= (uint32_t)(to - i);
         for (; i < to; ++i, r += AUVID_METRIC_DELAYS) {
             auvid_real_t e = -z[i];
@@ -291,21 +296,21 @@ static auvid_status_t metric_factor_cost(auvid_metric_t *m, uint32_t *budget)
             }
             squares += e * e;
         }
-        m->squares = squares;
-        m->at_row = (uint16_t)i;
+        m->evaluator.squares = squares;
+        m->evaluator.at.row = (uint16_t)i;
         if (i < count) {
             return AUVID_PENDING;
         }
-        m->sum += m->weight[j] * m->squares;
-        m->squares = AUVID_C(0.0);
+        m->evaluator.sum += m->evaluator.weight[j] * m->evaluator.squares;
+        m->evaluator.squares = AUVID_C(0.0);
     }
-    m->cost = m->sum;
+    m->result.cost = m->evaluator.sum;
     return AUVID_OK;
 }
 
 static auvid_status_t metric_evaluate_factor(auvid_metric_t *m, uint32_t *budget)
 {
-    if (m->pass == PASS_COST) {
+    if (m->evaluator.at.pass == PASS_COST) {
         return metric_factor_cost(m, budget);
     }
     return auvid_metric_for_each_row(m, budget) ? AUVID_OK : AUVID_PENDING;

@@ -54,12 +54,12 @@ static void metric_make_window(auvid_metric_t *m)
     int pairs = (int)auvid_min(AUVID_C(2.0) * rows * rows + AUVID_C(0.5),
                                (auvid_real_t)AUVID_METRIC_WINDOW);
     pairs = pairs < AUVID_METRIC_WINDOW / 2 ? pairs : AUVID_METRIC_WINDOW / 2;
-    m->window_length = (uint8_t)(2 * pairs + 1);
-    m->window_weight[0] = AUVID_C(1.0);
-    for (int n = 1; n < m->window_length; ++n) {
+    m->layout.window_length = (uint8_t)(2 * pairs + 1);
+    m->layout.window_weight[0] = AUVID_C(1.0);
+    for (int n = 1; n < m->layout.window_length; ++n) {
         for (int k = n; k >= 0; --k) { /* Pascal's triangle, each line halved */
-            auvid_real_t left = k > 0 ? m->window_weight[k - 1] : AUVID_C(0.0);
-            m->window_weight[k] = AUVID_C(0.5) * (m->window_weight[k] + left);
+            auvid_real_t left = k > 0 ? m->layout.window_weight[k - 1] : AUVID_C(0.0);
+            m->layout.window_weight[k] = AUVID_C(0.5) * (m->layout.window_weight[k] + left);
         }
     }
 }
@@ -68,8 +68,9 @@ static void metric_make_window(auvid_metric_t *m)
 static void metric_make_mean(auvid_metric_t *m)
 {
     auvid_metric_set_taps(m, m->cfg.row_cells);
-    for (int i = 0; i < m->taps; ++i) {
-        m->kernel[0][i] = m->kernel[1][i] = AUVID_C(1.0) / (auvid_real_t)m->taps;
+    for (int i = 0; i < m->layout.taps; ++i) {
+        m->layout.kernel[0][i] = m->layout.kernel[1][i] =
+            AUVID_C(1.0) / (auvid_real_t)m->layout.taps;
     }
     metric_make_window(m);
 }
@@ -79,8 +80,8 @@ static void metric_make_mean(auvid_metric_t *m)
 static void metric_accumulate_motion(auvid_metric_t *m, uint32_t slot, uint32_t age,
                                      const auvid_sample_t *s)
 {
-    auvid_real_t *row = m->accumulator[slot];
-    auvid_real_t weight = m->kernel[0][age];
+    auvid_real_t *row = m->rows.accumulator[slot];
+    auvid_real_t weight = m->layout.kernel[0][age];
     auvid_metric_record_missing(m, slot, age, s->missing);
     row[0] += weight * s->phi;
     row[1] += weight * s->theta;
@@ -110,12 +111,12 @@ static void metric_sample_from_channels(const auvid_real_t *channel, uint64_t t_
 /* Store a row if there is room. It is counted if an equation of the model can use it. */
 static void metric_store_row(auvid_metric_t *m, uint64_t t_us, uint32_t slot)
 {
-    if (m->full || t_us < m->resume_us) {
-        ++m->rows_dropped;
+    if (m->sets.full || t_us < m->sets.resume_us) {
+        ++m->sets.rows_dropped;
         return;
     }
-    const auvid_real_t *channel = m->accumulator[slot];
-    auvid_row_t *store = auvid_metric_rows(m, -1) + m->rows;
+    const auvid_real_t *channel = m->rows.accumulator[slot];
+    auvid_row_t *store = auvid_metric_rows(m, -1) + m->rows.set.rows;
     uint8_t excluded = auvid_metric_dofs_without_row(m, slot);
     bool any = false;
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
@@ -126,7 +127,7 @@ static void metric_store_row(auvid_metric_t *m, uint64_t t_us, uint32_t slot)
         }
     }
     metric_sample_from_channels(channel, t_us, &store->sample);
-    store->sample.missing = m->missing[slot][0];
+    store->sample.missing = m->rows.missing[slot][0];
     memcpy(store->late, channel + MOTION_LATE, sizeof store->late);
     auvid_metric_count_row(m, any);
 }
@@ -137,9 +138,9 @@ static void metric_add_motion(auvid_metric_t *m, const auvid_sample_t *sample, u
                               uint32_t slot)
 {
     uint32_t step = m->cfg.row_cells;
-    for (uint32_t age = n % step; age < m->taps && age <= n; age += step) {
+    for (uint32_t age = n % step; age < m->layout.taps && age <= n; age += step) {
         metric_accumulate_motion(m, slot, age, sample);
-        slot = slot > 0 ? slot - 1u : m->overlap - 1u;
+        slot = slot > 0 ? slot - 1u : m->layout.overlap - 1u;
     }
 }
 
@@ -149,26 +150,28 @@ static bool metric_push_residual(auvid_metric_t *m, const auvid_row_t *row)
 {
     auvid_sample_t sample = auvid_metric_delayed_sample(m, row);
     uint8_t excluded = auvid_vehicle_unmeasured(m->cfg.vehicle, sample.missing);
-    if (!auvid_metric_succeeds(m, m->window_us, sample.t_us)) {
-        m->window_rows = 0;
-        memset(m->window_of, 0, sizeof m->window_of);
+    if (!auvid_metric_succeeds(m, m->evaluator.window_us, sample.t_us)) {
+        m->evaluator.window_rows = 0;
+        memset(m->evaluator.window_of, 0, sizeof m->evaluator.window_of);
     }
-    m->window_us = sample.t_us;
+    m->evaluator.window_us = sample.t_us;
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
-        int rows = m->window_of[j] + (m->window_of[j] < m->window_length);
-        m->window_of[j] = (uint8_t)((excluded >> j & 1) != 0 ? 0 : rows);
+        int rows =
+            m->evaluator.window_of[j] + (m->evaluator.window_of[j] < m->layout.window_length);
+        m->evaluator.window_of[j] = (uint8_t)((excluded >> j & 1) != 0 ? 0 : rows);
     }
-    auvid_vehicle_residual(m->cfg.vehicle, &sample, m->pi,
-                           m->window[m->window_rows % m->window_length]);
-    ++m->window_rows;
-    return m->window_rows >= m->window_length;
+    auvid_vehicle_residual(m->cfg.vehicle, &sample, m->evaluator.pi,
+                           m->evaluator.window[m->evaluator.window_rows % m->layout.window_length]);
+    ++m->evaluator.window_rows;
+    return m->evaluator.window_rows >= m->layout.window_length;
 }
 
 static auvid_real_t metric_smoothed_residual(const auvid_metric_t *m, int j)
 {
     auvid_real_t e = AUVID_C(0.0);
-    for (uint32_t k = 0; k < m->window_length; ++k) {
-        e += m->window_weight[k] * m->window[(m->window_rows + k) % m->window_length][j];
+    for (uint32_t k = 0; k < m->layout.window_length; ++k) {
+        e += m->layout.window_weight[k] *
+             m->evaluator.window[(m->evaluator.window_rows + k) % m->layout.window_length][j];
     }
     return e;
 }
@@ -178,40 +181,43 @@ static auvid_real_t metric_smoothed_residual(const auvid_metric_t *m, int j)
 static auvid_status_t metric_sample_cost(auvid_metric_t *m, uint32_t *budget)
 {
     int sets = auvid_metric_sets(m);
-    for (; m->at_set < sets; ++m->at_set, m->at_row = 0) {
-        int age = sets - 1 - m->at_set;
-        const auvid_set_t *set = &m->set[auvid_metric_slot(m, age)];
-        for (; set->excited != 0 && m->at_row < set->rows; ++m->at_row) {
+    for (; m->evaluator.at.set < sets; ++m->evaluator.at.set, m->evaluator.at.row = 0) {
+        int age = sets - 1 - m->evaluator.at.set;
+        const auvid_set_t *set = &m->sets.set[auvid_metric_slot(m, age)];
+        for (; set->excited != 0 && m->evaluator.at.row < set->rows; ++m->evaluator.at.row) {
             if (!auvid_metric_spend_model(m, budget)) {
                 return AUVID_PENDING;
             }
             auvid_real_t squares = AUVID_C(0.0);
-            if (!metric_push_residual(m, &auvid_metric_rows(m, age)[m->at_row])) {
+            if (!metric_push_residual(m, &auvid_metric_rows(m, age)[m->evaluator.at.row])) {
                 continue;
             }
             for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
-                if ((set->excited >> j & 1) != 0 && m->window_of[j] == m->window_length) {
+                if ((set->excited >> j & 1) != 0 &&
+                    m->evaluator.window_of[j] == m->layout.window_length) {
                     auvid_real_t e = metric_smoothed_residual(m, j);
-                    squares += m->weight[j] * e * e;
-                    m->band_sse[0][j] += m->pass == PASS_MEASURE ? e * e : AUVID_C(0.0);
+                    squares += m->evaluator.weight[j] * e * e;
+                    m->evaluator.band_sse[0][j] +=
+                        m->evaluator.at.pass == PASS_MEASURE ? e * e : AUVID_C(0.0);
                 }
             }
-            auvid_real_t term = squares - m->compensation, total = m->sum + term;
-            m->compensation = (total - m->sum) - term;
-            m->sum = total;
+            auvid_real_t term = squares - m->evaluator.compensation,
+                         total = m->evaluator.sum + term;
+            m->evaluator.compensation = (total - m->evaluator.sum) - term;
+            m->evaluator.sum = total;
         }
     }
-    m->cost = m->sum;
+    m->result.cost = m->evaluator.sum;
     return AUVID_OK;
 }
 
 static void metric_begin_samples(auvid_metric_t *m, const auvid_real_t *pi, auvid_real_t delay_s)
 {
-    auvid_metric_delay_weights(delay_s / auvid_metric_node_s(m), false, m->delay_weight);
+    auvid_metric_delay_weights(delay_s / auvid_metric_node_s(m), false, m->evaluator.delay_weight);
     for (int i = 0; i < m->cfg.vehicle->parameters; ++i) {
-        m->pi[i] = m->cfg.free == 0 || (m->cfg.free >> i & 1u) ? pi[i] : m->cfg.fixed[i];
+        m->evaluator.pi[i] = m->cfg.free == 0 || (m->cfg.free >> i & 1u) ? pi[i] : m->cfg.fixed[i];
     }
-    m->spent = 0;
+    m->evaluator.at.spent = 0;
 }
 
 const auvid_path_t auvid_path_residual = {.check = metric_check_residual,

@@ -123,7 +123,7 @@ static double run(uint32_t seed, uint32_t sets)
             while (take(&to_node, now_us, &frame)) {
                 if (auvid_node_take(&node, &frame) == AUVID_TICK) {
                     bool busy = serve(now_us);
-                    over = busy || node.id.metric.sets_recorded < sets ? 0 : over + 1;
+                    over = busy || node.id.metric.sets.recorded < sets ? 0 : over + 1;
                 }
             }
         }

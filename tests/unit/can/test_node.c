@@ -189,7 +189,7 @@ static void abort_run(void)
 static void identify(void)
 {
     uint32_t limit = SETS * SET_TICKS + 6000;
-    while (run.ticks < limit && (node.id.metric.sets_recorded < SETS ||
+    while (run.ticks < limit && (node.id.metric.sets.recorded < SETS ||
                                  node.id.phase != AUVID_WORK_IDLE || node.id.searches == 0)) {
         tick();
     }

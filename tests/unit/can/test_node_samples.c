@@ -349,7 +349,7 @@ static void test_frames_have_the_effect_of_calls_with_their_samples(void)
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_nav_state(&node.id.nav, &state));
     TEST_ASSERT_TRUE(fabs((double)state.position[0] - 10.0) < 3.0);
     TEST_ASSERT_TRUE(fabs((double)state.position[1] + 5.0) < 3.0);
-    TEST_ASSERT_TRUE(id.metric.sets_recorded > 0);
+    TEST_ASSERT_TRUE(id.metric.sets.recorded > 0);
 }
 
 static void test_frames_have_the_effect_of_calls_with_water_lock(void)
@@ -357,7 +357,7 @@ static void test_frames_have_the_effect_of_calls_with_water_lock(void)
     cfg.velocity = AUVID_VELOCITY_WATER;
     begin();
     go(3000);
-    TEST_ASSERT_TRUE(id.metric.sets_recorded > 0);
+    TEST_ASSERT_TRUE(id.metric.sets.recorded > 0);
 }
 
 static void test_commands_are_the_forces_divided_by_the_maximum_in_that_direction(void)

@@ -139,7 +139,7 @@ static void test_dives_with_a_prior_record_end_sooner_but_not_without_a_set(void
         prior_s += seen.end_s;
         TEST_ASSERT_EQUAL(AUVID_GUARD_DONE, chain.out.guard);
         TEST_ASSERT_EQUAL_HEX32(ALL, chain.id.estimate.confidence.identifiable);
-        TEST_ASSERT_TRUE(chain.id.metric.sets_recorded >= 1);
+        TEST_ASSERT_TRUE(chain.id.metric.sets.recorded >= 1);
         make_world(1 + dive, 1.0);
     }
     printf("mean time until the end: %.1f s, with a prior %.1f s\n", cold_s / DIVES,

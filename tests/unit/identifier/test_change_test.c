@@ -36,7 +36,7 @@ void tearDown(void)
 
 static void note(chain_t *c, const auvid_output_t *out)
 {
-    uint32_t set = c->id.metric.sets_recorded;
+    uint32_t set = c->id.metric.sets.recorded;
     story.events[set] |= out->events;
     if (c->id.estimate.number > 0) {
         story.square[set] = chain_mean_square(c);
@@ -97,7 +97,7 @@ static void spoil(chain_t *c, auvid_status_t status, const auvid_output_t *out)
     auvid_identifier_t *id = &c->id;
     TEST_ASSERT_EQUAL(AUVID_OK, status);
     note(c, out);
-    if ((out->events & AUVID_EVENT_ESTIMATE) && id->metric.sets_recorded == 5) {
+    if ((out->events & AUVID_EVENT_ESTIMATE) && id->metric.sets.recorded == 5) {
         id->estimate.pi[AUVID_G500_M_U] *= AUVID_C(1.3);
     }
     if (out->events & AUVID_EVENT_RESTORED) {
@@ -236,7 +236,7 @@ static void stay_consistent(chain_t *c, auvid_status_t status, const auvid_outpu
                      (out->events & (AUVID_EVENT_ESTIMATE | AUVID_EVENT_RESTORED)));
     if (out->events & AUVID_EVENT_VALIDATED) {
         TEST_ASSERT_TRUE(id->change_test.set > validated);
-        TEST_ASSERT_TRUE(id->change_test.set <= id->metric.sets_recorded);
+        TEST_ASSERT_TRUE(id->change_test.set <= id->metric.sets.recorded);
         TEST_ASSERT_TRUE(id->change_test.estimate <= id->estimate.number);
         validated = id->change_test.set;
     }
@@ -268,7 +268,7 @@ static void work_through(uint32_t budget)
     cfg.budget = 0;
     TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &cfg));
     for (uint32_t set = 1; set <= 7; ++set) {
-        while (chain.id.metric.sets_recorded < set) {
+        while (chain.id.metric.sets.recorded < set) {
             chain_tick(&chain);
         }
         TEST_ASSERT_TRUE(chain_finish(&chain, budget, 10000000) <= 10000000);
@@ -312,7 +312,7 @@ static void test_the_sixth_set_is_the_first_that_is_tested_for_a_change(void)
     TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &cfg));
     for (uint32_t set = 1; set <= 6; ++set) {
         auvid_real_t max_change = 0;
-        while (chain.id.metric.sets_recorded < set) {
+        while (chain.id.metric.sets.recorded < set) {
             chain_tick(&chain);
         }
         TEST_ASSERT_TRUE(chain_finish(&chain, 100000, 1000) <= 1000);
@@ -321,11 +321,11 @@ static void test_the_sixth_set_is_the_first_that_is_tested_for_a_change(void)
             max_change = chain.id.change_test.change[j] > max_change
                              ? chain.id.change_test.change[j]
                              : max_change;
-            TEST_ASSERT_TRUE(!compared || chain.id.metric.change[0][j] > 0);
-            TEST_ASSERT_TRUE(!compared || chain.id.metric.change[1][j] > 0);
+            TEST_ASSERT_TRUE(!compared || chain.id.metric.result.change[0][j] > 0);
+            TEST_ASSERT_TRUE(!compared || chain.id.metric.result.change[1][j] > 0);
             int together = j == AUVID_YAW ? 1 : 0; /* it depends on m_u - m_v */
-            TEST_ASSERT_TRUE(!compared ||
-                             chain.id.metric.change_rank[j] + together == chain.id.metric.count[j]);
+            TEST_ASSERT_TRUE(!compared || chain.id.metric.result.change_rank[j] + together ==
+                                              chain.id.metric.layout.count[j]);
         }
         TEST_ASSERT_EQUAL(set == 6, max_change > 0);
         TEST_ASSERT_EQUAL_HEX8(0, chain.id.change_test.changed);

@@ -416,14 +416,14 @@ static void test_impossible_values_are_refused(void)
     IMPOSSIBLE(phase = UINT8_MAX);
     IMPOSSIBLE(metric.cfg.sets = 0);
     IMPOSSIBLE(metric.cfg.set_rows = 60000);
-    IMPOSSIBLE(metric.rows = SET_ROWS);
-    IMPOSSIBLE(metric.taps = AUVID_MAX_TAPS + 1);
-    IMPOSSIBLE(metric.overlap = 0);
-    IMPOSSIBLE(metric.channel_at[2] = 500);
-    IMPOSSIBLE(metric.index[0] = 200);
-    IMPOSSIBLE(metric.set[3].exponent[0] = 100);
-    IMPOSSIBLE(metric.set[3].excited = 1); /* without a row */
-    IMPOSSIBLE(metric.factor[0][0] = AUVID_C(1e30));
+    IMPOSSIBLE(metric.rows.set.rows = SET_ROWS);
+    IMPOSSIBLE(metric.layout.taps = AUVID_MAX_TAPS + 1);
+    IMPOSSIBLE(metric.layout.overlap = 0);
+    IMPOSSIBLE(metric.layout.channel_at[2] = 500);
+    IMPOSSIBLE(metric.layout.index[0] = 200);
+    IMPOSSIBLE(metric.sets.set[3].exponent[0] = 100);
+    IMPOSSIBLE(metric.sets.set[3].excited = 1); /* without a row */
+    IMPOSSIBLE(metric.rows.set.factor[0][0] = AUVID_C(1e30));
     IMPOSSIBLE(nav.gps_count = 200);
     IMPOSSIBLE(nav.position[0] = (auvid_real_t)NAN);
     IMPOSSIBLE(estimate.pi[0] = (auvid_real_t)-INFINITY);
@@ -431,19 +431,19 @@ static void test_impossible_values_are_refused(void)
     IMPOSSIBLE(nav.past_next = 2 * AUVID_NAV_PAST);
     IMPOSSIBLE(nav.held_valid[1] = 8);
     IMPOSSIBLE(nav.holding = 1); /* before the first tick */
-    IMPOSSIBLE(metric.missing[0][1] = 64);
-    IMPOSSIBLE(metric.successive[0] = AUVID_METRIC_LAGS + 1);
-    IMPOSSIBLE(metric.window_of[0] = AUVID_METRIC_WINDOW + 1);
-    IMPOSSIBLE(metric.rows_of[0] = 1);        /* of no row */
-    IMPOSSIBLE(metric.set[3].number = 1);     /* none was recorded */
-    IMPOSSIBLE(metric.set[3].windows[0] = 1); /* of no row */
-    IMPOSSIBLE(metric.from = 1);              /* the ring is not held */
-    IMPOSSIBLE(metric.least = 1);
-    IMPOSSIBLE(metric.full = true);
-    IMPOSSIBLE(metric.ring_changed = true);
-    IMPOSSIBLE(metric.held = true); /* no work is under way */
-    IMPOSSIBLE(metric.waiting = AUVID_MAX_SETS + 1);
-    IMPOSSIBLE(metric.sets_merged = AUVID_MAX_SETS + 1);
+    IMPOSSIBLE(metric.rows.missing[0][1] = 64);
+    IMPOSSIBLE(metric.rows.successive[0] = AUVID_METRIC_LAGS + 1);
+    IMPOSSIBLE(metric.evaluator.window_of[0] = AUVID_METRIC_WINDOW + 1);
+    IMPOSSIBLE(metric.rows.set.rows_of[0] = 1);    /* of no row */
+    IMPOSSIBLE(metric.sets.set[3].number = 1);     /* none was recorded */
+    IMPOSSIBLE(metric.sets.set[3].windows[0] = 1); /* of no row */
+    IMPOSSIBLE(metric.sets.from = 1);              /* the ring is not held */
+    IMPOSSIBLE(metric.sets.least = 1);
+    IMPOSSIBLE(metric.sets.full = true);
+    IMPOSSIBLE(metric.sets.changed = true);
+    IMPOSSIBLE(metric.sets.held = true); /* no work is under way */
+    IMPOSSIBLE(metric.sets.waiting = AUVID_MAX_SETS + 1);
+    IMPOSSIBLE(metric.evaluator.sets_merged = AUVID_MAX_SETS + 1);
     IMPOSSIBLE(untested = 1);
     IMPOSSIBLE(active = 1u << 31);
     IMPOSSIBLE(searching = true);
@@ -565,8 +565,8 @@ static void test_an_impossible_optimum_is_refused(void)
     IMPOSSIBLE(optimum.x[0] = good.optimum.upper[0] + 1);
     IMPOSSIBLE(optimum.qr_factor[0] = (auvid_real_t)NAN);
     IMPOSSIBLE(active = 0);
-    IMPOSSIBLE(metric.held = false);
-    IMPOSSIBLE(metric.waiting = 1); /* it would not be used */
+    IMPOSSIBLE(metric.sets.held = false);
+    IMPOSSIBLE(metric.sets.waiting = 1); /* it would not be used */
     check_good();
 }
 
@@ -595,11 +595,11 @@ static void test_sets_that_contradict_the_phase_of_work_are_refused(void)
     TEST_ASSERT_EQUAL(1, good.untested);
     IMPOSSIBLE(untested = 0);
     IMPOSSIBLE(untested = 2);
-    IMPOSSIBLE(metric.from = 1);
-    IMPOSSIBLE(metric.full = true); /* with a regressor */
-    IMPOSSIBLE(metric.to_set = AUVID_MAX_SETS + 1);
-    IMPOSSIBLE(metric.set[0].rows_of[0] = SET_ROWS + 1);
-    IMPOSSIBLE(metric.set[0].rows_of[0] = 0); /* of an excited DoF */
+    IMPOSSIBLE(metric.sets.from = 1);
+    IMPOSSIBLE(metric.sets.full = true); /* with a regressor */
+    IMPOSSIBLE(metric.evaluator.at.to_set = AUVID_MAX_SETS + 1);
+    IMPOSSIBLE(metric.sets.set[0].rows_of[0] = SET_ROWS + 1);
+    IMPOSSIBLE(metric.sets.set[0].rows_of[0] = 0); /* of an excited DoF */
     check_good();
 }
 

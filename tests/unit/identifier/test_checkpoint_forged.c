@@ -117,7 +117,7 @@ static uint32_t save(const auvid_identifier_t *from, uint8_t *to)
 static uint32_t kind_of(const auvid_identifier_t *id)
 {
     const auvid_metric_t *m = &id->metric;
-    bool waits = m->held && (m->full || m->waiting > 0 || id->untested > 1);
+    bool waits = m->sets.held && (m->sets.full || m->sets.waiting > 0 || id->untested > 1);
     return id->phase + PHASES * ((uint32_t)waits + 2u * (id->nav.holding != 0));
 }
 

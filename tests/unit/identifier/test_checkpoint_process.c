@@ -196,9 +196,9 @@ static void record(bool residual)
         tick->answer = answer(&chain.id, &chain.out);
         tick->phase = chain.id.phase;
         const auvid_metric_t *m = &chain.id.metric;
-        tick->late = m->held && (m->full || m->waiting > 0);
+        tick->late = m->sets.held && (m->sets.full || m->sets.waiting > 0);
     }
-    TEST_ASSERT_TRUE(chain.id.metric.sets_recorded >= SETS - 1 && chain.id.estimate.number > 4);
+    TEST_ASSERT_TRUE(chain.id.metric.sets.recorded >= SETS - 1 && chain.id.estimate.number > 4);
     TEST_ASSERT_TRUE(residual || chain.id.metric.prior.known != 0);
     run.last_bytes = save(&chain.id, run.last);
 }

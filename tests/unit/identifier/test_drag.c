@@ -267,8 +267,8 @@ static void test_refusals_are_named_and_write_nothing(void)
 static void record_set(double t, int j, double speed, uint8_t missing)
 {
     world_t w = world_of(&cfg);
-    uint32_t sets = metric.sets_recorded;
-    for (int k = 0; metric.sets_recorded == sets; ++k) {
+    uint32_t sets = metric.sets.recorded;
+    for (int k = 0; metric.sets.recorded == sets; ++k) {
         auvid_sample_t s = cell_at(&w, t + k * w.cell_s);
         s.nu[j] = k == 200 ? (auvid_real_t)speed : s.nu[j];
         s.missing = k == 200 ? missing : 0;
@@ -278,7 +278,7 @@ static void record_set(double t, int j, double speed, uint8_t missing)
 
 static const auvid_set_t *newest(void)
 {
-    return &metric.set[auvid_metric_slot(&metric, 0)];
+    return &metric.sets.set[auvid_metric_slot(&metric, 0)];
 }
 
 static void test_a_set_keeps_its_largest_speed_in_each_direction(void)
@@ -322,9 +322,9 @@ static void test_a_speed_without_a_row_does_not_count(void)
         s.nu[AUVID_SURGE] = k >= late ? 2 : s.nu[AUVID_SURGE];
         TEST_ASSERT_TRUE(auvid_metric_add(&metric, &s) >= 0);
     }
-    TEST_ASSERT_EQUAL_UINT32(1, metric.sets_recorded);
+    TEST_ASSERT_EQUAL_UINT32(1, metric.sets.recorded);
     TEST_ASSERT_TRUE(newest()->fastest[AUVID_SURGE][FORWARD] < 1000);
-    TEST_ASSERT_EQUAL_UINT16(2000, metric.fastest[AUVID_SURGE][FORWARD]);
+    TEST_ASSERT_EQUAL_UINT16(2000, metric.rows.set.fastest[AUVID_SURGE][FORWARD]);
 }
 
 static double fastest_of(const auvid_set_t *set, int j, int backward)
@@ -343,12 +343,12 @@ static void test_an_estimate_has_the_largest_speeds_of_its_sets(void)
     TEST_ASSERT_TRUE(chain_finish(&chain, 100000, 10000) <= 10000);
     const auvid_estimate_t *e = &chain.id.estimate;
     const auvid_metric_t *m = &chain.id.metric;
-    TEST_ASSERT_TRUE(e->number > 0 && m->sets_recorded == 3);
+    TEST_ASSERT_TRUE(e->number > 0 && m->sets.recorded == 3);
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
         for (int backward = 0; backward < 2; ++backward) {
             double largest = 0.0;
             for (int age = 0; age < 3; ++age) {
-                const auvid_set_t *set = &m->set[auvid_metric_slot(m, age)];
+                const auvid_set_t *set = &m->sets.set[auvid_metric_slot(m, age)];
                 largest = fmax(largest, fastest_of(set, j, backward));
             }
             close_to(largest, e->speed[j][backward]);

@@ -231,7 +231,7 @@ static void test_no_frames_make_a_node_use_more_than_its_budget(void)
     }
     /* It worked all the time, and excited. */
     TEST_ASSERT_TRUE(node.counters.ticks > end / 2);
-    TEST_ASSERT_TRUE(node.id.metric.sets_recorded > end / 1000);
+    TEST_ASSERT_TRUE(node.id.metric.sets.recorded > end / 1000);
     TEST_ASSERT_TRUE(node.id.searches > end / 2000);
     TEST_ASSERT_TRUE(exciting > end / 2);
     TEST_ASSERT_TRUE(node.counters.refused > 0 && node.counters.samples_dropped > 0);
@@ -314,7 +314,7 @@ static void test_no_samples_make_an_identifier_use_more_than_its_budget(void)
             (void)auvid_identifier_close(&id);
         }
     }
-    TEST_ASSERT_TRUE(id.metric.sets_recorded > end / 1000);
+    TEST_ASSERT_TRUE(id.metric.sets.recorded > end / 1000);
     TEST_ASSERT_TRUE(id.searches > end / 2000);
     TEST_ASSERT_TRUE(exciting > end / 2);
 }

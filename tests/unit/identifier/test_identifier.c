@@ -188,14 +188,14 @@ static void test_the_other_lock_is_not_taken_for_the_one_configured(void)
     water_world(1);
     TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &cfg)); /* expects bottom lock */
     chain_run(&chain, 40.0);
-    TEST_ASSERT_EQUAL_UINT32(0, chain.id.metric.sets_recorded);
+    TEST_ASSERT_EQUAL_UINT32(0, chain.id.metric.sets.recorded);
     TEST_ASSERT_TRUE(chain.out.events & AUVID_EVENT_VELOCITY_STALE);
 
     chain_defaults(&cfg, 1, SETS, 0.0);
     cfg.id.velocity = AUVID_VELOCITY_WATER; /* gets bottom lock */
     TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &cfg));
     chain_run(&chain, 40.0);
-    TEST_ASSERT_EQUAL_UINT32(0, chain.id.metric.sets_recorded);
+    TEST_ASSERT_EQUAL_UINT32(0, chain.id.metric.sets.recorded);
     TEST_ASSERT_TRUE(chain.out.events & AUVID_EVENT_VELOCITY_STALE);
 }
 

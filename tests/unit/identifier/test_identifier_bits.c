@@ -118,8 +118,9 @@ static void test_motion_from_another_source_reaches_the_metric_through_the_recor
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_metric_init(&own_metric, &cfg.id.metric));
     cfg.before = navigate_separately;
     run(&chain);
-    TEST_ASSERT_EQUAL(SETS, own_metric.sets_recorded);
-    TEST_ASSERT_EQUAL_MEMORY(own_metric.set, chain.id.metric.set, sizeof own_metric.set);
+    TEST_ASSERT_EQUAL(SETS, own_metric.sets.recorded);
+    TEST_ASSERT_EQUAL_MEMORY(own_metric.sets.set, chain.id.metric.sets.set,
+                             sizeof own_metric.sets.set);
     TEST_ASSERT_TRUE(chain.id.estimate.number > 0);
 }
 

@@ -929,11 +929,11 @@ static void test_an_abort_loses_neither_the_search_nor_the_data(void)
     chain_run(&chain, 52.0);
     TEST_ASSERT_EQUAL(AUVID_PENDING, chain.work);
     TEST_ASSERT_EQUAL_UINT32(0, chain.id.estimate.number);
-    TEST_ASSERT_EQUAL_UINT32(1, chain.id.metric.sets_recorded);
+    TEST_ASSERT_EQUAL_UINT32(1, chain.id.metric.sets.recorded);
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_abort(&chain.id));
     chain_run(&chain, 3.0);
     TEST_ASSERT_EQUAL(AUVID_SET_COMPLETE, auvid_identifier_close(&chain.id));
-    TEST_ASSERT_EQUAL_UINT32(2, chain.id.metric.sets_recorded);
+    TEST_ASSERT_EQUAL_UINT32(2, chain.id.metric.sets.recorded);
     TEST_ASSERT_TRUE(chain_finish(&chain, 1000, 1000) <= 1000);
     TEST_ASSERT_EQUAL_UINT32(2, chain.id.estimate.sets);
     for (int i = SIM_M_U; i <= SIM_M_R; ++i) {

@@ -66,7 +66,7 @@ static void record(uint32_t sets)
 {
     cfg.budget = 0;
     TEST_ASSERT_EQUAL(AUVID_OK, chain_run_sets(&chain, &cfg, sets));
-    TEST_ASSERT_EQUAL_UINT32(sets, chain.id.metric.sets_recorded);
+    TEST_ASSERT_EQUAL_UINT32(sets, chain.id.metric.sets.recorded);
     TEST_ASSERT_EQUAL_UINT32(0, chain.id.estimate.number);
 }
 
@@ -78,7 +78,7 @@ static double cost_on(const auvid_metric_t *merged, const auvid_real_t *pi)
     metric = *merged;
     auvid_metric_cost_begin(&metric, pi, chain.id.estimate.delay_s[AUVID_SURGE]);
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_metric_cost(&metric, &budget));
-    return (double)metric.cost;
+    return (double)metric.result.cost;
 }
 
 /* The same on the data in the ring. */
@@ -93,7 +93,7 @@ static void check_optimum(void)
     auvid_real_t pi[AUVID_MAX_PARAMETERS] = {0};
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_metric_least_squares(&chain.id.metric, AUVID_G500_FREE, pi));
     double optimum = cost_of(pi), found = cost_of(chain.id.estimate.pi);
-    TEST_ASSERT_TRUE(found - optimum <= 1e-3 * (double)chain.id.metric.constant);
+    TEST_ASSERT_TRUE(found - optimum <= 1e-3 * (double)chain.id.metric.result.constant);
     TEST_ASSERT_TRUE(chain.id.estimate.cost == (auvid_real_t)found); /* not stale */
 }
 
@@ -195,7 +195,7 @@ static void check_in_box(void)
         near[i] = (auvid_real_t)fmin(fmax((double)truth, (double)cfg.id.search.lower[i]),
                                      (double)cfg.id.search.upper[i]);
     }
-    double tolerance = 1e-3 * (double)chain.id.metric.constant;
+    double tolerance = 1e-3 * (double)chain.id.metric.result.constant;
     TEST_ASSERT_TRUE(cost_of(chain.id.estimate.pi) <= cost_of(near) + tolerance);
 }
 
@@ -350,7 +350,7 @@ static void watch_searches(chain_t *c, auvid_status_t status, const auvid_output
         TEST_ASSERT_EQUAL_UINT32(w->newest, id->estimate.sets);
         TEST_ASSERT_EQUAL(AUVID_OK, auvid_metric_least_squares(&began, AUVID_G500_FREE, pi));
         double optimum = cost_on(&began, pi), found = cost_on(&began, id->estimate.pi);
-        TEST_ASSERT_TRUE(found - optimum <= 1e-3 * (double)began.constant);
+        TEST_ASSERT_TRUE(found - optimum <= 1e-3 * (double)began.result.constant);
         TEST_ASSERT_TRUE(id->estimate.cost == (auvid_real_t)found);
         for (int i = 0; i < SIM_PARAMETERS; ++i) {
             TEST_ASSERT_TRUE(id->estimate.confidence.sigma[i] > 0);
@@ -374,7 +374,7 @@ static void test_a_search_slower_than_a_set_ends_on_the_sets_it_began_with(void)
         TEST_ASSERT_TRUE(watch.ended >= 2);
         TEST_ASSERT_TRUE(watch.begun <= watch.ended + 1);
         TEST_ASSERT_TRUE(chain.id.searches < sets || tiny[k] >= 16); /* some took several */
-        TEST_ASSERT_EQUAL_UINT32(watch.drops * 60, chain.id.metric.rows_dropped);
+        TEST_ASSERT_EQUAL_UINT32(watch.drops * 60, chain.id.metric.sets.rows_dropped);
         TEST_ASSERT_TRUE(tiny[k] > 1 || watch.drops > 0);
         TEST_ASSERT_TRUE(tiny[k] < 8 || watch.drops == 0);
         finish(tiny[k], 3 * units_of_13(52));
@@ -402,7 +402,7 @@ static void test_a_newly_excited_dof_is_searched(void)
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_excitation_init(&chain.driver, &full.acting.excitation));
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_excitation_start(&chain.driver, chain.t_us));
     chain_run(&chain, 32.0);
-    TEST_ASSERT_EQUAL_UINT32(2, chain.id.metric.sets_recorded);
+    TEST_ASSERT_EQUAL_UINT32(2, chain.id.metric.sets.recorded);
     finish(200, units_of_13(52));
     TEST_ASSERT_EQUAL_HEX32(AUVID_G500_FREE, chain.id.estimate.identified);
     check_optimum();
@@ -441,7 +441,7 @@ static void test_no_cost_of_an_earlier_vehicle_survives(void)
         cfg.id.metric.sets = 1;
         cfg.budget = 0;
         TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &cfg));
-        while (chain.id.metric.sets_recorded == 0) {
+        while (chain.id.metric.sets.recorded == 0) {
             chain_tick(&chain);
         }
         for (uint32_t k = 0; k < units_of_13(52) && !is_there(where); ++k) {
@@ -451,7 +451,7 @@ static void test_no_cost_of_an_earlier_vehicle_survives(void)
         for (int i = 0; i < SIM_PARAMETERS; ++i) {
             chain.sim.cfg.parameter[i] *= i == SIM_WB ? 1.0 : 1.5;
         }
-        while (chain.id.metric.sets_recorded < 3) {
+        while (chain.id.metric.sets.recorded < 3) {
             chain_tick(&chain);
         }
         finish(200, 2 * units_of_13(52));
@@ -583,7 +583,7 @@ static void watch_rows(chain_t *c, auvid_status_t status, const auvid_output_t *
     w->drops += (out->events & AUVID_EVENT_ROWS_DROPPED) != 0;
     if (id->searches > w->begun) {
         w->begun = id->searches;
-        w->newest = id->metric.sets_stored % (USER_SETS + 1) * USER_ROWS;
+        w->newest = id->metric.sets.stored % (USER_SETS + 1) * USER_ROWS;
         memcpy(began_rows, store, sizeof store);
     }
     if (out->events & AUVID_EVENT_ESTIMATE) {
@@ -609,12 +609,12 @@ static void test_rows_that_come_while_a_full_set_waits_are_dropped_and_counted(v
     cfg.after = watch_rows;
     cfg.context = &watch;
     TEST_ASSERT_EQUAL(AUVID_OK, chain_run_sets(&chain, &cfg, LONG));
-    uint32_t kept = chain.id.metric.sets_recorded * USER_ROWS + chain.id.metric.rows;
+    uint32_t kept = chain.id.metric.sets.recorded * USER_ROWS + chain.id.metric.rows.set.rows;
     TEST_ASSERT_TRUE(watch.ended >= 1);
-    TEST_ASSERT_TRUE(chain.id.metric.sets_recorded < LONG);
-    TEST_ASSERT_EQUAL_UINT32(watch.drops, chain.id.metric.rows_dropped);
+    TEST_ASSERT_TRUE(chain.id.metric.sets.recorded < LONG);
+    TEST_ASSERT_EQUAL_UINT32(watch.drops, chain.id.metric.sets.rows_dropped);
     TEST_ASSERT_UINT32_WITHIN(2 * USER_ROWS / 10, LONG * USER_ROWS,
-                              kept + chain.id.metric.rows_dropped);
+                              kept + chain.id.metric.sets.rows_dropped);
     finish(1000, 3 * units_at_most(4, 16, USER_SETS * USER_ROWS));
     TEST_ASSERT_EQUAL_UINT32(chain.id.searches, chain.id.estimate.number);
     TEST_ASSERT_FALSE(chain.id.estimate.not_converged);

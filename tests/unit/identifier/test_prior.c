@@ -389,7 +389,7 @@ static void test_a_forged_record_is_refused_or_harmless(void)
             ++run_through;
             TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &cfg));
             TEST_ASSERT_EQUAL(AUVID_OK, auvid_prior_load(&chain.id, record, sizeof record));
-            while (chain.id.metric.sets_recorded < 1 || chain.work == AUVID_PENDING) {
+            while (chain.id.metric.sets.recorded < 1 || chain.work == AUVID_PENDING) {
                 chain_tick(&chain);
                 TEST_ASSERT_TRUE(chain.id.work_last <= AUVID_DEFAULT_BUDGET);
             }
@@ -544,7 +544,7 @@ static void dive_again(uint32_t seed, start_t start, double heavier, worth_t *wo
         TEST_ASSERT_EQUAL(AUVID_OK, auvid_prior_set(&chain.id, pi, sigma));
     }
     const auvid_estimate_t *e = &chain.id.estimate;
-    while (chain.id.metric.sets_recorded < LATER || chain.work == AUVID_PENDING) {
+    while (chain.id.metric.sets.recorded < LATER || chain.work == AUVID_PENDING) {
         chain_tick(&chain);
         for (int i = 0; i < N && e->sets == 1 && e->number == seen + 1; ++i) {
             worth->square += pow((double)e->pi[i] / cfg.sim.parameter[i] - 1.0, 2);

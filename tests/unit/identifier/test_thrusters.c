@@ -467,7 +467,7 @@ static void test_work_accounts_for_every_slot_that_a_row_reads(void)
     TEST_ASSERT_TRUE(slots >= 6000); /* three times the lag */
     begin_expensive();
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&id, &id_config));
-    for (int tick = 1; tick < 1300 && id.metric.sets_recorded == 0; ++tick) {
+    for (int tick = 1; tick < 1300 && id.metric.sets.recorded == 0; ++tick) {
         uint64_t t_us = (uint64_t)tick * 10000;
         auvid_real_t x = (auvid_real_t)sin(0.02 * tick), still[AUVID_DOF_COUNT] = {0};
         const auvid_real_t nu[AUVID_DOF_COUNT] = {x}, wrench[AUVID_DOF_COUNT] = {100 * x};
@@ -608,7 +608,7 @@ static void identify(uint64_t seed, double disturbance_N, uint16_t set_s, uint16
     }
     finish_work(&id, UINT32_MAX);
     finish_work(&ideal, UINT32_MAX);
-    TEST_ASSERT_TRUE(id.estimate.sets == SETS || id.metric.rows_dropped > 0);
+    TEST_ASSERT_TRUE(id.estimate.sets == SETS || id.metric.sets.rows_dropped > 0);
     TEST_ASSERT_EQUAL_HEX32(FREE | 15u << HULL, id.estimate.identified);
     TEST_ASSERT_FALSE(id.estimate.not_converged);
 }
@@ -690,7 +690,7 @@ static void test_with_a_small_budget_rows_are_dropped_and_errors_are_within_3_si
 {
     for (uint64_t seed = 1; seed <= 3; ++seed) {
         identify(seed, 1.0, 30, 5, 700);
-        TEST_ASSERT_TRUE(id.metric.rows_dropped > 0);
+        TEST_ASSERT_TRUE(id.metric.sets.rows_dropped > 0);
         TEST_ASSERT_TRUE(thrusters.state.pauses > 0);
         for (int i = X_U; i < PARAMETERS; ++i) {
             double sigma = (double)id.estimate.confidence.sigma[i];
@@ -747,7 +747,7 @@ static void test_sets_whose_commands_are_lost_are_dropped_with_the_next_set(void
 {
     cfg.slots = AUVID_THRUSTERS_SLOTS(SETS, 30 * 1000000u, PERIOD_US);
     identify(1, 0.0, 30, 5, UINT32_MAX);
-    TEST_ASSERT_EQUAL_UINT32(SETS * 60, id.metric.dof_rows[AUVID_SURGE]);
+    TEST_ASSERT_EQUAL_UINT32(SETS * 60, id.metric.result.dof_rows[AUVID_SURGE]);
     const auvid_real_t still[AUVID_DOF_COUNT] = {0};
     uint64_t t_us = id.t_us;
     for (int tick = 0; tick < 400 * 50; ++tick) {
@@ -758,12 +758,12 @@ static void test_sets_whose_commands_are_lost_are_dropped_with_the_next_set(void
         TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_motion(&id, t_us, still, still));
         TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_applied(&id, t_us, wrench, all));
         if (tick < 300 * 50) {
-            TEST_ASSERT_EQUAL_UINT32(SETS * 60, id.metric.dof_rows[AUVID_SURGE]);
+            TEST_ASSERT_EQUAL_UINT32(SETS * 60, id.metric.result.dof_rows[AUVID_SURGE]);
         }
         (void)auvid_identifier_work(&id, UINT32_MAX);
     }
-    TEST_ASSERT_TRUE(id.metric.dof_rows[AUVID_SURGE] > 0);
-    TEST_ASSERT_TRUE(id.metric.dof_rows[AUVID_SURGE] <= 4 * 60);
+    TEST_ASSERT_TRUE(id.metric.result.dof_rows[AUVID_SURGE] > 0);
+    TEST_ASSERT_TRUE(id.metric.result.dof_rows[AUVID_SURGE] <= 4 * 60);
 }
 
 /* Works until the search is complete. Returns the number of the estimate. */
@@ -822,7 +822,7 @@ static void test_sets_whose_log_was_lost_in_a_restart_are_dropped(void)
     (void)finish_search(&id);
     TEST_ASSERT_EQUAL_UINT32(SETS, id.estimate.sets);
     for (int age = 0; age < SETS; ++age) {
-        TEST_ASSERT_EQUAL_UINT32(0, id.metric.set[age].rows);
+        TEST_ASSERT_EQUAL_UINT32(0, id.metric.sets.set[age].rows);
     }
 }
 

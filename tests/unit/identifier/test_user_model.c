@@ -56,7 +56,7 @@ static void test_a_budget_smaller_than_one_evaluation_gives_the_same_estimate(vo
     identify(1, SETS, UINT32_MAX, 0.0, 0.0);
     memcpy(pi, id.estimate.pi, sizeof pi);
     TEST_ASSERT_EQUAL_UINT32(SETS, id.estimate.sets);
-    TEST_ASSERT_EQUAL_UINT32(SETS, id.metric.sets_recorded);
+    TEST_ASSERT_EQUAL_UINT32(SETS, id.metric.sets.recorded);
     TEST_ASSERT_TRUE(id.max_work > 1350);
     identify(1, SETS, 700, 0.0, 0.0);
     for (int i = 0; i < PARAMETERS; ++i) {

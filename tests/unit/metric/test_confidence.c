@@ -69,7 +69,7 @@ static void record(const auvid_metric_config_t *cfg, const world_t *world)
 {
     uint64_t state = 5;
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_metric_init(&metric, cfg));
-    for (uint64_t k = 1; metric.sets_recorded < (uint32_t)world->sets; ++k) {
+    for (uint64_t k = 1; metric.sets.recorded < (uint32_t)world->sets; ++k) {
         auvid_sample_t s;
         move(0.1 * (double)k, world->dofs, &s);
         add_noise(&s, world, &state);
@@ -332,7 +332,7 @@ static void test_drags_of_a_velocity_that_is_always_zero_are_not_known(void)
     auvid_metric_config_t cfg = default_config();
     uint64_t state = 5;
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_metric_init(&metric, &cfg));
-    for (uint64_t k = 1; metric.sets_recorded < SETS; ++k) {
+    for (uint64_t k = 1; metric.sets.recorded < SETS; ++k) {
         auvid_sample_t s;
         move(0.1 * (double)k, world.dofs, &s);
         s.nu[AUVID_SURGE] = 0;

@@ -104,7 +104,7 @@ static void record(const world_t *world)
 {
     uint64_t state = 5;
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_metric_init(&metric, &cfg));
-    for (uint64_t k = 1; metric.sets_recorded < SETS; ++k) {
+    for (uint64_t k = 1; metric.sets.recorded < SETS; ++k) {
         auvid_sample_t s;
         double tau[AUVID_DOF_COUNT];
         move(world, 0.1 * (double)k, &s);
@@ -168,7 +168,7 @@ static void test_an_undetermined_delay_widens_the_mass(void)
     double before = (double)result->sigma[AUVID_G500_M_U];
     observe(&world, AUVID_C(0.1));
     double after = (double)result->sigma[AUVID_G500_M_U];
-    TEST_ASSERT_DOUBLE_WITHIN(0, 0, (double)metric.delay_s[AUVID_SURGE]);
+    TEST_ASSERT_DOUBLE_WITHIN(0, 0, (double)metric.result.delay_s[AUVID_SURGE]);
     TEST_ASSERT_TRUE(before < 1);
     TEST_ASSERT_TRUE(after > 0.1 * 200);
     TEST_ASSERT_TRUE(after < 3 * 0.1 * 200);
@@ -217,10 +217,10 @@ static void test_late_stamps_are_found_as_a_negative_delay(void)
         TEST_ASSERT_TRUE(fabs(error_of(&world, i)) < 3 * (double)result->sigma[i]);
     }
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
-        bool excited = (metric.excited >> j & 1) != 0;
-        TEST_ASSERT_DOUBLE_WITHIN(0.02, excited ? -0.1 : 0, (double)metric.delay_s[j]);
+        bool excited = (metric.result.excited >> j & 1) != 0;
+        TEST_ASSERT_DOUBLE_WITHIN(0.02, excited ? -0.1 : 0, (double)metric.result.delay_s[j]);
     }
-    TEST_ASSERT_EQUAL_HEX8(0, metric.first_order_lag);
+    TEST_ASSERT_EQUAL_HEX8(0, metric.result.first_order_lag);
 }
 
 static void test_late_stamps_beyond_two_cells_give_no_earlier_delay(void)
@@ -228,9 +228,9 @@ static void test_late_stamps_beyond_two_cells_give_no_earlier_delay(void)
     const world_t world = {auvid_girona500_paper, 1, 4, false};
     observe(&world, AUVID_C(0.1));
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
-        TEST_ASSERT_TRUE(metric.delay_s[j] >= AUVID_C(-0.2001));
+        TEST_ASSERT_TRUE(metric.result.delay_s[j] >= AUVID_C(-0.2001));
     }
-    TEST_ASSERT_TRUE(metric.delay_s[AUVID_SURGE] < AUVID_C(-0.15));
+    TEST_ASSERT_TRUE(metric.result.delay_s[AUVID_SURGE] < AUVID_C(-0.15));
 }
 
 static void test_without_uncertainty_no_delay_is_negative(void)
@@ -238,7 +238,7 @@ static void test_without_uncertainty_no_delay_is_negative(void)
     const world_t world = {auvid_girona500_paper, 1, 1, false};
     observe(&world, AUVID_C(0.0));
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
-        TEST_ASSERT_TRUE(metric.delay_s[j] >= AUVID_C(0.0));
+        TEST_ASSERT_TRUE(metric.result.delay_s[j] >= AUVID_C(0.0));
     }
 }
 

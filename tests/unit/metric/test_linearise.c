@@ -36,7 +36,7 @@ static void add_noise(auvid_sample_t *s, double force_N)
  * after the set */
 static double feed_set(const world_t *w, double t, double force_N)
 {
-    for (uint32_t sets = metric.sets_recorded; metric.sets_recorded == sets; t += w->cell_s) {
+    for (uint32_t sets = metric.sets.recorded; metric.sets.recorded == sets; t += w->cell_s) {
         auvid_sample_t s = cell_at(w, t);
         add_noise(&s, force_N);
         TEST_ASSERT_TRUE(auvid_metric_add(&metric, &s) >= 0);
@@ -50,7 +50,7 @@ static double squares_of(auvid_metric_t *m, const auvid_real_t *pi, double delay
     uint32_t budget = UINT32_MAX;
     auvid_metric_measure_begin(m, pi, (auvid_real_t)delay_s);
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_metric_measure(m, &budget));
-    return (double)m->sse[AUVID_SURGE];
+    return (double)m->result.sse[AUVID_SURGE];
 }
 
 /* The same with `more` added to parameter i. */
@@ -108,7 +108,7 @@ static void merge_unweighted(auvid_metric_t *m)
     for (auvid_status_t status = AUVID_PENDING; status == AUVID_PENDING;) {
         uint32_t unit = 1;
         status = auvid_metric_merge(m, &unit);
-        if (m->pass == PASS_RESIDUAL) {
+        if (m->evaluator.at.pass == PASS_RESIDUAL) {
             auvid_metric_restart_pass(m, PASS_PRIOR);
         }
     }
@@ -138,7 +138,7 @@ static void test_a_linear_model_has_the_standard_errors_that_its_regressor_gives
         start();
         world_t w = world_of(&cfg);
         auvid_sample_t s;
-        for (uint64_t k = 0; metric.sets_recorded == 0; ++k) {
+        for (uint64_t k = 0; metric.sets.recorded == 0; ++k) {
             if (k % 2 == 0) {
                 s = cell_at(&w, 0.25 * (double)k);
                 add_noise(&s, 5);
@@ -147,7 +147,7 @@ static void test_a_linear_model_has_the_standard_errors_that_its_regressor_gives
             TEST_ASSERT_TRUE(auvid_metric_add(&metric, &s) >= 0);
         }
         merge_unweighted(&metric);
-        TEST_ASSERT_EQUAL(1, metric.window_length);
+        TEST_ASSERT_EQUAL(1, metric.layout.window_length);
         (void)squares_of(&metric, truth, 0);
         (void)linearise(truth, 0, cfg.sets, UINT32_MAX);
         assess(truth);
@@ -213,8 +213,8 @@ static void test_the_rms_residual_is_that_of_the_measurement(void)
     }
     (void)squares_of(&metric, pi, 0);
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
-        windows[j] = round((double)metric.sse[j] / 1e6);
-        TEST_ASSERT_DOUBLE_WITHIN(0.01, windows[j], (double)metric.sse[j] / 1e6);
+        windows[j] = round((double)metric.result.sse[j] / 1e6);
+        TEST_ASSERT_DOUBLE_WITHIN(0.01, windows[j], (double)metric.result.sse[j] / 1e6);
     }
     TEST_ASSERT_TRUE(windows[AUVID_YAW] < windows[AUVID_HEAVE]);
     for (int i = 0; i < N; ++i) {
@@ -223,10 +223,10 @@ static void test_the_rms_residual_is_that_of_the_measurement(void)
     (void)squares_of(&metric, pi, 0.13);
     (void)linearise(truth, 0, cfg.sets, UINT32_MAX);
     (void)linearise(pi, 0.13, cfg.sets, UINT32_MAX);
-    TEST_ASSERT_EQUAL_DOUBLE(0, (double)metric.constant);
+    TEST_ASSERT_EQUAL_DOUBLE(0, (double)metric.result.constant);
     assess(pi);
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
-        double rms = windows[j] > 0 ? sqrt((double)metric.sse[j] / windows[j]) : 0;
+        double rms = windows[j] > 0 ? sqrt((double)metric.result.sse[j] / windows[j]) : 0;
         TEST_ASSERT_EQUAL(auvid_girona500.columns[j] != 0, rms > 0.1);
         TEST_ASSERT_DOUBLE_WITHIN(1e-3 * rms, rms, (double)result->residual_rms[j]);
     }
@@ -339,7 +339,7 @@ static void test_derivatives_are_central_differences_over_the_steps_that_the_hea
     cfg.free = 15u;
     cfg.fixed[4] = 7;
     start();
-    for (uint64_t k = 1; metric.sets_recorded == 0; ++k) {
+    for (uint64_t k = 1; metric.sets.recorded == 0; ++k) {
         auvid_sample_t s;
         memset(&s, 0, sizeof s);
         s.t_us = k * cfg.cell_us;
@@ -411,10 +411,10 @@ static void test_change_is_the_pooled_minus_the_separate_sum_of_squares(void)
     double one = all - unexplained(6, delay_s) - unexplained(1, delay_s);
     double two = all - unexplained(4, delay_s) - unexplained(3, delay_s);
     TEST_ASSERT_TRUE(one > 0.1 * all && two > 0.02 * all);
-    TEST_ASSERT_DOUBLE_WITHIN(2e-3 * all, one, (double)metric.change[0][AUVID_SURGE]);
-    TEST_ASSERT_DOUBLE_WITHIN(2e-3 * all, two, (double)metric.change[1][AUVID_SURGE]);
-    TEST_ASSERT_EQUAL_UINT8(1, metric.change_rank[AUVID_SURGE]);
-    TEST_ASSERT_EQUAL_UINT8(0, metric.change_rank[AUVID_SWAY]);
+    TEST_ASSERT_DOUBLE_WITHIN(2e-3 * all, one, (double)metric.result.change[0][AUVID_SURGE]);
+    TEST_ASSERT_DOUBLE_WITHIN(2e-3 * all, two, (double)metric.result.change[1][AUVID_SURGE]);
+    TEST_ASSERT_EQUAL_UINT8(1, metric.result.change_rank[AUVID_SURGE]);
+    TEST_ASSERT_EQUAL_UINT8(0, metric.result.change_rank[AUVID_SWAY]);
 }
 
 /* With the sum of squares S of parameter p and delay d: the variance of p rises by
@@ -493,7 +493,7 @@ static double change_test_steep(void)
     (void)squares_of(&metric, pi, 0);
     (void)linearise(pi, 0, cfg.sets, UINT32_MAX);
     change_test();
-    TEST_ASSERT_TRUE(isfinite((double)metric.change[0][AUVID_SURGE]));
+    TEST_ASSERT_TRUE(isfinite((double)metric.result.change[0][AUVID_SURGE]));
     assess(pi);
     TEST_ASSERT_TRUE(isfinite((double)result->residual_rms[AUVID_SURGE]));
     return t;
@@ -506,12 +506,12 @@ static void test_windows_with_derivatives_beyond_1e15_are_left_out(void)
     for (size_t k = 0; k < sizeof steeper / sizeof steeper[0]; ++k) {
         steepness = steeper[k];
         (void)change_test_steep();
-        TEST_ASSERT_EQUAL_UINT8(0, metric.change_rank[AUVID_SURGE]);
+        TEST_ASSERT_EQUAL_UINT8(0, metric.result.change_rank[AUVID_SURGE]);
         TEST_ASSERT_EQUAL_DOUBLE(0, (double)result->residual_rms[AUVID_SURGE]);
     }
     steepness = AUVID_C(0.9e15);
     (void)change_test_steep();
-    TEST_ASSERT_EQUAL_UINT8(1, metric.change_rank[AUVID_SURGE]);
+    TEST_ASSERT_EQUAL_UINT8(1, metric.result.change_rank[AUVID_SURGE]);
 }
 
 static void test_windows_in_which_the_model_fails_are_left_out(void)
@@ -523,11 +523,11 @@ static void test_windows_in_which_the_model_fails_are_left_out(void)
     fails_us[0] = (uint64_t)(1e6 * (t - 3)) + 1000000000u;
     fails_us[1] = UINT64_MAX;
     (void)change_test_steep();
-    TEST_ASSERT_EQUAL_UINT8(1, metric.change_rank[AUVID_SURGE]);
+    TEST_ASSERT_EQUAL_UINT8(1, metric.result.change_rank[AUVID_SURGE]);
     TEST_ASSERT_DOUBLE_WITHIN(0.2 * whole, whole, (double)result->residual_rms[AUVID_SURGE]);
     fails_us[0] = 0;
     (void)change_test_steep();
-    TEST_ASSERT_EQUAL_UINT8(0, metric.change_rank[AUVID_SURGE]);
+    TEST_ASSERT_EQUAL_UINT8(0, metric.result.change_rank[AUVID_SURGE]);
 }
 
 /* ---- refusals ---- */

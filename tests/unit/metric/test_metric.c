@@ -27,10 +27,11 @@ static void test_least_squares_give_the_parameters_of_noise_free_cells_back(void
     world_t w = world_of(&cfg);
     TEST_ASSERT_EQUAL(2, feed(&metric, &w, 0, cells_of(&cfg, 120)));
     assert_least_squares_find_truth(AUVID_G500_FREE);
-    TEST_ASSERT_EQUAL_HEX8(
-        1u << AUVID_SURGE | 1u << AUVID_SWAY | 1u << AUVID_HEAVE | 1u << AUVID_YAW, metric.excited);
+    TEST_ASSERT_EQUAL_HEX8(1u << AUVID_SURGE | 1u << AUVID_SWAY | 1u << AUVID_HEAVE |
+                               1u << AUVID_YAW,
+                           metric.result.excited);
     for (int j = 0; j < 6; ++j) {
-        TEST_ASSERT_DOUBLE_WITHIN(2e-3, 0, (double)metric.delay_s[j]);
+        TEST_ASSERT_DOUBLE_WITHIN(2e-3, 0, (double)metric.result.delay_s[j]);
     }
 }
 
@@ -72,7 +73,7 @@ static void test_a_prediction_weighs_the_bands_as_the_cost_does(void)
     cfg.sets = 1;
     start();
     world_t w = world_of(&cfg);
-    for (int k = 0; metric.sets_recorded == 0; ++k) {
+    for (int k = 0; metric.sets.recorded == 0; ++k) {
         auvid_sample_t s = cell_at(&w, k * w.cell_s);
         for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
             s.tau[j] += (auvid_real_t)(10 * sines_gauss(&state));
@@ -83,13 +84,13 @@ static void test_a_prediction_weighs_the_bands_as_the_cost_does(void)
     for (int i = 0; i < AUVID_MAX_PARAMETERS; ++i) {
         pi[i] = truth[i] * AUVID_C(1.02);
     }
-    double cost = cost_of(&metric, pi) + (double)metric.constant, weighed = 0, plain = 0;
+    double cost = cost_of(&metric, pi) + (double)metric.result.constant, weighed = 0, plain = 0;
     auvid_metric_predict_begin(&metric, pi, 0);
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_metric_measure(&metric, &budget));
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
-        double scale = pow((double)cfg.tau_max[j], 2) * metric.dof_rows[j];
-        weighed += scale > 0 ? (double)metric.predicted[j] / scale : 0;
-        plain += scale > 0 ? (double)metric.sse[j] / scale : 0;
+        double scale = pow((double)cfg.tau_max[j], 2) * metric.result.dof_rows[j];
+        weighed += scale > 0 ? (double)metric.result.predicted[j] / scale : 0;
+        plain += scale > 0 ? (double)metric.result.sse[j] / scale : 0;
     }
     TEST_ASSERT_TRUE(fabs(plain - cost) > 0.05 * cost);
     TEST_ASSERT_DOUBLE_WITHIN(1e-3 * cost, cost, weighed);
@@ -160,14 +161,14 @@ static void test_ninth_set_drops_the_first(void)
     feed_wrong_set(60);
     TEST_ASSERT_EQUAL(7, feed(&metric, &w, 0, cells_of(&cfg, 7 * 60)));
     merge_all(&metric);
-    TEST_ASSERT_EQUAL_UINT16(8 * 60, metric.dof_rows[AUVID_SURGE]);
+    TEST_ASSERT_EQUAL_UINT16(8 * 60, metric.result.dof_rows[AUVID_SURGE]);
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_metric_least_squares(&metric, AUVID_G500_FREE, pi));
     TEST_ASSERT_TRUE(fabs((double)pi[0] - (double)truth[0]) > 0.01 * (double)truth[0]);
 
     TEST_ASSERT_EQUAL(1, feed(&metric, &w, cells_of(&cfg, 7 * 60) * w.cell_s, 60 * 5));
-    TEST_ASSERT_EQUAL_UINT32(9, metric.sets_recorded);
+    TEST_ASSERT_EQUAL_UINT32(9, metric.sets.recorded);
     assert_least_squares_find_truth(AUVID_G500_FREE);
-    TEST_ASSERT_EQUAL_UINT16(8 * 60, metric.dof_rows[AUVID_SURGE]);
+    TEST_ASSERT_EQUAL_UINT16(8 * 60, metric.result.dof_rows[AUVID_SURGE]);
 }
 
 static void test_ring_of_one_set_keeps_the_last(void)
@@ -178,7 +179,7 @@ static void test_ring_of_one_set_keeps_the_last(void)
     world_t w = world_of(&cfg);
     feed(&metric, &w, 0, cells_of(&cfg, 60));
     assert_least_squares_find_truth(AUVID_G500_FREE);
-    TEST_ASSERT_EQUAL_UINT16(60, metric.dof_rows[AUVID_SURGE]);
+    TEST_ASSERT_EQUAL_UINT16(60, metric.result.dof_rows[AUVID_SURGE]);
 }
 
 static void test_a_dropped_set_is_deleted_and_cannot_be_dropped_again(void)
@@ -194,7 +195,7 @@ static void test_a_dropped_set_is_deleted_and_cannot_be_dropped_again(void)
     TEST_ASSERT_EQUAL(AUVID_ERR_RANGE, auvid_metric_drop(&metric, 8));
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_metric_drop(&metric, 1));
     assert_least_squares_find_truth(AUVID_G500_FREE);
-    TEST_ASSERT_EQUAL_UINT16(2 * 60, metric.dof_rows[AUVID_SURGE]);
+    TEST_ASSERT_EQUAL_UINT16(2 * 60, metric.result.dof_rows[AUVID_SURGE]);
     before = metric;
     TEST_ASSERT_EQUAL(AUVID_ERR_RANGE, auvid_metric_drop(&metric, 1));
     TEST_ASSERT_EQUAL_MEMORY(&before, &metric, sizeof metric);
@@ -215,9 +216,9 @@ static void test_set_closed_early_counts_its_rows(void)
     world_t w = world_of(&cfg);
     TEST_ASSERT_EQUAL(0, feed(&metric, &w, 0, cells_of(&cfg, 59)));
     TEST_ASSERT_EQUAL(AUVID_SET_COMPLETE, auvid_metric_close(&metric));
-    TEST_ASSERT_EQUAL_UINT32(1, metric.sets_recorded);
+    TEST_ASSERT_EQUAL_UINT32(1, metric.sets.recorded);
     assert_least_squares_find_truth(AUVID_G500_FREE);
-    TEST_ASSERT_EQUAL_UINT16(59, metric.dof_rows[AUVID_YAW]);
+    TEST_ASSERT_EQUAL_UINT16(59, metric.result.dof_rows[AUVID_YAW]);
 }
 
 static void test_a_set_completes_with_its_last_row_and_not_before(void)
@@ -241,7 +242,7 @@ static void test_sets_of_one_row_use_pairs_across_their_borders(void)
     world_t w = world_of(&cfg);
     feed(&metric, &w, 0, cells_of(&cfg, 12));
     for (int s = 0; s < AUVID_MAX_SETS; ++s) { /* a single row has no variance: not excited */
-        TEST_ASSERT_EQUAL_HEX8(0, metric.set[s].excited);
+        TEST_ASSERT_EQUAL_HEX8(0, metric.sets.set[s].excited);
     }
     uint32_t budget = UINT32_MAX;
     auvid_metric_merge_begin(&metric);

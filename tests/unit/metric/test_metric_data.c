@@ -79,8 +79,9 @@ static void test_dof_that_is_not_excited_is_left_out(void)
     }
     uint32_t sway = 1u << AUVID_G500_M_V | 1u << AUVID_G500_Y_V | 1u << AUVID_G500_Y_VV;
     merge_all(&metric);
-    TEST_ASSERT_EQUAL_HEX8(1u << AUVID_SURGE | 1u << AUVID_HEAVE | 1u << AUVID_YAW, metric.excited);
-    TEST_ASSERT_EQUAL_UINT16(0, metric.dof_rows[AUVID_SWAY]);
+    TEST_ASSERT_EQUAL_HEX8(1u << AUVID_SURGE | 1u << AUVID_HEAVE | 1u << AUVID_YAW,
+                           metric.result.excited);
+    TEST_ASSERT_EQUAL_UINT16(0, metric.result.dof_rows[AUVID_SWAY]);
     TEST_ASSERT_EQUAL_HEX32(AUVID_G500_FREE & ~sway, auvid_metric_active(&metric));
     memcpy(pi, truth, sizeof pi);
     double at_truth = cost_of(&metric, pi);
@@ -105,7 +106,7 @@ static void test_dof_is_excited_above_the_stated_part_of_its_scale(void)
             TEST_ASSERT_TRUE(auvid_metric_add(&metric, &s) >= 0);
         }
         merge_all(&metric);
-        TEST_ASSERT_EQUAL(above, metric.excited >> AUVID_YAW & 1);
+        TEST_ASSERT_EQUAL(above, metric.result.excited >> AUVID_YAW & 1);
     }
 }
 
@@ -127,8 +128,8 @@ static void test_set_in_which_a_dof_is_not_excited_does_not_count_in_its_r2(void
             TEST_ASSERT_TRUE(auvid_metric_add(&metric, &s) >= 0);
         }
         merge_all(&metric);
-        TEST_ASSERT_EQUAL_UINT16(60, metric.dof_rows[AUVID_YAW]);
-        TEST_ASSERT_EQUAL_UINT16(more ? 120 : 60, metric.dof_rows[AUVID_SURGE]);
+        TEST_ASSERT_EQUAL_UINT16(60, metric.result.dof_rows[AUVID_YAW]);
+        TEST_ASSERT_EQUAL_UINT16(more ? 120 : 60, metric.result.dof_rows[AUVID_SURGE]);
         auvid_metric_measure_begin(&metric, pi, 0);
         TEST_ASSERT_EQUAL(AUVID_OK, auvid_metric_measure(&metric, &budget));
         auvid_metric_r2(&metric, r2[more]);
@@ -169,7 +170,7 @@ static void test_what_fixed_parameters_explain_does_not_excite_a_dof(void)
         TEST_ASSERT_TRUE(auvid_metric_add(&metric, &s) >= 0);
     }
     merge_all(&metric);
-    TEST_ASSERT_EQUAL_HEX8(0, metric.excited & 1u << AUVID_SWAY);
+    TEST_ASSERT_EQUAL_HEX8(0, metric.result.excited & 1u << AUVID_SWAY);
 }
 
 static void test_the_force_of_fixed_parameters_is_subtracted_from_the_wrench(void)
@@ -217,17 +218,17 @@ static void test_stored_entries_have_an_error_relative_to_their_column(void)
         for (int i = 0, at = 0; i < n; ++i) {
             for (int k = i; k < n; ++k, ++at) {
                 auvid_real_t value = noise(&state) * (auvid_real_t)size[k % 9];
-                metric.factor[band][at] = value;
+                metric.rows.set.factor[band][at] = value;
                 max_entry[k] = (auvid_real_t)fmax((double)max_entry[k], fabs((double)value));
             }
         }
     }
-    auvid_metric_pack(&metric, &metric.set[0]);
+    auvid_metric_pack(&metric, &metric.sets.set[0]);
     for (int band = 0, at = 0; band < AUVID_METRIC_BANDS; ++band, at -= entries) {
         for (int i = 0; i < n; ++i) {
-            auvid_metric_unpack_row(&metric, &metric.set[0], band, 0, i, row);
+            auvid_metric_unpack_row(&metric, &metric.sets.set[0], band, 0, i, row);
             for (int k = i; k < n; ++k, ++at) {
-                double off = fabs((double)row[k] - (double)metric.factor[band][at]);
+                double off = fabs((double)row[k] - (double)metric.rows.set.factor[band][at]);
                 double unit = fmax(ldexp(1.001 * (double)max_entry[k], -15), ldexp(1, -127));
                 TEST_ASSERT_TRUE(off <= unit);
             }
@@ -245,11 +246,11 @@ static void test_a_column_that_depends_on_others_has_no_pivot_after_rounding(voi
         feed(&metric, &w, 17.3 * begin, cells_of(&cfg, 2 * cfg.set_rows));
         merge_all(&metric);
         int n = auvid_metric_order(&metric, AUVID_YAW), pivots = 0;
-        for (int i = 0; i < metric.count[AUVID_YAW]; ++i) {
-            int at = metric.factor_at[AUVID_YAW] + i * n - i * (i - 1) / 2;
-            pivots += metric.merged[at] != AUVID_C(0.0);
+        for (int i = 0; i < metric.layout.count[AUVID_YAW]; ++i) {
+            int at = metric.layout.factor_at[AUVID_YAW] + i * n - i * (i - 1) / 2;
+            pivots += metric.evaluator.merged[at] != AUVID_C(0.0);
         }
-        TEST_ASSERT_EQUAL(metric.count[AUVID_YAW] - 1, pivots);
+        TEST_ASSERT_EQUAL(metric.layout.count[AUVID_YAW] - 1, pivots);
     }
 }
 
@@ -296,10 +297,10 @@ static void find_delay(double shift_s, double lag_s)
     merge_all(&metric);
     for (int j = 0; j < 6; ++j) {
         if (auvid_girona500.columns[j] != 0) {
-            TEST_ASSERT_DOUBLE_WITHIN(5e-3, shift_s + lag_s, (double)metric.delay_s[j]);
-            TEST_ASSERT_EQUAL(lag_s > 0, metric.first_order_lag >> j & 1);
+            TEST_ASSERT_DOUBLE_WITHIN(5e-3, shift_s + lag_s, (double)metric.result.delay_s[j]);
+            TEST_ASSERT_EQUAL(lag_s > 0, metric.result.first_order_lag >> j & 1);
         } else {
-            TEST_ASSERT_EQUAL_DOUBLE(0, (double)metric.delay_s[j]);
+            TEST_ASSERT_EQUAL_DOUBLE(0, (double)metric.result.delay_s[j]);
         }
     }
 }
@@ -336,7 +337,7 @@ static void test_response_before_its_command_has_no_delay(void)
     feed(&metric, &w, 0, cells_of(&cfg, 120));
     merge_all(&metric);
     for (int j = 0; j < 6; ++j) {
-        TEST_ASSERT_EQUAL_DOUBLE(0, (double)metric.delay_s[j]);
+        TEST_ASSERT_EQUAL_DOUBLE(0, (double)metric.result.delay_s[j]);
     }
 }
 
@@ -354,7 +355,7 @@ static void test_given_delay_is_used_as_it_is(void)
     merge_all(&metric);
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_metric_least_squares(&metric, AUVID_G500_FREE, pi));
     assert_truth(pi, AUVID_G500_FREE);
-    TEST_ASSERT_DOUBLE_WITHIN(1e-6, 0.3, (double)metric.delay_s[AUVID_YAW]);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-6, 0.3, (double)metric.result.delay_s[AUVID_YAW]);
 }
 
 /* ---- gaps and bad cells ---- */
@@ -378,7 +379,7 @@ static void test_gap_inside_a_set_does_not_mix_its_two_sides(void)
         }
         TEST_ASSERT_EQUAL(1, feed(&metric, &w, 333, cells_of(&cfg, 20)));
         merge_all(&metric);
-        whole[marked] = cost_of(&metric, truth) + (double)metric.constant;
+        whole[marked] = cost_of(&metric, truth) + (double)metric.result.constant;
     }
     TEST_ASSERT_TRUE(whole[1] < 1e-8);
     TEST_ASSERT_TRUE(whole[0] > 1e-4);
@@ -391,7 +392,7 @@ static void feed_wrong_values(int velocity, bool marked)
 {
     world_t w = world_of(&cfg);
     start();
-    for (int k = 0; metric.sets_recorded < 2; ++k) {
+    for (int k = 0; metric.sets.recorded < 2; ++k) {
         auvid_sample_t s = cell_at(&w, k * w.cell_s);
         if (k % 200 < 20) {
             s.nu[velocity] += 1;
@@ -409,7 +410,7 @@ static void test_an_equation_has_no_row_where_a_velocity_that_it_reads_is_missin
         assert_least_squares_find_truth(AUVID_G500_FREE);
         feed_wrong_values(velocity, false);
         merge_all(&metric);
-        TEST_ASSERT_TRUE(cost_of(&metric, truth) + (double)metric.constant > 1e-4);
+        TEST_ASSERT_TRUE(cost_of(&metric, truth) + (double)metric.result.constant > 1e-4);
     }
     feed_wrong_values(AUVID_HEAVE, true); /* yaw does not read it */
     const auvid_set_t *set = auvid_metric_newest(&metric);
@@ -421,8 +422,8 @@ static void test_an_equation_has_no_row_where_a_velocity_that_it_reads_is_missin
         TEST_ASSERT_UINT16_WITHIN(3, 60 - 60 * 12 / 40, set->rows_of[j]);
     }
     merge_all(&metric);
-    TEST_ASSERT_EQUAL_UINT16(120, metric.dof_rows[AUVID_YAW]);
-    TEST_ASSERT_UINT16_WITHIN(6, 84, metric.dof_rows[AUVID_HEAVE]);
+    TEST_ASSERT_EQUAL_UINT16(120, metric.result.dof_rows[AUVID_YAW]);
+    TEST_ASSERT_UINT16_WITHIN(6, 84, metric.result.dof_rows[AUVID_HEAVE]);
 }
 
 static void test_rows_lost_to_gaps_in_the_record_are_counted(void)
@@ -473,7 +474,7 @@ static void test_rows_whose_regressor_fails_are_left_out(void)
     feed(&metric, &w, (cells_of(&cfg, 20) + 1) * w.cell_s, cells_of(&cfg, 40));
     merge_all(&metric);
     TEST_ASSERT_TRUE(isfinite(cost_of(&metric, truth)));
-    TEST_ASSERT_TRUE(isfinite((double)metric.constant));
+    TEST_ASSERT_TRUE(isfinite((double)metric.result.constant));
     assert_least_squares_find_truth(AUVID_G500_FREE);
 }
 
@@ -500,7 +501,7 @@ static void test_rows_whose_regressor_always_fails_do_not_count_as_explained(voi
         world_t w = world_of(&cfg);
         start();
         feed(&metric, &w, 0, cells_of(&cfg, 2 * cfg.set_rows));
-        TEST_ASSERT_EQUAL_UINT32(0, metric.sets_recorded);
+        TEST_ASSERT_EQUAL_UINT32(0, metric.sets.recorded);
         TEST_ASSERT_EQUAL(AUVID_ERR_NO_DATA, auvid_metric_close(&metric));
         auvid_metric_merge_begin(&metric);
         TEST_ASSERT_EQUAL(AUVID_ERR_NO_DATA, auvid_metric_merge(&metric, &budget));

@@ -99,7 +99,7 @@ static void test_residual_path_gives_the_same_bits_for_any_division_into_sets(vo
         feed(&metric, &w, 0, cells_of(&cfg, 120));
         merge_all(&metric);
         cost_of(&metric, pi);
-        cost[k] = metric.cost;
+        cost[k] = metric.result.cost;
     }
     TEST_ASSERT_EQUAL_MEMORY(&cost[0], &cost[1], sizeof cost[0]);
 }
@@ -118,7 +118,7 @@ static void test_residual_path_has_its_minimum_in_the_delay_too(void)
         uint32_t budget = UINT32_MAX;
         auvid_metric_cost_begin(&metric, truth, AUVID_C(0.1) * (auvid_real_t)(k + 1));
         TEST_ASSERT_EQUAL(AUVID_OK, auvid_metric_cost(&metric, &budget));
-        cost[k] = (double)metric.cost;
+        cost[k] = (double)metric.result.cost;
     }
     TEST_ASSERT_TRUE(cost[1] < 0.01 * cost[0] && cost[1] < 0.01 * cost[2]);
     TEST_ASSERT_DOUBLE_WITHIN(1e-6, 0.6, (double)auvid_metric_longest_delay(&metric));
@@ -163,7 +163,7 @@ static void test_residuals_are_not_smoothed_over_a_gap(void)
         pi[AUVID_G500_X_0] = 10; /* a residual of -10 N everywhere */
         auvid_metric_measure_begin(&metric, pi, 0);
         TEST_ASSERT_EQUAL(AUVID_OK, auvid_metric_measure(&metric, &budget));
-        sse[k] = (double)metric.sse[AUVID_SURGE];
+        sse[k] = (double)metric.result.sse[AUVID_SURGE];
     }
     TEST_ASSERT_DOUBLE_WITHIN(100, 50 * 100, sse[0]);
     TEST_ASSERT_DOUBLE_WITHIN(100, 20 * 100, sse[1]);
@@ -179,7 +179,7 @@ static void test_residuals_of_what_was_not_measured_do_not_count(void)
         use_residual_path(2, 120);
         start();
         world_t w = world_of(&cfg);
-        for (int k = 0; metric.sets_recorded < 2; ++k) {
+        for (int k = 0; metric.sets.recorded < 2; ++k) {
             auvid_sample_t s = cell_at(&w, k * w.cell_s);
             if (k % 100 < 10) {
                 s.nu[AUVID_HEAVE] += 1;
@@ -213,7 +213,7 @@ static void test_rows_are_stored_only_inside_the_storage(void)
     start();
     world_t w = world_of(&cfg);
     feed(&metric, &w, 0, cells_of(&cfg, 7 * 15));
-    TEST_ASSERT_EQUAL_UINT32(15, metric.sets_recorded);
+    TEST_ASSERT_EQUAL_UINT32(15, metric.sets.recorded);
     TEST_ASSERT_EQUAL(AUVID_SET_COMPLETE, (feed(&metric, &w, 0, 3), auvid_metric_close(&metric)));
     feed(&metric, &w, 0, 7 * 5);
     merge_all(&metric);
@@ -245,7 +245,7 @@ static void test_cost_that_is_not_finite_is_returned_unchanged(void)
     pi[0] = AUVID_LARGEST;
     auvid_metric_cost_begin(&metric, pi, 0);
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_metric_cost(&metric, &budget));
-    TEST_ASSERT_FALSE(auvid_is_finite(metric.cost));
+    TEST_ASSERT_FALSE(auvid_is_finite(metric.result.cost));
     TEST_ASSERT_TRUE(cost_of(&metric, truth) < 1e-3); /* and the next one is correct */
 }
 

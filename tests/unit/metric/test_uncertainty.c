@@ -71,7 +71,7 @@ static void observe(const auvid_metric_config_t *cfg, const world_t *world)
     uint32_t budget = UINT32_MAX;
     uint64_t state = world->seed;
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_metric_init(&metric, cfg));
-    for (uint64_t k = 1; metric.sets_recorded < SETS; ++k) {
+    for (uint64_t k = 1; metric.sets.recorded < SETS; ++k) {
         auvid_sample_t s;
         sines_motion(0.1 * (double)k, MOVED, &s);
         act(&s, world, &state);
@@ -231,7 +231,7 @@ static void test_without_regressor_parameters_of_a_known_kind_scale(void)
         cfg.set_rows = ROWS;
         cfg.rows = rows;
         TEST_ASSERT_EQUAL(AUVID_OK, auvid_metric_init(&metric, &cfg));
-        for (uint64_t k = 1; metric.sets_recorded < SETS; ++k) {
+        for (uint64_t k = 1; metric.sets.recorded < SETS; ++k) {
             auvid_sample_t s;
             auvid_real_t e[AUVID_DOF_COUNT] = {AUVID_C(0.0)};
             sines_motion(0.1 * (double)k, MOVED, &s);

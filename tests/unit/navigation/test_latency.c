@@ -32,11 +32,11 @@ static double identify(uint64_t seed, double dvl_s, double imu_s)
     TEST_ASSERT_TRUE(world_begin(&world, &cfg));
     const auvid_identifier_t *id = &world.node[0].id;
     bool busy = true;
-    while ((busy || id->metric.sets_recorded < cfg.sets) && world_time_s(&world) < 600) {
+    while ((busy || id->metric.sets.recorded < cfg.sets) && world_time_s(&world) < 600) {
         world_tick(&world);
         busy = world_work(&world, UINT32_MAX);
     }
-    TEST_ASSERT_EQUAL(cfg.sets, id->metric.sets_recorded);
+    TEST_ASSERT_EQUAL(cfg.sets, id->metric.sets.recorded);
     TEST_ASSERT_EQUAL(AUVID_GUARD_NO_CAUSE, id->actuation->guard.trip.cause);
     TEST_ASSERT_EQUAL(AUVID_G500_FREE, id->estimate.confidence.identifiable);
     double sum = 0;

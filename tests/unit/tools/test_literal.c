@@ -48,7 +48,7 @@ static void test_noise_free_data_give_parameters_within_ten_percent(void)
     auvid_real_t pi[AUVID_MAX_PARAMETERS] = {0};
     begin();
     add(0, 6 + 11 + 5 * 119);
-    TEST_ASSERT_EQUAL_UINT32(2, metric.sets_recorded);
+    TEST_ASSERT_EQUAL_UINT32(2, metric.sets.recorded);
     merge();
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_metric_least_squares(&metric, AUVID_G500_FREE, pi));
     for (int i = 0; i < 13; ++i) { /* it is biased, and therefore not what the library does */
@@ -85,7 +85,7 @@ static void test_a_row_is_complete_with_its_window(void)
 {
     begin();
     for (int k = 0; k < 60; ++k) {
-        TEST_ASSERT_EQUAL(k < 17 ? 0 : 1 + (k - 17) / 5, metric.rows);
+        TEST_ASSERT_EQUAL(k < 17 ? 0 : 1 + (k - 17) / 5, metric.rows.set.rows);
         add(0.1 * k, 1);
     }
 }
@@ -95,11 +95,11 @@ static void test_rows_that_a_gap_costs_are_counted(void)
     begin();
     add(0, 10);
     literal_gap(&literal);
-    TEST_ASSERT_EQUAL(10 / 5, metric.lost);
+    TEST_ASSERT_EQUAL(10 / 5, metric.rows.set.lost);
     add(5, 60);
     literal_gap(&literal);
-    TEST_ASSERT_EQUAL(10 / 5 + (6 + 10) / 5, metric.lost);
-    TEST_ASSERT_EQUAL(1 + (59 - 16) / 5, metric.rows);
+    TEST_ASSERT_EQUAL(10 / 5 + (6 + 10) / 5, metric.rows.set.lost);
+    TEST_ASSERT_EQUAL(1 + (59 - 16) / 5, metric.rows.set.rows);
 }
 
 static void test_rows_whose_regressor_fails_are_left_out(void)
@@ -107,13 +107,13 @@ static void test_rows_whose_regressor_fails_are_left_out(void)
     auvid_sample_t bad;
     begin();
     add(0, 100);
-    int rows = metric.rows;
+    int rows = metric.rows.set.rows;
     world_t w = world_of(&cfg);
     bad = cell_at(&w, 10);
     bad.phi = AUVID_C(1e9); /* beyond the model's trigonometry */
     TEST_ASSERT_TRUE(literal_add(&literal, &bad) >= 0);
     add(10.1, 10);
-    TEST_ASSERT_EQUAL(rows, metric.rows);
+    TEST_ASSERT_EQUAL(rows, metric.rows.set.rows);
     add(11.1, 600);
     merge();
     TEST_ASSERT_TRUE(isfinite(cost_of(&metric, truth)));
@@ -130,9 +130,9 @@ static void test_the_largest_speed_is_that_of_the_cells(void)
     fast.nu[AUVID_SWAY] = 9;
     fast.missing = 1u << AUVID_SWAY;
     TEST_ASSERT_TRUE(literal_add(&literal, &fast) >= 0);
-    TEST_ASSERT_EQUAL(3000, metric.fastest[AUVID_SURGE][0]);
-    TEST_ASSERT_EQUAL(2000, metric.fastest[AUVID_YAW][1]);
-    TEST_ASSERT_TRUE(metric.fastest[AUVID_SWAY][0] < 1000);
+    TEST_ASSERT_EQUAL(3000, metric.rows.set.fastest[AUVID_SURGE][0]);
+    TEST_ASSERT_EQUAL(2000, metric.rows.set.fastest[AUVID_YAW][1]);
+    TEST_ASSERT_TRUE(metric.rows.set.fastest[AUVID_SWAY][0] < 1000);
 }
 
 static void test_an_identifier_estimates_with_it(void)
@@ -143,12 +143,12 @@ static void test_an_identifier_estimates_with_it(void)
     world.id.metric.row_cells = 25;
     TEST_ASSERT_EQUAL(AUVID_OK, chain_run_sets(&chain, &world, 2));
     (void)chain_finish(&chain, 1000, 100000);
-    TEST_ASSERT_EQUAL_UINT32(2, chain.id.metric.sets_recorded);
+    TEST_ASSERT_EQUAL_UINT32(2, chain.id.metric.sets.recorded);
     TEST_ASSERT_EQUAL(2, chain.id.estimate.sets);
     TEST_ASSERT_FALSE(chain.over_budget);
     TEST_ASSERT_TRUE(sqrt(chain_mean_square(&chain)) < 0.15);
     TEST_ASSERT_TRUE(chain.events & AUVID_EVENT_VALIDATED);
-    auvid_real_t band = chain.id.metric.band_weight[0][AUVID_SURGE];
+    auvid_real_t band = chain.id.metric.evaluator.band_weight[0][AUVID_SURGE];
     TEST_ASSERT_EQUAL_DOUBLE(1, (double)band);
 }
 

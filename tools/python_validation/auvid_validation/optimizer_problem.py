@@ -36,7 +36,7 @@ class Problem:
         self.pi = lib.zeros(17)
         # The cost excludes the residual that no single degree of freedom explains.
         least = self.cost(self.optimum[:N])
-        self.target = least + 1e-3 * (least + self.metric.constant)
+        self.target = least + 1e-3 * (least + self.metric.result.constant)
 
     def finish(self, step):
         self.budget[0] = 1_000_000
@@ -47,7 +47,7 @@ class Problem:
         self.pi[:N] = pi
         self.lib.auvid_metric_cost_begin(self.metric, self.pi, 0)
         self.finish(self.lib.auvid_metric_cost)
-        return self.metric.cost
+        return self.metric.result.cost
 
 
 class Counted:

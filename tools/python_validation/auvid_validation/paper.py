@@ -82,7 +82,7 @@ def search(world):
         last = work.crs + work.line_search
         steps.append((last, float(cost[0]), work.line_search > 0))
     floor = min(cost for _, cost, _ in steps)
-    constant = id_.metric.constant
+    constant = id_.metric.result.constant
     return [(k, (cost - floor) / constant, local) for k, cost, local in steps]
 
 

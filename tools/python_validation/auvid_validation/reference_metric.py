@@ -143,7 +143,7 @@ def make(lib, rng, literal=False):
                 lib.auvid_metric_add(metric, cell)) >= 0
     lib.auvid_metric_merge_begin(metric)
     finish(lib.literal_merge if literal else lib.auvid_metric_merge, metric)
-    assert metric.sets_recorded == SETS and metric.excited == 0b100111
+    assert metric.sets.recorded == SETS and metric.result.excited == 0b100111
     metric.smoother = smoother  # which must outlive it
     return metric, Pipeline(config, cells, literal)
 
@@ -156,7 +156,7 @@ def costs(lib, rng, metric, reference):
         pi[:13] = girona500.TRUTH * rng.uniform(0.5, 1.5, 13)
         lib.auvid_metric_cost_begin(metric, pi, 0)
         finish(lib.auvid_metric_cost, metric)
-        ours.append(metric.cost + metric.constant)
+        ours.append(metric.result.cost + metric.result.constant)
         theirs.append(reference.cost(pi[:13].astype(float)))
     return ours, theirs, theirs
 
@@ -164,11 +164,11 @@ def costs(lib, rng, metric, reference):
 def comparisons(lib):
     rng = np.random.default_rng(1)
     metric, reference = make(lib, rng)
-    kernels = [(values(metric.kernel)[int(dof >= 3), :metric.taps], kernel)
+    kernels = [(values(metric.layout.kernel)[int(dof >= 3), :metric.layout.taps], kernel)
                for dof, kernel in zip(girona500.DRIVEN, reference.kernels)]
     yield close(lib, "metric, filter of rows", "scipy savgol_coeffs, twice", kernels,
                 "relative to the largest", 8, "42 products, at random")
-    weights = [(metric.band_weight[0][dof] / metric.band_weight[1][dof], ratio)
+    weights = [(metric.evaluator.band_weight[0][dof] / metric.evaluator.band_weight[1][dof], ratio)
                for dof, ratio in zip(girona500.DRIVEN, reference.ratio)]
     yield close(lib, "metric, weights of the bands", "numpy.linalg.lstsq residuals", weights,
                 "relative to itself", 600, "4 of a wrench 73 times its residual, squared", STORED)
@@ -176,7 +176,7 @@ def comparisons(lib):
                 [costs(lib, rng, metric, reference)], "relative to itself", 600,
                 "that of the bands' weights", STORED)
     yield close(lib, "metric, what no candidate explains", "numpy.linalg.lstsq",
-                [(metric.constant, reference.unexplained())], "-", 600,
+                [(metric.result.constant, reference.unexplained())], "-", 600,
                 "that of the bands' weights", STORED)
     pi = lib.zeros(17)
     assert lib.auvid_metric_least_squares(metric, 0x1FFF, pi) == 0

@@ -101,7 +101,7 @@ class Run:
             events = out.contents.events
             if events & lib.AUVID_EVENT_ESTIMATE:
                 self.estimates.append(Estimate.of(chain.id.estimate))
-            if events & lib.AUVID_EVENT_SET and chain.id.metric.sets_recorded == sets:
+            if events & lib.AUVID_EVENT_SET and chain.id.metric.sets.recorded == sets:
                 self.complete = len(truth)
 
         self.config.before = lib.chain_before_t(before)
