@@ -24,6 +24,7 @@ export UNITY_DIR ?= third_party/unity/src
 export EIGEN_DIR ?= /usr/include/eigen3
 
 LIB := $(wildcard lib/src/*/*.c)
+PUBLIC := $(wildcard lib/include/auvid/*.h lib/include/auvid/detail/*.h)
 SIMULATOR := $(wildcard tools/simulator/*.c)
 PROGRAM := $(wildcard tools/auvid/*.c)
 # A real bus needs Linux: elsewhere the program has the bus in memory alone.
@@ -301,7 +302,7 @@ $(foreach way,$(WAYS),$(foreach folder,unit vehicles golden,\
 
 $(RECORDED): STATUSES = -I. -include build/statuses/record.h -DSTATUSES_FILE='"$@.statuses"'
 $(RECORDED): build/statuses/record.h
-build/statuses/record.h: tests/statuses/statuses.py $(wildcard lib/include/auvid/*.h) | $(SETUP)
+build/statuses/record.h: tests/statuses/statuses.py $(PUBLIC) | $(SETUP)
 	@mkdir -p $(@D); echo "  $@"
 	$(Q)tests/statuses/statuses.py record >$@
 
@@ -373,7 +374,7 @@ build/firmware/count_plugin.so: tests/firmware/count_plugin.c
 # The example on the host: with nothing but a level of optimization, which leaves the compiler free
 # to use whatever this machine has, and with our flags ("-ours").
 build/firmware/host/%: $(LIB) $(FIRMWARE_EXAMPLE) tests/firmware/machine_host.c \
-        $(wildcard lib/src/*/*.h lib/include/*/*.h port/cortex_m/*.h port/cortex_m/*/*.h) \
+        $(PUBLIC) $(wildcard lib/src/*/*.h port/cortex_m/*.h port/cortex_m/*/*.h) \
         | firmware-setup
 	@mkdir -p $(@D); echo "  $@"
 	$(Q)$(word 1,$(subst -, ,$*)) -$(word 2,$(subst -, ,$*)) \
@@ -381,13 +382,13 @@ build/firmware/host/%: $(LIB) $(FIRMWARE_EXAMPLE) tests/firmware/machine_host.c 
 	    $(if $(findstring 20k,$*),'-DAUVID_USER_CONFIG="example/config_20k.h"') \
 	    -Ilib/include -Iport/cortex_m -o $@ $(filter %.c,$^)
 
-build/can/%.so: $(CAN_CODEC) $(wildcard lib/include/auvid/*.h lib/src/*/*.h) Makefile | $(SETUP)
+build/can/%.so: $(CAN_CODEC) $(PUBLIC) $(wildcard lib/src/*/*.h) Makefile | $(SETUP)
 	@mkdir -p $(@D); echo "  $@"
 	$(Q)$(CC) -std=c11 -O2 -fPIC -shared $(if $(findstring double,$*),-DAUVID_REAL_DOUBLE) \
 	    -ffp-contract=off -Ilib/include $(CFLAGS) -o $@ $(CAN_CODEC)
 
 build/validation/%.so: $(VALIDATION) Makefile \
-        $(wildcard lib/src/*/*.h lib/include/*/*.h tools/simulator/*.h tests/support/*.h) | $(SETUP)
+        $(PUBLIC) $(wildcard lib/src/*/*.h tools/simulator/*.h tests/support/*.h) | $(SETUP)
 	@mkdir -p $(@D); echo "  $@"
 	$(Q)$(CC) -std=c11 -O2 -g -fPIC -shared $(VALIDATION_$*) \
 	    -ffp-contract=off -Ilib/include -Ilib/src -Itools/simulator -Itests/support $(CFLAGS) \

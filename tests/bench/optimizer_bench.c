@@ -12,7 +12,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "auvid/optimizer.h"
+#include "auvid/detail/optimizer.h"
 #include "ls_problem.h"
 
 typedef struct {

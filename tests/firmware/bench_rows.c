@@ -2,7 +2,7 @@
  * One evaluation of the cost on 240 rows of the residual path: the Girona500 as a model without
  * regressor, with sines as motion and wrench. For tests/firmware/bench.sh.
  */
-#include "auvid/metric.h"
+#include "auvid/detail/metric.h"
 #include "base/auvid_math_internal.h"
 #include "machine.h"
 

@@ -9,7 +9,7 @@ import re
 import sys
 
 folder, csv, names = pathlib.Path(sys.argv[1]), pathlib.Path(sys.argv[2]), sys.argv[3:]
-HEADERS = "".join(path.read_text() for path in pathlib.Path("lib/include/auvid").glob("*.h"))
+HEADERS = "".join(path.read_text() for path in pathlib.Path("lib/include").glob("**/*.h"))
 DECLARED = set(re.findall(r"\b(auvid_[a-z0-9_]+)\(", HEADERS))
 ONCE = re.compile(r"_(init|defaults|check|schedule|plan)$")  # not called in a tick
 

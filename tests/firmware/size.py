@@ -26,9 +26,9 @@ import sys
 import tempfile
 
 BOARD = "port/cortex_m/board.sh"
-HEADERS = sorted(pathlib.Path("lib/include/auvid").glob("*.h"))
+HEADERS = sorted(pathlib.Path("lib/include/auvid").glob("**/*.h"))
 API = "".join(path.read_text() for path in HEADERS)
-MODULES = {path.stem for path in HEADERS}
+MODULES = {path.stem for path in HEADERS} | {"can_fifo", "can_receiver"}
 # The functions of the metric's paths, by member of auvid_path_t.
 PATHS = {
     r"path->check\(": r":metric_check_(regressor|residual)$",
@@ -213,11 +213,11 @@ def room(prefix, folder):
 def structs(board, more):
     """{type: sizeof} of all public structs except single messages and those of fossen.h, which the
     sizes of the boards exclude."""
-    folder = HEADERS[0].parent
+    folder = pathlib.Path("lib/include/auvid")
     others = (folder / "can_messages.h").read_text() + (folder / "fossen.h").read_text()
     of, left_out = (set(re.findall(r"^\} (auvid_\w+_t);", text, re.M)) for text in (API, others))
     names = sorted(of - left_out)
-    source = '#include "auvid/auvid.h"\n#include "auvid/node.h"\n#include "auvid/can_fifo.h"\n'
+    source = '#include "auvid/auvid.h"\n'
     source += "".join(f"char size_of_{name}[sizeof({name})];\n" for name in names)
     with tempfile.NamedTemporaryFile(suffix=".o") as made:
         run(*run(BOARD, board, "compile").split(), *more, "-std=c11", "-Ilib/include",

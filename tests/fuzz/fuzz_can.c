@@ -1,8 +1,7 @@
 /*
  * libFuzzer: random frames through the queue into the receivers, and the commanded thrust.
  */
-#include "auvid/can_fifo.h"
-#include "auvid/can_receiver.h"
+#include "auvid/can.h"
 #include "fuzz_frames.h"
 
 enum { PLACES = 4 };

@@ -94,7 +94,7 @@ check_headers() {
             for real in FLOAT DOUBLE; do
                 each "printf '#include \"{}\"\nextern int alone;\n' |
                     $compiler -fsyntax-only $flags -DAUVID_REAL_$real $language -" \
-                    lib/include/auvid/*.h || status=1
+                    lib/include/auvid/*.h lib/include/auvid/detail/*.h || status=1
             done
         done
     done

@@ -61,9 +61,9 @@ refused 'abort.cause' can/auvid_node_report.c \
 refused 'progress.guard' can/auvid_node_report.c \
     "$(before AUVID_GUARD_STATE_COUNT 'EXTRA,')" $public/guard.h
 refused 'a bit of `with_sentence`' metric/auvid_confidence_words.c \
-    "$(before AUVID_NOTE_COUNT "$(many 20)")" $public/confidence.h
+    "$(before AUVID_NOTE_COUNT "$(many 20)")" $public/estimate.h
 refused 'estimate_sigma.note' can/auvid_node_report.c \
-    "$(before AUVID_NOTE_COUNT 'EXTRA,')" $public/confidence.h
+    "$(before AUVID_NOTE_COUNT 'EXTRA,')" $public/estimate.h
 refused 'progress.work' can/auvid_node_report.c \
     "$(before AUVID_WORK_PHASE_COUNT 'EXTRA,')" $public/identifier.h
 refused 'masks of degrees of freedom' base/auvid_math.c \

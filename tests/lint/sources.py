@@ -17,6 +17,7 @@ Prints one line a breach; exit status 1 when there is any.
   version     config.h and the newest entry of CHANGELOG.md agree
   link name   what depends on config.h, in a public header, has the sizes in its link-time name
   word        no name that words.txt has replaced, no word of our own where the field has one
+  public      at most 24 headers for users, all in auvid.h; no example in a README needs detail/
   survivor    each entry of tests/mutation/survivors.txt is a line of its function
   target      every target of the Makefile is described for `make help`
 """
@@ -38,16 +39,16 @@ ROOMS = {
 ROOMS["identifier"] = " ".join(ROOMS)
 ROOMS["can"] = "base"
 ROOMS["node"] = " ".join(ROOMS)
-# Public headers stand in one folder; auvid.h is above all.
+# Headers of lib/include/auvid, and of detail/ in it; auvid.h is above all.
 PUBLIC = {
-    "base": "config types selftest smoother",
+    "base": "config types smoother",
     "models": "vehicle fossen current averaged thrusters",
     "navigation": "nav recorder",
-    "metric": "metric confidence validation",
+    "metric": "metric_config metric confidence estimate validation",
     "search": "crs line_search optimizer",
     "excitation": "excitation allocation guard",
     "identifier": "identifier actuation adaptive checkpoint prior",
-    "can": "can can_messages can_receiver can_fifo",
+    "can": "can can_messages",
     "node": "node",
 }
 
@@ -81,7 +82,7 @@ def without_comments(text):
 
 def room_of(path):
     """The room of a file in lib/; None: it has none."""
-    if path.parent.name == "auvid":
+    if path.parent.name in ("auvid", "detail"):
         return next((room for room in PUBLIC if path.stem in PUBLIC[room].split()), None)
     if path.parent.name == "can" and path.stem.startswith("auvid_node"):
         return "node"
@@ -265,6 +266,26 @@ def check_link_names(headers):
                 yield "link name", f"{name} depends on {', '.join(sorted(needs))}"
 
 
+MAX_PUBLIC = 24
+
+
+def check_public(folder):
+    """What a user reads: few headers, one that has all of them, and examples that need no other."""
+    public = {path.name: path.read_text() for path in sorted(folder.glob("*.h"))}
+    if len(public) > MAX_PUBLIC:
+        yield "public", f"{len(public)} headers, more than {MAX_PUBLIC}"
+    for name in sorted(public.keys() - {"auvid.h"}) if "auvid.h" in public else ():
+        if f'#include "auvid/{name}"' not in public["auvid.h"]:
+            yield "public", f"auvid.h does not include {name}"
+    words = [set(re.findall(r"\w+", without_comments("\n".join(texts)))) for texts in (
+        public.values(), [path.read_text() for path in folder.glob("detail/*.h")])]
+    for page in [path for path in files() if path.name == "README.md"]:
+        for block in re.findall(r"^```c\n(.*?)^```", page.read_text(), re.M | re.S):
+            used = set(re.findall(r"\bauvid_\w+|\bAUVID_\w+|\bauvid/detail/", block, re.I))
+            for name in sorted(used & (words[1] - words[0] | {"auvid/detail/"})):
+                yield "public", f"{name}, in an example of {page.relative_to(root)}, is in detail/"
+
+
 def check_survivors(survivors):
     """Does each listed survivor's line stand in its function's file?"""
     texts = {path.name: " ".join(path.read_text().split()) for path in root.glob("lib/src/*/*.c")}
@@ -292,8 +313,9 @@ def main():
         note(path, check_file(path, text))
     config, changelog = root / "lib/include/auvid/config.h", root / "CHANGELOG.md"
     note(root / "lib/src", check_circles(sorted(root.glob("lib/src/*/*.[ch]"))))
-    headers = {path.name: path.read_text() for path in sorted(config.parent.glob("*.h"))}
+    headers = {path.name: path.read_text() for path in sorted(config.parent.rglob("*.h"))}
     if config.exists():
+        note(config.parent, check_public(config.parent))
         note(config.parent, check_link_names(headers))
     if config.exists() and changelog.exists():
         note(changelog, check_version(config.read_text(), changelog.read_text()))

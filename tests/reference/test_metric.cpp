@@ -8,7 +8,7 @@
 #include <vector>
 
 extern "C" {
-#include "auvid/metric.h"
+#include "auvid/detail/metric.h"
 #include "literal.h"
 #include "unity.h"
 }

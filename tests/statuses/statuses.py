@@ -13,7 +13,7 @@ import pathlib
 import re
 import sys
 
-HEADERS = sorted(pathlib.Path("lib/include/auvid").glob("*.h"))
+HEADERS = sorted(pathlib.Path("lib/include").glob("auvid/**/*.h"))
 # What only a library of other sizes returns.
 ELSEWHERE = {
     ("auvid_excitation_plan", "AUVID_ERR_SIZE"),  # AUVID_MAX_SEGMENTS below 12
@@ -60,7 +60,7 @@ def print_header(texts):
     print("#define _POSIX_C_SOURCE 200809L")
     print("#endif")
     for header in HEADERS:
-        print(f'#include "auvid/{header.name}"')
+        print(f'#include "{header.relative_to("lib/include")}"')
     print(f"#define STATUSES_FUNCTIONS {len(texts)}")
     print("static const char *const statuses_name[] = {")
     print("".join(f'    "{name}",\n' for name in texts) + "};")

@@ -9,7 +9,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "auvid/metric.h"
+#include "auvid/detail/metric.h"
 #include "metric/auvid_metric_internal.h"
 #include "by_residual.h"
 #include "unity.h"

@@ -8,7 +8,7 @@
 
 #include "auvid/allocation.h"
 #include "auvid/fossen.h"
-#include "auvid/metric.h"
+#include "auvid/detail/metric.h"
 #include "base/auvid_linalg_internal.h"
 #include "unity.h"
 

@@ -22,7 +22,7 @@
 
 /* Shortest set [rows of half a second]. Cross-validation leaves out one set at a time. */
 #define SHORTEST_SET 20
-/* Capacity of the ring in rows (metric.h). */
+/* Capacity of the ring in rows (metric_config.h). */
 #define MAX_ROWS 60000u
 
 /* Relative to the largest of all inputs. An input that stays below this value is rounding noise of

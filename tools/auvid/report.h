@@ -9,7 +9,7 @@
 #include "vehicle_sim.h"
 #include "event_log.h"
 
-/** Standard errors in the printed 95 % half-width, for few sets (see confidence.h). */
+/** Standard errors in the printed 95 % half-width, for few sets (see estimate.h). */
 #define HALF_WIDTH 2.1
 
 /** Times at which searches ended, and their numbers of sets. */

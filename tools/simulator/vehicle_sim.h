@@ -4,7 +4,7 @@
  * frame, and receives thruster commands.
  *
  * The vehicle adds its own hover thrust, as the station keeping of an operator would. Commanded
- * thrust is added to it, and is zero unless good commands keep arriving (can_receiver.h). The
+ * thrust is added to it, and is zero unless good commands keep arriving (can.h). The
  * vehicle provides the clock: the tick frame ends the frames of a tick, and ages of samples are
  * relative to it. It also plays the operator: it sends an arm frame one second after the node
  * navigates, and repeats it every second until the guard leaves DISARMED.
@@ -13,7 +13,7 @@
 #define VEHICLE_SIM_H
 
 #include "auvid/allocation.h"
-#include "auvid/can_receiver.h"
+#include "auvid/can.h"
 #include "simulator.h"
 
 #ifdef __cplusplus

@@ -4,7 +4,7 @@
  * identifiable parameters are known.
  *
  * Instead of a sequence of segments (excitation.h) each degree of freedom plays steps. The newest
- * estimate and its confidence (confidence.h) determine each step:
+ * estimate and its confidence (estimate.h) determine each step:
  * - hold time: four time constants m / (|X_u| + 2 |X_uu| u) of the vehicle, at the speed that the
  *   step leads to, 1.5-20 s; 4.5-7.5 s until they are known; 1.1-1.9 s in roll and pitch, whose
  *   restoring moments give periods of seconds;

@@ -1,40 +1,48 @@
 /**
  * @file auvid.h
- * Includes every header of auvid. Firmware that only identifies needs identifier.h. Each module
- * can also be used separately through its own header.
+ * Includes every public header of auvid: all that a program needs.
+ *
+ * The headers in detail/ describe the modules inside of these structs. Programs have no need to
+ * open them, and they may change in every version.
  */
 #ifndef AUVID_AUVID_H
 #define AUVID_AUVID_H
 
+/* what every module uses */
+#include "auvid/config.h"
 #include "auvid/types.h"
-#include "auvid/selftest.h"
 
-#include "auvid/current.h"
-#include "auvid/nav.h"
-#include "auvid/excitation.h"
+/* vehicle models, and models that wrap another one */
 #include "auvid/averaged.h"
+#include "auvid/current.h"
 #include "auvid/fossen.h"
-#include "auvid/guard.h"
-#include "auvid/allocation.h"
-#include "auvid/smoother.h"
+#include "auvid/thrusters.h"
 #include "auvid/vehicle.h"
-#include "auvid/recorder.h"
-#include "auvid/metric.h"
-#include "auvid/confidence.h"
-#include "auvid/crs.h"
-#include "auvid/line_search.h"
-#include "auvid/optimizer.h"
-#include "auvid/validation.h"
+
+/* the identifier, its configuration and its result */
+#include "auvid/estimate.h"
 #include "auvid/identifier.h"
+#include "auvid/metric_config.h"
+#include "auvid/nav.h"
+
+/* excitation */
 #include "auvid/actuation.h"
 #include "auvid/adaptive.h"
-#include "auvid/prior.h"
-#include "auvid/checkpoint.h"
-#include "auvid/thrusters.h"
-#include "auvid/node.h"
+#include "auvid/allocation.h"
+#include "auvid/excitation.h"
+#include "auvid/guard.h"
 
+/* from one dive to the next */
+#include "auvid/checkpoint.h"
+#include "auvid/prior.h"
+
+/* useful alone */
+#include "auvid/smoother.h"
+#include "auvid/validation.h"
+
+/* the bus */
 #include "auvid/can.h"
-#include "auvid/can_receiver.h"
-#include "auvid/can_fifo.h"
+#include "auvid/can_messages.h"
+#include "auvid/node.h"
 
 #endif

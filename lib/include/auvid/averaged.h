@@ -48,7 +48,7 @@ typedef struct {
  * @param a out; unchanged if refused
  * @param vehicle the model to wrap, with regressor; must outlive *a; must not be &a->vehicle
  * @param cell_us the recorder's cell [us], 1000..1000000; the recorder's default is 100000
- * @param velocity_us time between velocity samples [us], 0..1000000, as in metric.h
+ * @param velocity_us time between velocity samples [us], 0..1000000, as in metric_config.h
  * @return AUVID_OK; AUVID_ERR_NULL; the errors of auvid_vehicle_check; AUVID_ERR_MODEL (the model
  * has no regressor, or is &a->vehicle); AUVID_ERR_RANGE (a time). Cost: constant. */
 auvid_status_t auvid_averaged_init(auvid_averaged_t *a, const auvid_vehicle_t *vehicle,

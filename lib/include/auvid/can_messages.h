@@ -459,7 +459,7 @@ typedef struct {
     uint32_t index;
     /** Number of the estimate, modulo 128; 0..127 */
     uint32_t number;
-    /** Finding on the parameter: auvid_note_t of confidence.h; 0..15 */
+    /** Finding on the parameter: auvid_note_t of estimate.h; 0..15 */
     uint32_t note;
     /** Standard error, bias included, in the parameter's unit; NaN: not available. It includes
      * the uncertainty of the thrust scale, a relative error e (default 0.05). For the thrust

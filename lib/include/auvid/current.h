@@ -9,9 +9,9 @@
  *     nu_r = nu - R(eta)' c,    nu_r' = nu' + omega x R(eta)' c        (Fossen 2011, 8.3)
  *
  * The components of c [m/s] are additional parameters. The model is not linear in them, so it uses
- * the metric's residual path, which needs memory for its rows (metric.h: `rows`). A row takes 152
- * bytes with AUVID_MAX_COMMANDS 1 and 240 with 8. The usual nine sets of 60 rows take 80 or 127
- * KiB.
+ * the metric's residual path, which needs memory for its rows (metric_config.h: `rows`). A row
+ * takes 152 bytes with AUVID_MAX_COMMANDS 1 and 240 with 8. The usual nine sets of 60 rows take 80
+ * or 127 KiB.
  *
  * Two effects separate a current from a constant force (a biased thruster, a cable). In body axes,
  * the current turns when the vehicle turns. And quadratic drag |u|u has its kink where velocity

@@ -13,8 +13,8 @@
  * are the parameters, and their names show the terms. A mass is m - X_udot; m and X_udot are not
  * separable. The effects of W and z_G appear in W-B and z_G W - z_B B.
  *
- * Any parameter may be free; the configuration fixes the others (metric.h: `free`, `fixed`). By
- * default 20 are free: masses, inertias, W-B, z_G W - z_B B and all drags. Then the vehicle is
+ * Any parameter may be free; the configuration fixes the others (metric_config.h: `free`, `fixed`).
+ * By default 20 are free: masses, inertias, W-B, z_G W - z_B B and all drags. Then the vehicle is
  * trimmed and its other couplings are zero. The model has no products of inertia.
  *
  * The model exists if AUVID_MAX_PARAMETERS is at least 22. From 26 on it has the couplings of

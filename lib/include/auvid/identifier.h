@@ -5,14 +5,14 @@
  *     auvid_identifier_step   in every control tick: sense, navigate, record, excite. Short.
  *     auvid_identifier_work   whenever there is time left: a given number of units of optimization.
  *
- * Data flow: sensors -> navigation (nav.h) -> recorder (recorder.h) -> metric (metric.h) <->
- * optimizer (optimizer.h) -> estimate. Each completed data set starts a global search with the last
- * estimate as a known good point. A search uses the sets that were complete when it began. Sets
- * completed during a search wait until it ends; then one search takes them all. The last estimate
- * predicts each set before the set is used, the oldest first. The prediction reveals a changed
- * vehicle, and an estimate worse than the one before. For a model on the residual path the delay is
- * one more parameter of the search, and one set can wait; while it waits, no rows are recorded. In
- * the regressor path (sets - 1) / 2 sets can wait; when more are completed, the oldest is lost.
+ * Data flow: sensors -> navigation (nav.h) -> recorder -> metric <-> optimizer -> estimate. Each
+ * completed data set starts a global search with the last estimate as a known good point. A search
+ * uses the sets that were complete when it began. Sets completed during a search wait until it
+ * ends; then one search takes them all. The last estimate predicts each set before the set is used,
+ * the oldest first. The prediction reveals a changed vehicle, and an estimate worse than the one
+ * before. For a model on the residual path the delay is one more parameter of the search, and one
+ * set can wait; while it waits, no rows are recorded. In the regressor path (sets - 1) / 2 sets can
+ * wait; when more are completed, the oldest is lost.
  *
  * Cost of step: one prediction of the filter, the updates that arrived, at most
  * AUVID_CELLS_PER_STEP cells of the recorder. Cost of work: at most `budget` units. A unit is about
@@ -28,12 +28,14 @@
 #ifndef AUVID_IDENTIFIER_H
 #define AUVID_IDENTIFIER_H
 
-#include "auvid/confidence.h"
+#include "auvid/detail/confidence.h"
+#include "auvid/detail/metric.h"
+#include "auvid/detail/optimizer.h"
+#include "auvid/detail/recorder.h"
+#include "auvid/estimate.h"
 #include "auvid/guard.h"
-#include "auvid/metric.h"
+#include "auvid/metric_config.h"
 #include "auvid/nav.h"
-#include "auvid/optimizer.h"
-#include "auvid/recorder.h"
 #include "auvid/types.h"
 #include "auvid/validation.h"
 #include "auvid/vehicle.h"
@@ -89,15 +91,15 @@ typedef struct {
 typedef struct auvid_identifier_config {
     const auvid_vehicle_t *vehicle;   /**< required; set by defaults */
     auvid_nav_config_t nav;           /**< see nav.h */
-    auvid_recorder_config_t recorder; /**< see recorder.h; its cell is also the metric's */
-    auvid_metric_config_t metric;     /**< see metric.h; init sets vehicle and cell. In the
+    auvid_recorder_config_t recorder; /**< see nav.h; its cell is also the metric's */
+    auvid_metric_config_t metric;     /**< see metric_config.h; init sets vehicle and cell. In the
                                                   residual path with estimate_delay off, delay_s[0]
                                                   is the delay of all DoF */
     auvid_velocity_source_t velocity; /**< default AUVID_VELOCITY_GROUND */
     auvid_search_config_t search;     /**< bounds, good point and options of the search */
     auvid_real_t dry_mass_kg; /**< a smaller mass is implausible [kg], >= 0, below the upper bounds
                                    of all free masses; default 0: not known */
-    auvid_uncertainty_t uncertainty;  /**< see confidence.h; default 0.05 of the thrust, 0.005 of
+    auvid_uncertainty_t uncertainty;  /**< see estimate.h; default 0.05 of the thrust, 0.005 of
                                           the DVL, 0.1 s of the delay; 0: known exactly */
     const auvid_listener_t *listener; /**< default NULL: none */
     void *listener_context;           /**< its context */
@@ -210,77 +212,6 @@ typedef struct {
     auvid_guard_cause_t cause; /**< why ABORTED; value, limit and time are in guard.trip */
 } auvid_output_t;
 
-/** Result of a search. */
-typedef struct {
-    uint32_t number;     /**< from 1, incremented with each estimate */
-    uint64_t t_us;       /**< last tick before it was ready */
-    uint32_t sets;       /**< data sets completed when its search was prepared */
-    uint32_t identified; /**< bit i: parameter i was free and its DoF excited. The others have their
-                              fixed value, or the one that fits the excited DoF best
-                              (auvid_metric_searched) */
-    uint8_t excited;     /**< bit j: DoF j was excited */
-    auvid_real_t pi[AUVID_MAX_PARAMETERS]; /**< parameters, in the model's order */
-    /** Covariance of the n parameters if thrust and DVL scale are exact. Packed rows of the upper
-     * triangle, the first of n entries; 0 if not known. For the total covariance, add the products
-     * of confidence.thrust_error and of .dvl_error. */
-    auvid_real_t covariance[AUVID_COVARIANCE];
-    auvid_real_t speed[AUVID_DOF_COUNT][2]; /**< largest speed, >= 0, forward and backward, in the
-                                                 sets in which the DoF was excited [m/s, rad/s] */
-    auvid_real_t cost;                      /**< J, Eq. 11, in the metric's units */
-    auvid_real_t delay_s[AUVID_DOF_COUNT];  /**< between wrench and response; negative: the wrench's
-                                                time stamps are late */
-    uint8_t first_order_lag; /**< bit j: DoF j's delay is that of a first-order lag, not a shift */
-    auvid_real_t r2_force[AUVID_DOF_COUNT]; /**< of the smoothed wrench; see auvid_metric_r2 */
-    uint32_t evaluations_crs;               /**< cost evaluations of this search, global phase */
-    uint32_t evaluations_line;              /**< local phase */
-    /** The search has not converged: a cap ended the local phase, or no point had a finite cost.
-     * Regressor path also: the cost exceeds the minimum within the bounds by more than a
-     * thousandth of it (including the part that no parameters explain). There nothing
-     * is identifiable then. Residual path: the minimum is not known, and a search may end above it
-     * unnoticed. A search ended by a cap keeps its flags: treat them with care. */
-    bool not_converged;
-    bool accepted; /**< it predicted a set that it had not seen, about as well as the last accepted
-                        estimate, or better */
-    auvid_confidence_t confidence; /**< its uncertainty; see confidence.h */
-} auvid_estimate_t;
-
-/** Drag force at a speed. */
-typedef struct {
-    auvid_real_t speed;      /**< as requested; < 0: backward [m/s, rad/s] */
-    auvid_real_t force;      /**< of the water on the hull [N, Nm]; opposite in sign to the speed if
-                                  it dissipates */
-    auvid_real_t sigma;      /**< standard error [N, Nm]; AUVID_LARGEST: not known */
-    auvid_real_t half_width; /**< of the 95 % interval: AUVID_CONFIDENCE_HALF_WIDTH sigma;
-                                  AUVID_LARGEST: not known */
-    bool identifiable; /**< the half-width is at most AUVID_CONFIDENCE_IDENTIFIABLE of the force,
-                            the force opposes the motion, the DoF was excited up to this speed in
-                            this direction, no parameter of its equation is implausible, and the
-                            search converged */
-} auvid_drag_t;
-
-/** Largest speed of an identifiable drag force, relative to the largest speed in the data. */
-#define AUVID_DRAG_REACH AUVID_C(1.05)
-
-/** How well the last estimate predicted the newest set, before that set was used. */
-typedef struct {
-    uint32_t set;      /**< number of the set, from 1; 0: none was validated yet */
-    uint32_t estimate; /**< number of the estimate that predicted it */
-    uint8_t excited;   /**< bit j: DoF j was excited in it and in the estimate's data */
-    uint8_t changed;   /**< bit j: the vehicle has changed, most clearly in this DoF; 0: no change,
-                            or too few sets for a test */
-    auvid_real_t variance_ratio[AUVID_DOF_COUNT]; /**< mean square of the force residual over that
-                            of the estimate's own data; about 1, more while there are few sets */
-    auvid_real_t change[AUVID_DOF_COUNT]; /**< evidence for other parameters in this DoF: Chow's F
-                            less 1, over its threshold. In the DoF with the most evidence, at least
-                            that of the sum over the sum's threshold. Above 1: the vehicle has
-                            changed. 0: none, or fewer than six sets, or an estimate of fewer than
-                            five */
-    auvid_real_t r2_velocity[AUVID_DOF_COUNT]; /**< of the velocity simulated through the set, from
-                            the time of the estimate on; see validation.h */
-    uint8_t simulated;                         /**< bit j: r2_velocity[j] is valid; 0 unless
-                            auvid_identifier_attach_prediction was called */
-} auvid_change_test_t;
-
 /** Phase of auvid_identifier_work. */
 typedef enum {
     AUVID_WORK_IDLE,        /**< nothing to do until a set completes */
@@ -355,23 +286,13 @@ typedef struct auvid_identifier {
  * NULL). Its numbers are zero until then, so do not read them otherwise. Cost: O(1). */
 const auvid_estimate_t *auvid_identifier_estimate(const auvid_identifier_t *id);
 
-#define auvid_estimate_covariance AUVID_SIZED(auvid_estimate_covariance)
-/** Covariance of two parameters if thrust and DVL scale are exact; i = k: a variance. For the total
- * add thrust_error[i] thrust_error[k] + dvl_error[i] dvl_error[k] of the confidence.
- * @param vehicle the estimate's model
- * @param i, k numbers of parameters, in either order
- * @return in the product of their units; 0 if one of them is not known, a pointer is NULL or a
- * number is out of range. Cost: O(1). */
-auvid_real_t auvid_estimate_covariance(const auvid_estimate_t *estimate,
-                                       const auvid_vehicle_t *vehicle, int i, int k);
-
 #define auvid_identifier_defaults AUVID_SIZED(auvid_identifier_defaults)
 /** Fill *cfg for a vehicle: every module's defaults, all parameters of the model free (Girona500:
  * the 13 of Eq. 12-15), bounds +-1000, passive. NULL is a no-op. */
 void auvid_identifier_defaults(auvid_identifier_config_t *cfg, const auvid_vehicle_t *vehicle);
 
 #define auvid_identifier_init AUVID_SIZED(auvid_identifier_init)
-/** Check the arithmetic (selftest.h) and the configuration, and start. Nothing is attached
+/** Check the arithmetic (auvid_selftest) and the configuration, and start. Nothing is attached
  * afterwards. After an error, and if *id is all zeros, every other function returns
  * AUVID_ERR_STATE. After an error id->refusal names the field, its value and its limit
  * (AUVID_ERR_ARITHMETIC: "selftest"; not after AUVID_ERR_NULL of id or cfg).
@@ -436,27 +357,6 @@ void auvid_identifier_attach(auvid_identifier_t *id, auvid_validation_t *validat
  * attached already); AUVID_ERR_STARTED (it has stepped). After an error nothing has changed. */
 auvid_status_t auvid_identifier_attach_prediction(auvid_identifier_t *id,
                                                   auvid_validation_t *storage);
-
-#define auvid_estimate_drag AUVID_SIZED(auvid_estimate_drag)
-/** Drag force of one degree of freedom at a speed, with its uncertainty:
- *
- *     F = a' pi,  a = (v, |v| v),  sigma^2 = a' C a + (a' d_thrust)^2 + (a' d_dvl)^2
- *
- * over the parameters of the kinds AUVID_PARAMETER_LINEAR_DRAG and _QUADRATIC_DRAG of this `dof`.
- * C, d_thrust and d_dvl are the estimate's covariance, confidence.thrust_error and .dvl_error.
- * Linear and quadratic drag are correlated: F may be known although neither of them is. Drag by
- * velocities of other DoF is not included. If the model has a current, the speed is that through
- * the water, but the largest speed in the data is the recorded one.
- * @param vehicle the estimate's model; averaged.h, current.h and thrusters.h keep the hull's drag
- * @param speed [m/s, rad/s], < 0: backward; up to +-AUVID_RECORDER_LARGEST. Reliable from 0.3 to 1
- * of estimate->speed
- * @param drag written if AUVID_OK. A fixed parameter is exact; an unknown standard error makes
- * sigma and half_width AUVID_LARGEST
- * @return AUVID_OK; AUVID_ERR_NULL; AUVID_ERR_NO_DATA (no estimate yet); AUVID_ERR_NOT_FINITE
- * (speed); AUVID_ERR_RANGE (speed; the model has no drag in this DoF). Cost: O(n), 560 instructions
- * of a Cortex-M4F for Girona500. */
-auvid_status_t auvid_estimate_drag(const auvid_estimate_t *estimate, const auvid_vehicle_t *vehicle,
-                                   auvid_dof_t dof, auvid_real_t speed, auvid_drag_t *drag);
 
 #define auvid_identifier_work AUVID_SIZED(auvid_identifier_work)
 /** Optimize for the time that is left.

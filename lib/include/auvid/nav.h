@@ -408,6 +408,28 @@ auvid_status_t auvid_nav_state(const auvid_nav_t *nav, auvid_nav_state_t *state)
  * @return AUVID_OK; AUVID_ERR_NULL; AUVID_ERR_STATE: not initialised. */
 auvid_status_t auvid_nav_covariance(const auvid_nav_t *nav, auvid_real_t p[6][6]);
 
+/* Configuration of the recorder, which follows the filter (detail/recorder.h). */
+
+/** Largest accepted magnitude, in any unit. A larger value is a fault; in single precision its
+ * square would dominate the data set. */
+#define AUVID_RECORDER_LARGEST AUVID_C(1e9)
+
+/** Interpolation of the applied wrench between its samples. */
+typedef enum {
+    AUVID_INPUT_HOLD = 0,  /**< constant until the next sample (command, thrust of a tick) */
+    AUVID_INPUT_LINEAR = 1 /**< linear between samples (a measured force) */
+} auvid_input_mode_t;
+
+/** Configuration; copied by auvid_recorder_init(). */
+typedef struct {
+    uint32_t cell_us;         /**< cell length [us]; 1000..1000000, default 100000 */
+    uint32_t gap_us;          /**< longest time between samples of a stream [us]; >= cell_us,
+                                 <= 1e9. Default 0: in the identifier
+                                 auvid_recorder_gap() of the metric's velocity_us (1 s for a DVL at
+                                 5 Hz), else 500000 */
+    auvid_input_mode_t input; /**< default AUVID_INPUT_HOLD */
+} auvid_recorder_config_t;
+
 #ifdef __cplusplus
 }
 #endif

@@ -17,7 +17,7 @@
  * The node obeys every authentic frame that takes thrust away: abort, disarm and stop. Authentic
  * means that length, checksum and ranges are right; the counter does not matter. So the node obeys
  * the first frame of a restarted console, which counts from 0 again. Only a disarm with a good
- * counter (can_receiver.h) clears an abort. A disarm that is repeated or jumped aborts the
+ * counter (can.h) clears an abort. A disarm that is repeated or jumped aborts the
  * excitation and leaves the guard ABORTED. Abort, disarm and stop all cancel a pending arm frame.
  *
  * Two nodes must not command the same thrusters. An armed or exciting node compares each authentic
@@ -59,7 +59,6 @@
 
 #include "auvid/actuation.h"
 #include "auvid/can.h"
-#include "auvid/can_receiver.h"
 #include "auvid/identifier.h"
 
 #ifdef __cplusplus

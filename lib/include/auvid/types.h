@@ -109,6 +109,22 @@ typedef enum {
  * The text is static and read-only. Cost: constant. */
 const char *auvid_status_str(auvid_status_t status);
 
+/** Tests that this machine's arithmetic gives the bits that auvid expects: runs a short computation
+ * and compares the hash of all its bits with the known hash. A replayed log repeats the
+ * identification of the dive exactly only if every operation gives the same bits on both machines.
+ * The init of the identifier calls it and refuses to start if it fails. Call it yourself if you use
+ * modules without the identifier. It detects:
+ * - flush-to-zero or denormals-are-zero, and another rounding mode;
+ * - contraction into fused multiply-add, and excess precision (x87);
+ * - reassociation or reciprocals by compiler flags;
+ * - comparisons that ignore NaN;
+ * - a soft-float library or conversions that round differently.
+ *
+ * It tests the flags with which auvid_selftest.c was compiled: compile all of auvid with the same
+ * flags. Cost: 1.3k instructions (x86-64, -O2).
+ * @return AUVID_OK; AUVID_ERR_ARITHMETIC (at least one bit differs) */
+auvid_status_t auvid_selftest(void);
+
 /**
  * What a configuration was refused for. Written by auvid_identifier_init, auvid_node_init (to its
  * identifier) and auvid_identifier_attach_actuation (to its storage).
@@ -127,7 +143,7 @@ typedef struct {
 
 /**
  * One cell of the record: motion and wrench, averaged over the same interval. It is the input of
- * vehicle models. The recorder (recorder.h) or the user's own code writes it.
+ * vehicle models. The recorder (detail/recorder.h) or the user's own code writes it.
  */
 typedef struct {
     uint64_t t_us;                            /**< middle of the interval [us] */

@@ -10,8 +10,8 @@
  * - `path` names how the metric uses the model. `&auvid_path_regressor`: the model is linear in its
  *   parameters and gives `regressor`. A cost evaluation is about thirty times cheaper.
  *   `&auvid_path_residual`: any model, linear or not, differentiable or not, gives `residual`, and
- *   the configuration gives memory for rows (metric.h). Only the model names a path, so the linker
- *   drops the other one.
+ *   the configuration gives memory for rows (metric_config.h). Only the model names a path, so the
+ *   linker drops the other one.
  * - `regressor` writes the rows d residual / d pi. On the regressor path they do not depend on pi,
  *   and pi is NULL. On the residual path the function is optional: it replaces the central
  *   differences by exact derivatives.
@@ -49,7 +49,7 @@ typedef enum {
     AUVID_PARAMETER_LINEAR_DRAG,    /**< negative if it dissipates */
     AUVID_PARAMETER_QUADRATIC_DRAG, /**< negative if it dissipates */
     AUVID_PARAMETER_FORCE           /**< constant force or moment, W-B: identifiable if its standard
-                                         error is small against tau_max (metric.h) */
+                                         error is small against tau_max (metric_config.h) */
 } auvid_parameter_kind_t;
 
 /** One parameter of a model. */

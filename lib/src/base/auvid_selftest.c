@@ -3,7 +3,7 @@
  * not the compiler computes. Each expression detects a certain fault. NaN is never hashed, because
  * its bits differ between machines.
  */
-#include "auvid/selftest.h"
+#include "auvid/types.h"
 #include "auvid_math_internal.h"
 
 #ifdef AUVID_REAL_DOUBLE

@@ -2,12 +2,20 @@
  * The queue between interrupt and task. `pushed` and `popped` wrap; their difference is the number
  * of queued frames, because size divides 2^32.
  */
-#include "auvid/can_fifo.h"
+#include "auvid/can.h"
 
 #include <string.h>
 
 #include "auvid_can_table_internal.h"
 #include "../base/auvid_math_internal.h"
+
+#ifndef AUVID_CAN_BARRIER
+#if defined(__GNUC__)
+#define AUVID_CAN_BARRIER() __atomic_thread_fence(__ATOMIC_SEQ_CST)
+#else
+#error "auvid: define AUVID_CAN_BARRIER() for this compiler (see can.h)"
+#endif
+#endif
 
 auvid_status_t auvid_can_fifo_init(auvid_can_fifo_t *fifo, auvid_can_frame_t *storage,
                                    uint32_t size)

@@ -1,7 +1,7 @@
 /*
  * Counter and time-out of a message; reception of the thruster commands.
  */
-#include "auvid/can_receiver.h"
+#include "auvid/can.h"
 
 #include <string.h>
 

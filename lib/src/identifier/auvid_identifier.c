@@ -6,7 +6,7 @@
 
 #include <string.h>
 
-#include "auvid/selftest.h"
+#include "auvid/types.h"
 #include "../base/auvid_math_internal.h"
 #include "../base/auvid_refusal_internal.h"
 #include "../metric/auvid_metric_internal.h"

@@ -34,7 +34,7 @@
  *     P~ = (sum_j w_j R~'R~)^-1,  step = P~ sum_j w_j R~'e~,
  *     var_i <- var_i P~_ii / P_ii + step_i^2.
  */
-#include "auvid/confidence.h"
+#include "auvid/detail/confidence.h"
 
 #include <string.h>
 

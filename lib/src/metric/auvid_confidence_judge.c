@@ -18,7 +18,7 @@
  * masses are treated as the forces determine them, because most of the information is there (in
  * coupled motion 15 % off).
  */
-#include "auvid/confidence.h"
+#include "auvid/detail/confidence.h"
 
 #include <string.h>
 

@@ -1,7 +1,7 @@
 /*
  * Confidence: the note of each parameter, from its standard error.
  */
-#include "auvid/confidence.h"
+#include "auvid/detail/confidence.h"
 
 #include <string.h>
 

@@ -5,7 +5,7 @@
 #ifndef AUVID_CONFIDENCE_NOTES_INTERNAL_H
 #define AUVID_CONFIDENCE_NOTES_INTERNAL_H
 
-#include "auvid/confidence.h"
+#include "auvid/detail/confidence.h"
 
 /** Column, or parameter, that does not exist. */
 enum { NOWHERE = 255 };

@@ -1,7 +1,7 @@
 /*
  * Confidence: notes and missing motion as English text.
  */
-#include "auvid/confidence.h"
+#include "auvid/detail/confidence.h"
 
 #include "auvid_confidence_notes_internal.h"
 #include "../base/auvid_math_internal.h"

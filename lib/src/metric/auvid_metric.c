@@ -4,7 +4,7 @@
  * auvid_metric_record.c forms rows from cells, auvid_metric_close.c sets from rows.
  * auvid_metric_merge.c merges sets to one weighted R factor. auvid_metric_cost.c evaluates costs.
  */
-#include "auvid/metric.h"
+#include "auvid/detail/metric.h"
 
 #include <string.h>
 

@@ -8,7 +8,7 @@
  * without the set before the newest, and U of all. Then the newest set is rotated alone, and then
  * the two newest.
  */
-#include "auvid/metric.h"
+#include "auvid/detail/metric.h"
 
 #include <string.h>
 

@@ -1,7 +1,7 @@
 /*
  * Metric, recording: completion of a set, and rows that arrive while the ring is held.
  */
-#include "auvid/metric.h"
+#include "auvid/detail/metric.h"
 
 #include <string.h>
 

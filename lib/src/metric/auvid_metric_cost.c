@@ -1,7 +1,7 @@
 /*
  * Metric, evaluation (Karras et al. 2013, Eq. 10-11): cost and residuals of a candidate.
  */
-#include "auvid/metric.h"
+#include "auvid/detail/metric.h"
 
 #include <string.h>
 

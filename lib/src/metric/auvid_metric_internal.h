@@ -5,7 +5,7 @@
 #ifndef AUVID_METRIC_INTERNAL_H
 #define AUVID_METRIC_INTERNAL_H
 
-#include "auvid/metric.h"
+#include "auvid/detail/metric.h"
 #include "../base/auvid_math_internal.h"
 
 /** Number of cells whose inputs are stored; inputs are the wrench and the commands. */

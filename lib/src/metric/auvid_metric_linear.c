@@ -13,7 +13,7 @@
  * It is enough to take smoothed residuals one standard deviation of the smoothing apart: closer
  * ones add almost no information.
  */
-#include "auvid/metric.h"
+#include "auvid/detail/metric.h"
 
 #include <string.h>
 

@@ -11,7 +11,7 @@
  * difference is (1 +- rho) sigma^2 / 2. So the weights whiten a first-order autoregression that is
  * chosen after the fact.
  */
-#include "auvid/metric.h"
+#include "auvid/detail/metric.h"
 
 #include <string.h>
 

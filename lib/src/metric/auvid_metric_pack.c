@@ -8,7 +8,7 @@
  * its sensors' noise and no disturbance: estimates change by 0.009 standard errors (rms); with a
  * disturbance of 1 N by 0.004. With one e for each row instead of each column it would be 0.7.
  */
-#include "auvid/metric.h"
+#include "auvid/detail/metric.h"
 
 #include <string.h>
 

@@ -7,7 +7,7 @@
  * variable (Chow 1960; auvid_metric_change.c). It has as many degrees of freedom as there are prior
  * rows.
  */
-#include "auvid/metric.h"
+#include "auvid/detail/metric.h"
 
 #include <string.h>
 

@@ -6,7 +6,7 @@
  * The filter runs in transposed form: each cell is added, with the right coefficient, to the few
  * rows under construction, so no window of cells is stored.
  */
-#include "auvid/metric.h"
+#include "auvid/detail/metric.h"
 
 #include <string.h>
 

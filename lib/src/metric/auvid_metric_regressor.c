@@ -15,7 +15,7 @@
  * gain is 0.8 % low, and masses become too large by as much. So the wrench of forces also passes
  * (a, 1 - 2 a, a), a = T^2 / (12 cell^2), which has the same variance.
  */
-#include "auvid/metric.h"
+#include "auvid/detail/metric.h"
 
 #include <string.h>
 

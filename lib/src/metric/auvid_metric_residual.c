@@ -2,7 +2,7 @@
  * Metric, residual path: means of motion and inputs are stored, and the model's residual is called
  * on each at every evaluation.
  */
-#include "auvid/metric.h"
+#include "auvid/detail/metric.h"
 
 #include <string.h>
 

@@ -5,7 +5,7 @@
 #ifndef AUVID_RECORDER_INTERNAL_H
 #define AUVID_RECORDER_INTERNAL_H
 
-#include "auvid/recorder.h"
+#include "auvid/detail/recorder.h"
 
 /** Check a configuration. *why names what is refused; NULL: not wanted. @return the statuses of
  * auvid_recorder_init */

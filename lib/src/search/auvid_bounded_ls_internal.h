@@ -18,7 +18,7 @@
 #ifndef AUVID_BOUNDED_LS_INTERNAL_H
 #define AUVID_BOUNDED_LS_INTERNAL_H
 
-#include "auvid/optimizer.h"
+#include "auvid/detail/optimizer.h"
 
 /** Begin an empty problem with n parameters, 1..AUVID_MAX_PARAMETERS. */
 void auvid_bounded_ls_begin(auvid_bounded_ls_t *ls, int n);

@@ -5,7 +5,7 @@
 #ifndef AUVID_CRS_INTERNAL_H
 #define AUVID_CRS_INTERNAL_H
 
-#include "auvid/crs.h"
+#include "auvid/detail/crs.h"
 
 /** auvid_crs_t.state */
 enum { CRS_NONE = 0, CRS_FRESH, CRS_FILL, CRS_SEARCH, CRS_FINISHED, CRS_CAPPED };

@@ -5,7 +5,7 @@
 #ifndef AUVID_LINE_SEARCH_DIRECTIONS_INTERNAL_H
 #define AUVID_LINE_SEARCH_DIRECTIONS_INTERNAL_H
 
-#include "auvid/line_search.h"
+#include "auvid/detail/line_search.h"
 
 #include "../base/auvid_math_internal.h"
 

@@ -2,7 +2,7 @@
  * Composition of Algorithms 1 and 2 of Karras et al., IROS 2013, Section III-C: the best point of
  * the global phase is the start of the local one.
  */
-#include "auvid/optimizer.h"
+#include "auvid/detail/optimizer.h"
 
 #include <string.h>
 

@@ -5,7 +5,7 @@
 #ifndef AUVID_OPTIMIZER_INTERNAL_H
 #define AUVID_OPTIMIZER_INTERNAL_H
 
-#include "auvid/optimizer.h"
+#include "auvid/detail/optimizer.h"
 
 /** As auvid_optimizer_init, without a copy: copies the members that both phases share into
  * cfg->line_search. No pointer may be NULL. */

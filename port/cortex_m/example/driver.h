@@ -7,7 +7,7 @@
 #ifndef DRIVER_H
 #define DRIVER_H
 
-#include "auvid/can_fifo.h"
+#include "auvid/can.h"
 
 /** Starts the clock, CAN at 500 kbit/s and the watchdog. From then on the receive interrupt pushes
  * every frame that a node receives into *received. The acceptance filter of the

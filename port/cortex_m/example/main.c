@@ -8,7 +8,7 @@
  */
 #include <string.h>
 
-#include "auvid/can_fifo.h"
+#include "auvid/can.h"
 #include "auvid/node.h"
 #include "driver.h"
 

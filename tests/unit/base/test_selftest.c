@@ -7,7 +7,7 @@
 #include <xmmintrin.h>
 #endif
 
-#include "auvid/selftest.h"
+#include "auvid/types.h"
 #include "unity.h"
 
 #if defined(__x86_64__)

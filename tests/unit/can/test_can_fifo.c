@@ -6,7 +6,7 @@
 #include <string.h>
 #include <time.h>
 
-#include "auvid/can_fifo.h"
+#include "auvid/can.h"
 #include "unity.h"
 
 enum { SIZE = 8 };

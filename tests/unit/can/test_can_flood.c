@@ -1,13 +1,13 @@
 /*
  * A flood of random frames with the identifiers of thruster commands. How many are good for the
- * receiver? By the rules in can_receiver.h
+ * receiver? By the rules in can.h
  *     p = 2^-8 (checksum) * (8002 / 8192)^4 (four thrusts in range, or not available) * 3 / 16
  * and such a command acts until the next good command, or for 150 ms.
  */
 #include <stdio.h>
 #include <string.h>
 
-#include "auvid/can_receiver.h"
+#include "auvid/can.h"
 #include "base/auvid_math_internal.h"
 #include "binomial.h"
 #include "unity.h"

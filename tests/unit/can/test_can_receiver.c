@@ -1,9 +1,9 @@
 /*
- * Receiver states and the commanded thrust, by the rules in can_receiver.h.
+ * Receiver states and the commanded thrust, by the rules in can.h.
  */
 #include <string.h>
 
-#include "auvid/can_receiver.h"
+#include "auvid/can.h"
 #include "unity.h"
 
 #define TICK 20000u

@@ -10,7 +10,7 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "auvid/confidence.h"
+#include "auvid/detail/confidence.h"
 #include "chain.h"
 #include "finish.h"
 #include "sines.h"

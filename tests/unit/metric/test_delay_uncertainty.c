@@ -10,7 +10,7 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "auvid/confidence.h"
+#include "auvid/detail/confidence.h"
 #include "auvid/identifier.h"
 #include "auvid/validation.h"
 #include "finish.h"

@@ -5,7 +5,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "auvid/confidence.h"
+#include "auvid/detail/confidence.h"
 #include "metric_cells.h"
 #include "sines.h"
 #include "unity.h"

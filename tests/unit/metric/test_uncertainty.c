@@ -8,7 +8,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "auvid/confidence.h"
+#include "auvid/detail/confidence.h"
 #include "auvid/identifier.h"
 #include "chain.h"
 #include "sines.h"

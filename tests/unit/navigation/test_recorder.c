@@ -5,7 +5,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "auvid/recorder.h"
+#include "auvid/detail/recorder.h"
 #include "unity.h"
 
 enum { ATTITUDE, VELOCITY, INPUT, MOST = 4000 };

@@ -2,7 +2,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "auvid/crs.h"
+#include "auvid/detail/crs.h"
 #include "finish.h"
 #include "unity.h"
 

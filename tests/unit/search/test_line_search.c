@@ -2,7 +2,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "auvid/line_search.h"
+#include "auvid/detail/line_search.h"
 #include "finish.h"
 #include "unity.h"
 

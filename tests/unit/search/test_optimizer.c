@@ -2,7 +2,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "auvid/optimizer.h"
+#include "auvid/detail/optimizer.h"
 #include "binomial.h"
 #include "finish.h"
 #include "unity.h"

@@ -8,7 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "auvid/optimizer.h"
+#include "auvid/detail/optimizer.h"
 #include "finish.h"
 #include "ls_problem.h"
 #include "unity.h"

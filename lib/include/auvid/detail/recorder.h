@@ -1,5 +1,7 @@
 /**
- * @file recorder.h
+ * @file detail/recorder.h
+ * No stability promised: for the structs that contain it, for tests and tools.
+ *
  * Recorder: averages attitude, velocity and applied wrench, which arrive at irregular times, over
  * a common grid of cells (III-B, the buffers eta, nu, nu_dot, tau of Eq. 9).
  *
@@ -30,6 +32,7 @@
 #ifndef AUVID_RECORDER_H
 #define AUVID_RECORDER_H
 
+#include "auvid/nav.h"
 #include "auvid/types.h"
 
 #ifdef __cplusplus
@@ -38,26 +41,7 @@ extern "C" {
 
 /** Number of stored cells. The slowest stream may lag the fastest by this many, less five. */
 #define AUVID_RECORDER_CELLS 16
-/** Largest accepted magnitude, in any unit. A larger value is a fault; in single precision its
- * square would dominate the data set. */
-#define AUVID_RECORDER_LARGEST AUVID_C(1e9)
 #define AUVID_RECORDER_CHANNELS (9 + AUVID_DOF_COUNT + AUVID_MAX_COMMANDS)
-
-/** Interpolation of the applied wrench between its samples. */
-typedef enum {
-    AUVID_INPUT_HOLD = 0,  /**< constant until the next sample (command, thrust of a tick) */
-    AUVID_INPUT_LINEAR = 1 /**< linear between samples (a measured force) */
-} auvid_input_mode_t;
-
-/** Configuration; copied by auvid_recorder_init(). */
-typedef struct {
-    uint32_t cell_us;         /**< cell length [us]; 1000..1000000, default 100000 */
-    uint32_t gap_us;          /**< longest time between samples of a stream [us]; >= cell_us,
-                                 <= 1e9. Default 0: in the identifier
-                                 auvid_recorder_gap() of the metric's velocity_us (1 s for a DVL at
-                                 5 Hz), else 500000 */
-    auvid_input_mode_t input; /**< default AUVID_INPUT_HOLD */
-} auvid_recorder_config_t;
 
 /** One stream: attitude, u, v, w, or input. Private. */
 typedef struct {

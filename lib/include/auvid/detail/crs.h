@@ -1,5 +1,7 @@
 /**
- * @file crs.h
+ * @file detail/crs.h
+ * No stability promised: for the structs that contain it, for tests and tools.
+ *
  * Controlled random search: the global phase of the optimizer, as an ask / tell state machine.
  *
  * Purpose: find the region of the minimum of a cost over a box, without a starting point and

@@ -1,5 +1,7 @@
 /**
- * @file line_search.h
+ * @file detail/line_search.h
+ * No stability promised: for the structs that contain it, for tests and tools.
+ *
  * Coordinate search with line-search expansions: the local phase of the optimizer, ask / tell.
  *
  * Purpose: from a starting point, go to the minimum of its region without derivatives. Each of the

@@ -1,5 +1,7 @@
 /**
- * @file metric.h
+ * @file detail/metric.h
+ * No stability promised: for the structs that contain it, for tests and tools.
+ *
  * Metric: how badly does a parameter vector explain the recorded data? (III-B, Eq. 9-11)
  *
  * Cells from the recorder pass a smoother, which forms one row every half second. Rows are
@@ -48,6 +50,7 @@
 #ifndef AUVID_METRIC_H
 #define AUVID_METRIC_H
 
+#include "auvid/metric_config.h"
 #include "auvid/types.h"
 #include "auvid/vehicle.h"
 
@@ -55,73 +58,12 @@
 extern "C" {
 #endif
 
-/** Number of delays at which the wrench is stored, and their spacing in cells. */
-#define AUVID_METRIC_DELAYS 3
-#define AUVID_METRIC_DELAY_CELLS 3
-/** Magnitude of the most negative delay, for which the weights are extrapolated [cells]. */
-#define AUVID_METRIC_EARLY_CELLS 2
-
 /** Bands into which the rows are split: sums and differences of successive rows. */
 #define AUVID_METRIC_BANDS 2
 /** Rows stored to form them. */
 #define AUVID_METRIC_LAGS 2
 /** Largest number of rows whose residuals are averaged in the residual path. */
 #define AUVID_METRIC_WINDOW (AUVID_MAX_COMMANDS > 0 ? 31 : 1)
-
-/** A stored row of the residual path: an averaged sample, and the wrench and the commands at the
- * other delays. Written by the metric. */
-typedef struct {
-    auvid_sample_t sample;
-    auvid_real_t late[AUVID_METRIC_DELAYS - 1][AUVID_DOF_COUNT + AUVID_MAX_COMMANDS];
-} auvid_row_t;
-
-typedef struct {
-    const auvid_vehicle_t *vehicle; /**< required; must outlive the metric */
-    uint32_t free; /**< bit i: parameter i is estimated; others stay at `fixed`. 0: all free;
-                        default the vehicle's own choice */
-    auvid_real_t fixed[AUVID_MAX_PARAMETERS]; /**< values of the others, and of free ones while
-                                their DoF is not excited; 0 of a free one: not known, see
-                                auvid_metric_searched. Default 0 */
-    auvid_real_t tau_max[AUVID_DOF_COUNT];    /**< scale of the wrench [N, Nm], > 0; makes the cost
-                                                   dimensionless. Default 100, 40. In the
-                                                   identifier 0 (default): 100, 40 until
-                                                   auvid_node_init or
-                                                   auvid_identifier_attach_actuation names the
-                                                   thrusters; then what they give in this DoF
-                                                   (auvid_allocation_capacity, the larger
-                                                   direction), if that is above 0 and at most
-                                                   AUVID_RECORDER_LARGEST */
-    /** a DoF is excited if the rms of its wrench about its mean exceeds this part of tau_max; 0..1,
-     * default 0.02 */
-    auvid_real_t excitation_threshold;
-    uint32_t cell_us;      /**< the recorder's cell [us]; default 100000 */
-    uint32_t velocity_us;  /**< time between velocity samples [us], interpolated in between; 0: a
-                               sample in every cell; ..1e6, default 200000 (DVL at 5 Hz). In the
-                               residual path only thrusters.h reads it */
-    uint16_t row_cells;    /**< cells between rows; >= 1, default 5 */
-    uint16_t set_rows;     /**< rows in a set; >= 1, default 60 (30 s);
-                              sets * set_rows <= 60000 */
-    uint8_t sets;          /**< sets in the ring, 1..AUVID_MAX_SETS; default all */
-    uint8_t half_width[2]; /**< Savitzky-Golay half-width [cells] for forces [0] and for moments
-                                [1]; default 10, 7. Not used in the residual path */
-    uint8_t lag[2]; /**< distance in rows of the two rows of a sum or difference, for forces [0] and
-                         for moments [1]; 1..AUVID_METRIC_LAGS, default 2, 1 */
-    uint8_t order;  /**< order of the polynomial, default 2 */
-    uint8_t passes; /**< number of applications of the smoother, 1 or 2;
-                         default 2 */
-    bool estimate_delay;                   /**< default true */
-    auvid_real_t delay_s[AUVID_DOF_COUNT]; /**< delay of the wrench if it is not estimated [s]; a
-                                                shift, -2..6 cells, default 0. Not read in the
-                                                residual path: the delay is a parameter of each
-                                                evaluation there */
-    auvid_real_t delay_sigma_s; /**< standard deviation of the delay [s], 0..1; > 0: negative delays
-                                     are also estimated; default 0. The identifier overwrites it
-                                     with its uncertainty.delay_s */
-    uint8_t first_order_lag; /**< bit j: delay_s of DoF j is that of a first-order lag, not a shift;
-                                  default 0 */
-    auvid_row_t *rows;       /**< residual path: storage for (sets + 1) set_rows rows, owned by the
-                            caller, must outlive the metric; NULL otherwise */
-} auvid_metric_config_t;
 
 /** An entry of a stored R factor, in units of 2^exponent of its column. */
 #ifdef AUVID_REAL_DOUBLE

@@ -1,5 +1,7 @@
 /**
- * @file optimizer.h
+ * @file detail/optimizer.h
+ * No stability promised: for the structs that contain it, for tests and tools.
+ *
  * The optimizer of the identification: controlled random search, then coordinate line search.
  *
  * Purpose: find the parameters of minimum cost in a box, without a starting point, without
@@ -36,8 +38,8 @@
 #ifndef AUVID_OPTIMIZER_H
 #define AUVID_OPTIMIZER_H
 
-#include "auvid/crs.h"
-#include "auvid/line_search.h"
+#include "auvid/detail/crs.h"
+#include "auvid/detail/line_search.h"
 
 #ifdef __cplusplus
 extern "C" {
