@@ -414,6 +414,9 @@ auvid_status_t auvid_nav_covariance(const auvid_nav_t *nav, auvid_real_t p[6][6]
  * square would dominate the data set. */
 #define AUVID_RECORDER_LARGEST AUVID_C(1e9)
 
+/** velocity_us: the period of the velocity samples is observed, see detail/recorder.h. */
+#define AUVID_VELOCITY_OBSERVED UINT32_MAX
+
 /** Interpolation of the applied wrench between its samples. */
 typedef enum {
     AUVID_INPUT_HOLD = 0,  /**< constant until the next sample (command, thrust of a tick) */
@@ -424,9 +427,11 @@ typedef enum {
 typedef struct {
     uint32_t cell_us;         /**< cell length [us]; 1000..1000000, default 100000 */
     uint32_t gap_us;          /**< longest time between samples of a stream [us]; >= cell_us,
-                                 <= 1e9. Default 0: in the identifier
-                                 auvid_recorder_gap() of the metric's velocity_us (1 s for a DVL at
-                                 5 Hz), else 500000 */
+                                 <= 1e9. Default 0: auvid_recorder_gap() of velocity_us, 1 s for a
+                                 DVL at 5 Hz */
+    uint32_t velocity_us;     /**< period of the velocity samples [us], or AUVID_VELOCITY_OBSERVED;
+                                 only gap_us depends on it. Default 0; in the identifier the
+                                 metric's */
     auvid_input_mode_t input; /**< default AUVID_INPUT_HOLD */
 } auvid_recorder_config_t;
 
