@@ -108,8 +108,8 @@ typedef struct {
     auvid_real_t density;      /**< of the water [kg/m3]; default 1025; 1..1e5 */
     auvid_real_t gravity;      /**< [m/s2]; default 9.80665; 0.1..100 */
     auvid_real_t surface_pressure; /**< pressure at depth 0 [Pa]; default 101325; 0..1e6 */
-    auvid_real_t surface_depth;    /**< GPS is used only if the filter's depth is at most this [m];
-        default 0.5; |.| <= 1e5. guard.h: 1e5 once a guard of a surface craft is attached */
+    auvid_real_t surface_depth;    /**< once a depth was measured, GPS is used only if the filter's
+        depth is at most this [m]; default 0.5; |.| <= 1e5 */
     uint32_t dvl_max_age_us;   /**< age of the oldest accepted DVL sample, and longest time ahead of
         the last tick for which a sample is held [us]; default 500000; <= 2e6, 0: no late sample is
         accepted, none is held */
@@ -392,8 +392,8 @@ auvid_status_t auvid_nav_pressure(auvid_nav_t *nav, uint64_t t_us, auvid_real_t 
  * vehicle may move meanwhile.
  * @param t_us time of measurement [us].
  * @param x_m, y_m north and east of the origin [m], |.| <= 1e5.
- * @return as auvid_nav_depth; AUVID_UNUSED also if the filter's depth exceeds surface_depth;
- *         AUVID_PENDING also if the fix is stored for the median. */
+ * @return as auvid_nav_depth; AUVID_UNUSED also if a depth was measured and the filter's depth
+ *         exceeds surface_depth; AUVID_PENDING also if the fix is stored for the median. */
 auvid_status_t auvid_nav_gps(auvid_nav_t *nav, uint64_t t_us, auvid_real_t x_m, auvid_real_t y_m);
 
 #define auvid_nav_state AUVID_SIZED0(auvid_nav_state)
