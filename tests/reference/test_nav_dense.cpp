@@ -147,7 +147,7 @@ class Dense
     auvid_status_t gps(uint64_t t_us, double north, double east)
     {
         double a = age(t_us), noise = std::pow(c.sigma_gps, 2);
-        if (x[2] > c.surface_depth) {
+        if (has_depth && x[2] > c.surface_depth) {
             return AUVID_UNUSED;
         }
         MatrixXd H(2, 6);

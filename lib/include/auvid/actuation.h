@@ -70,7 +70,7 @@ void auvid_actuation_defaults(auvid_actuation_config_t *cfg);
 #define auvid_identifier_attach_actuation AUVID_SIZED(auvid_identifier_attach_actuation)
 /** Attach the acting half, once, after auvid_identifier_init and before the first step or recorded
  * wrench. The guard is DISARMED: nothing acts yet. A scale of the wrench that is left to auvid
- * (metric.tau_max 0) becomes what the thrusters give; with guard.surface, GPS is used at any depth.
+ * (metric.tau_max 0) becomes what the thrusters give.
  * After an error the identifier is as before. storage->refusal then names the refused field of *cfg
  * (part "allocation": of the allocation), its value and its limit, except after AUVID_ERR_NULL,
  * AUVID_ERR_STATE, AUVID_ERR_ATTACHED and AUVID_ERR_STARTED, which leave *storage as it was.

@@ -48,7 +48,9 @@ typedef struct {
     uint32_t cell_us;      /**< the recorder's cell [us]; default 100000 */
     uint32_t velocity_us;  /**< time between velocity samples [us], interpolated in between; 0: a
                                sample in every cell; ..1e6, default 200000 (DVL at 5 Hz). In the
-                               residual path only thrusters.h reads it */
+                               identifier also AUVID_VELOCITY_OBSERVED (default): the median of the
+                               first seven intervals; a rate that changes later is not noticed.
+                               In the residual path only thrusters.h reads it */
     uint16_t row_cells;    /**< cells between rows; >= 1, default 5 */
     uint16_t set_rows;     /**< rows in a set; >= 1, default 60 (30 s);
                               sets * set_rows <= 60000 */

@@ -108,8 +108,8 @@ typedef struct {
     auvid_real_t density;      /**< of the water [kg/m3]; default 1025; 1..1e5 */
     auvid_real_t gravity;      /**< [m/s2]; default 9.80665; 0.1..100 */
     auvid_real_t surface_pressure; /**< pressure at depth 0 [Pa]; default 101325; 0..1e6 */
-    auvid_real_t surface_depth;    /**< GPS is used only if the filter's depth is at most this [m];
-        default 0.5; |.| <= 1e5. guard.h: 1e5 once a guard of a surface craft is attached */
+    auvid_real_t surface_depth;    /**< once a depth was measured, GPS is used only if the filter's
+        depth is at most this [m]; default 0.5; |.| <= 1e5 */
     uint32_t dvl_max_age_us;   /**< age of the oldest accepted DVL sample, and longest time ahead of
         the last tick for which a sample is held [us]; default 500000; <= 2e6, 0: no late sample is
         accepted, none is held */
@@ -392,8 +392,8 @@ auvid_status_t auvid_nav_pressure(auvid_nav_t *nav, uint64_t t_us, auvid_real_t 
  * vehicle may move meanwhile.
  * @param t_us time of measurement [us].
  * @param x_m, y_m north and east of the origin [m], |.| <= 1e5.
- * @return as auvid_nav_depth; AUVID_UNUSED also if the filter's depth exceeds surface_depth;
- *         AUVID_PENDING also if the fix is stored for the median. */
+ * @return as auvid_nav_depth; AUVID_UNUSED also if a depth was measured and the filter's depth
+ *         exceeds surface_depth; AUVID_PENDING also if the fix is stored for the median. */
 auvid_status_t auvid_nav_gps(auvid_nav_t *nav, uint64_t t_us, auvid_real_t x_m, auvid_real_t y_m);
 
 #define auvid_nav_state AUVID_SIZED0(auvid_nav_state)
@@ -414,6 +414,9 @@ auvid_status_t auvid_nav_covariance(const auvid_nav_t *nav, auvid_real_t p[6][6]
  * square would dominate the data set. */
 #define AUVID_RECORDER_LARGEST AUVID_C(1e9)
 
+/** velocity_us: the period of the velocity samples is observed, see detail/recorder.h. */
+#define AUVID_VELOCITY_OBSERVED UINT32_MAX
+
 /** Interpolation of the applied wrench between its samples. */
 typedef enum {
     AUVID_INPUT_HOLD = 0,  /**< constant until the next sample (command, thrust of a tick) */
@@ -424,9 +427,11 @@ typedef enum {
 typedef struct {
     uint32_t cell_us;         /**< cell length [us]; 1000..1000000, default 100000 */
     uint32_t gap_us;          /**< longest time between samples of a stream [us]; >= cell_us,
-                                 <= 1e9. Default 0: in the identifier
-                                 auvid_recorder_gap() of the metric's velocity_us (1 s for a DVL at
-                                 5 Hz), else 500000 */
+                                 <= 1e9. Default 0: auvid_recorder_gap() of velocity_us, 1 s for a
+                                 DVL at 5 Hz */
+    uint32_t velocity_us;     /**< period of the velocity samples [us], or AUVID_VELOCITY_OBSERVED;
+                                 only gap_us depends on it. Default 0; in the identifier the
+                                 metric's */
     auvid_input_mode_t input; /**< default AUVID_INPUT_HOLD */
 } auvid_recorder_config_t;
 

@@ -91,7 +91,7 @@ typedef struct {
     const auvid_vehicle_t *hull; /**< required; must outlive the thrusters. Any model */
     auvid_real_t matrix[AUVID_DOF_COUNT][AUVID_COMMAND_SLOTS]; /**< B: body wrench per newton of
                                                                    each thruster [-, m] */
-    uint8_t thrusters;                 /**< their number, 1..AUVID_MAX_COMMANDS */
+    uint8_t thrusters;                  /**< their number, 1..AUVID_MAX_COMMANDS */
     uint8_t group[AUVID_COMMAND_SLOTS]; /**< of each; numbers from 0, no gaps; default 0 */
     auvid_real_t command_max;   /**< largest command of any source, hover thrust included [units],
                                      1e-6..AUVID_RECORDER_LARGEST; default 1. The log's
@@ -107,7 +107,7 @@ typedef struct {
                                      identifiable; with 0.25 none did */
     auvid_real_t lag_max_s;     /**< upper search bound of the lag [s], 0.01..2; default 0.5. A
                                      larger bound makes rows more expensive */
-    uint32_t delay_us;  /**< known transport delay of commands [us], 0..1e6; default 0 */
+    uint32_t delay_us;          /**< known transport delay of commands [us], 0..1e6; default 0 */
     uint32_t period_us; /**< slot length of the log [us]: the control tick; 1000..100000, default
                              20000. A slot holds the mean command; longer ones take less memory and
                              time */
@@ -131,13 +131,13 @@ typedef struct {
 
 /** State of the log. Written by the thrusters; save it for a restart, see above. */
 typedef struct {
-    uint64_t end_us;                          /* end of the newest complete slot */
-    uint64_t held_us;                         /* the next slot is filled up to here */
-    uint32_t head, filled;                    /* index of the next slot; number of slots kept */
+    uint64_t end_us;       /* end of the newest complete slot */
+    uint64_t held_us;      /* the next slot is filled up to here */
+    uint32_t head, filled; /* index of the next slot; number of slots kept */
     uint32_t clipped; /**< number of commands beyond command_max so far. If not 0, the log and all
                            estimates are wrong: make command_max larger */
-    auvid_real_t held[AUVID_COMMAND_SLOTS];    /* last command */
-    auvid_real_t filling[AUVID_COMMAND_SLOTS]; /* integral over the incomplete slot */
+    auvid_real_t held[AUVID_COMMAND_SLOTS];            /* last command */
+    auvid_real_t filling[AUVID_COMMAND_SLOTS];         /* integral over the incomplete slot */
     auvid_thrusters_pause_t pause[AUVID_MAX_SETS + 2]; /* newest first */
     uint8_t pauses;                                    /* number of pauses */
     bool started;
@@ -174,7 +174,9 @@ auvid_status_t auvid_thrusters_init(auvid_thrusters_t *thrusters,
  * for &thrusters->vehicle, and after setting metric (rows, sets, free, fixed) and recorder.
  *
  * It sets cfg->listener, the search bounds of the thrusters' parameters, and metric.estimate_delay
- * (off, because a lag is not separable from a delay). You may change the bounds afterwards.
+ * (off, because a lag is not separable from a delay). You may change the bounds afterwards. The
+ * log's length depends on metric.velocity_us: AUVID_VELOCITY_OBSERVED (the default) becomes 200000,
+ * a DVL at 5 Hz.
  * @param cfg in and out; unchanged if refused
  * @return AUVID_OK; AUVID_ERR_NULL; AUVID_ERR_STATE (not initialised); AUVID_ERR_MODEL (cfg is for
  * another vehicle, or no known parameter sets the scale of the force in some DoF); AUVID_ERR_RANGE

@@ -12,7 +12,6 @@
 #include "../base/auvid_refusal_internal.h"
 #include "../excitation/auvid_excitation_init_internal.h"
 #include "../excitation/auvid_guard_internal.h"
-#include "../navigation/auvid_nav_internal.h"
 
 static auvid_guard_seen_t actuation_last_seen(const auvid_nav_t *nav, auvid_nav_sensor_t sensor)
 {
@@ -273,9 +272,6 @@ auvid_status_t auvid_identifier_attach_actuation(auvid_identifier_t *id, auvid_a
     id->actuation = storage;
     if (allocation != NULL) {
         auvid_identifier_set_scale(id, allocation);
-    }
-    if (cfg->guard.surface) { /* its depth may be dead reckoned: GPS is usable at any */
-        id->nav.surface_depth = NAV_LARGEST_POSITION;
     }
     return status;
 }

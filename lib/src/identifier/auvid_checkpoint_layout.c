@@ -92,13 +92,13 @@ static const row_t stream[] = {
 };
 
 static const row_t recorder[] = {
-    SPAN(auvid_recorder_t, uint32_t, cfg.cell_us, cfg.gap_us),
+    SPAN(auvid_recorder_t, uint32_t, cfg.cell_us, cfg.velocity_us),
     ENUM(auvid_recorder_t, cfg.input),
     STRUCTS(auvid_recorder_t, stream, TABLE_STREAM),
     REALS(auvid_recorder_t, last, mean),
     SPAN(auvid_recorder_t, uint64_t, origin_us, origin_us),
-    SPAN(auvid_recorder_t, uint32_t, opened, next),
-    BYTE(auvid_recorder_t, measured, broken),
+    SPAN(auvid_recorder_t, uint32_t, opened, interval_us),
+    BYTE(auvid_recorder_t, measured, intervals),
 };
 
 static const row_t set[] = {

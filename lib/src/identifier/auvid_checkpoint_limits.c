@@ -86,7 +86,9 @@ const auvid_checkpoint_limit_t auvid_checkpoint_limit[] = {
     FLAG(TABLE_STREAM, auvid_recorder_stream_t, valid, valid),
 
     RANGE(TABLE_RECORDER, auvid_recorder_t, cfg.cell_us, cfg.cell_us, AUVID_C(1e3), AUVID_C(1e6)),
-    RANGE(TABLE_RECORDER, auvid_recorder_t, cfg.gap_us, cfg.gap_us, AUVID_C(1e3), AUVID_C(1e9)),
+    UP_TO(TABLE_RECORDER, auvid_recorder_t, cfg.gap_us, cfg.gap_us, AUVID_C(1e9)),
+    RANGE(TABLE_RECORDER, auvid_recorder_t, gap_us, gap_us, AUVID_C(1e3), AUVID_C(1e9)),
+    UP_TO(TABLE_RECORDER, auvid_recorder_t, intervals, intervals, AUVID_RECORDER_INTERVALS - 1),
     FLAG(TABLE_RECORDER, auvid_recorder_t, cfg.input, cfg.input),
     WITHIN(TABLE_RECORDER, auvid_recorder_t, last, mean, AUVID_C(2e9)),
     AXES(TABLE_RECORDER, auvid_recorder_t, measured),

@@ -26,6 +26,7 @@ void auvid_identifier_defaults(auvid_identifier_config_t *cfg, const auvid_vehic
     auvid_recorder_defaults(&cfg->recorder);
     auvid_metric_defaults(&cfg->metric, vehicle);
     auvid_clear(cfg->metric.tau_max, AUVID_DOF_COUNT);
+    cfg->metric.velocity_us = AUVID_VELOCITY_OBSERVED;
     for (int i = 0; i < AUVID_MAX_PARAMETERS; ++i) {
         cfg->search.lower[i] = AUVID_C(-1000.0);
         cfg->search.upper[i] = AUVID_C(1000.0);
@@ -150,6 +151,9 @@ static auvid_status_t identifier_init_metric(auvid_identifier_t *id,
     metric->cfg.vehicle = cfg->vehicle;
     metric->cfg.cell_us = cfg->recorder.cell_us;
     metric->cfg.delay_sigma_s = cfg->uncertainty.delay_s;
+    if (cfg->metric.velocity_us == AUVID_VELOCITY_OBSERVED) {
+        metric->cfg.velocity_us = 1000000; /* until it is known, before the first cell */
+    }
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
         if (auvid_is_zero(metric->cfg.tau_max[j])) {
             metric->cfg.tau_max[j] = j < AUVID_ROLL ? AUVID_C(100.0) : AUVID_C(40.0);
@@ -170,9 +174,7 @@ static auvid_status_t identifier_init_modules(auvid_identifier_t *id,
     if (status < 0) {
         return auvid_refuse_part(why, status, "nav");
     }
-    if (recorder.gap_us == 0) {
-        recorder.gap_us = auvid_recorder_gap(cfg->metric.velocity_us);
-    }
+    recorder.velocity_us = cfg->metric.velocity_us;
     status = auvid_recorder_check(&recorder, why);
     if (status < 0) {
         return auvid_refuse_part(why, status, "recorder");

@@ -8,6 +8,7 @@
 
 #include "auvid_actuation_internal.h"
 #include "../base/auvid_math_internal.h"
+#include "../metric/auvid_metric_internal.h"
 #include "../navigation/auvid_nav_internal.h"
 #include "auvid_input_internal.h"
 
@@ -35,6 +36,9 @@ static void identifier_take_cells(auvid_identifier_t *id, int max_cells)
         } else if (status != AUVID_OK) {
             return;
         } else {
+            if (id->metric.cfg.velocity_us != id->recorder.cfg.velocity_us) {
+                auvid_metric_set_velocity_us(&id->metric, id->recorder.cfg.velocity_us);
+            }
             identifier_pass_cell(id, &cell);
             identifier_take_set(id, auvid_metric_add(&id->metric, &cell));
             bool drops = id->metric.sets.rows_dropped != dropped;

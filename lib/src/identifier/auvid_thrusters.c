@@ -23,6 +23,9 @@
  * may lack. */
 enum { BEHIND_US = 3000000, SLACK_US = 1000000 };
 
+/* Period of the velocity samples, unless it is given: a DVL at 5 Hz. */
+enum { DVL_US = 200000 };
+
 void auvid_thrusters_defaults(auvid_thrusters_config_t *cfg)
 {
     if (cfg != NULL) {
@@ -273,16 +276,18 @@ auvid_status_t auvid_thrusters_configure(auvid_thrusters_t *thrusters,
     uint32_t period = th_cfg->period_us;
     uint32_t lead = (uint32_t)(LEAD_LAGS * AUVID_C(1e6) * th_cfg->lag_max_s) / period + 1u;
     uint64_t row_us = (uint64_t)cfg->recorder.cell_us * cfg->metric.row_cells;
-    if (row_us > UINT32_MAX || cfg->metric.velocity_us > 1000000) {
+    uint32_t velocity_us = cfg->metric.velocity_us; /* the log's length depends on it */
+    velocity_us = velocity_us == AUVID_VELOCITY_OBSERVED ? DVL_US : velocity_us;
+    if (row_us > UINT32_MAX || velocity_us > 1000000) {
         return AUVID_ERR_RANGE;
     }
     uint32_t gap_us = cfg->recorder.gap_us;
-    gap_us = gap_us == 0 ? auvid_recorder_gap(cfg->metric.velocity_us) : gap_us;
-    auvid_thrusters_grid_t grid = {
-        .row_us = (uint32_t)row_us,
-        .spread_us = (uint32_t)(AUVID_C(1.4142136) * (auvid_real_t)cfg->metric.velocity_us),
-        .lead = lead,
-        .bridged = gap_us / period + lead};
+    gap_us = gap_us == 0 ? auvid_recorder_gap(velocity_us) : gap_us;
+    auvid_thrusters_grid_t grid = {.row_us = (uint32_t)row_us,
+                                   .spread_us =
+                                       (uint32_t)(AUVID_C(1.4142136) * (auvid_real_t)velocity_us),
+                                   .lead = lead,
+                                   .bridged = gap_us / period + lead};
     if ((uint64_t)th_cfg->slots * period <
         thrusters_needed_us(th, &grid, &cfg->metric, cfg->metric.sets + 1u)) {
         return AUVID_ERR_SIZE;
@@ -302,6 +307,7 @@ auvid_status_t auvid_thrusters_configure(auvid_thrusters_t *thrusters,
         cfg->search.lower[i] = AUVID_C(0.0);
         cfg->search.upper[i] = upper[k % AUVID_THRUSTERS_PER_GROUP];
     }
+    cfg->metric.velocity_us = velocity_us;
     cfg->metric.estimate_delay = false;
     cfg->listener = &thrusters_listener;
     cfg->listener_context = th;

@@ -71,6 +71,9 @@ static inline bool auvid_metric_stores_rows(const auvid_metric_t *m)
 auvid_status_t auvid_metric_check_taps(const auvid_metric_config_t *cfg, uint32_t taps,
                                        const char *field, auvid_refusal_t *why);
 
+/** Set the period of the velocity samples. Only before the first cell, and not from or to 0. */
+void auvid_metric_set_velocity_us(auvid_metric_t *m, uint32_t velocity_us);
+
 static inline void auvid_metric_set_taps(auvid_metric_t *m, uint32_t taps)
 {
     m->layout.taps = (uint8_t)taps;

@@ -82,13 +82,19 @@ static void metric_make_kernel(const auvid_metric_t *m, auvid_real_t *kernel, ui
     }
 }
 
+void auvid_metric_set_velocity_us(auvid_metric_t *m, uint32_t velocity_us)
+{
+    auvid_real_t cells = (auvid_real_t)velocity_us / (auvid_real_t)m->cfg.cell_us;
+    m->cfg.velocity_us = velocity_us;
+    m->layout.interpolation_spread = auvid_min(cells * cells / AUVID_C(12.0), AUVID_C(0.5));
+}
+
 static void metric_make_smoother(auvid_metric_t *m)
 {
     const auvid_metric_config_t *cfg = &m->cfg;
-    auvid_real_t cells = (auvid_real_t)cfg->velocity_us / (auvid_real_t)cfg->cell_us;
     auvid_metric_set_taps(m, metric_taps(cfg));
     m->layout.window_length = 1;
-    m->layout.interpolation_spread = auvid_min(cells * cells / AUVID_C(12.0), AUVID_C(0.5));
+    auvid_metric_set_velocity_us(m, cfg->velocity_us);
     metric_make_kernel(m, m->layout.kernel[0], cfg->half_width[0]);
     metric_make_kernel(m, m->layout.kernel[1], cfg->half_width[1]);
 }

@@ -87,7 +87,8 @@ auvid_status_t auvid_nav_update_position(auvid_nav_t *nav, uint8_t sensor, uint6
     if (status != AUVID_OK) {
         return status;
     }
-    if (row->surface_only && nav->position[2] + nav->position_lo[2] > nav->surface_depth) {
+    if (row->surface_only && (nav->flags & AUVID_NAV_DEPTH_KNOWN) != 0 &&
+        nav->position[2] + nav->position_lo[2] > nav->surface_depth) {
         return AUVID_UNUSED;
     }
     m.is_velocity = false;

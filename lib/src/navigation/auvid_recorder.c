@@ -23,6 +23,9 @@ static const uint8_t first_channel[STREAMS + 1] = {0, 6, 7, 8, 9, AUVID_RECORDER
  * The rest of the ring is for the delay of the samples. */
 enum { MAX_LAG = AUVID_RECORDER_CELLS - 8 };
 
+/* Longest period of the velocity samples (metric.h). */
+enum { MAX_PERIOD_US = 1000000 };
+
 enum { PHI = 0, RATES = 3, VELOCITIES = 6, TAU = 9, COMMAND = 9 + AUVID_DOF_COUNT };
 
 void auvid_recorder_defaults(auvid_recorder_config_t *cfg)
@@ -42,7 +45,7 @@ uint32_t auvid_recorder_gap(uint32_t velocity_us)
 
 static uint32_t recorder_gap_us(const auvid_recorder_config_t *cfg)
 {
-    return cfg->gap_us == 0 ? auvid_recorder_gap(0) : cfg->gap_us;
+    return cfg->gap_us == 0 ? auvid_recorder_gap(cfg->velocity_us) : cfg->gap_us;
 }
 
 auvid_status_t auvid_recorder_check(const auvid_recorder_config_t *cfg, auvid_refusal_t *why)
@@ -72,8 +75,29 @@ auvid_status_t auvid_recorder_init(auvid_recorder_t *recorder, const auvid_recor
     }
     memset(recorder, 0, sizeof *recorder);
     recorder->cfg = *cfg;
-    recorder->cfg.gap_us = recorder_gap_us(cfg);
+    recorder->gap_us = recorder_gap_us(cfg);
     return AUVID_OK;
+}
+
+/* Is the period of the velocity samples still to be observed? */
+static bool recorder_observes(const auvid_recorder_t *rec)
+{
+    return rec->cfg.velocity_us == AUVID_VELOCITY_OBSERVED;
+}
+
+/* Take an interval between velocity samples; the median of enough of them is their period. */
+static void recorder_observe(auvid_recorder_t *rec, uint32_t interval_us)
+{
+    int i = rec->intervals++;
+    for (; i > 0 && rec->interval_us[i - 1] > interval_us; --i) { /* sorted */
+        rec->interval_us[i] = rec->interval_us[i - 1];
+    }
+    rec->interval_us[i] = interval_us < MAX_PERIOD_US ? interval_us : MAX_PERIOD_US;
+    if (rec->intervals == AUVID_RECORDER_INTERVALS) {
+        rec->intervals = 0;
+        rec->cfg.velocity_us = rec->interval_us[AUVID_RECORDER_INTERVALS / 2];
+        rec->gap_us = recorder_gap_us(&rec->cfg);
+    }
 }
 
 static bool recorder_is_velocity(int s)
@@ -99,7 +123,7 @@ static void recorder_begin(auvid_recorder_t *rec)
     }
     for (int s = 0; s < STREAMS; ++s) {
         auvid_recorder_stream_t *st = &rec->stream[s];
-        st->valid = st->valid && origin - st->t_us <= rec->cfg.gap_us;
+        st->valid = st->valid && origin - st->t_us <= rec->gap_us;
         has_velocity = has_velocity || (recorder_is_velocity(s) && st->valid);
         if (!st->valid && !recorder_is_velocity(s)) {
             return;
@@ -170,8 +194,9 @@ static void recorder_add(auvid_recorder_t *rec, int s, uint64_t t_us, const auvi
             inside ? (uint32_t)auvid_divide(t_us - rec->origin_us, rec->cfg.cell_us) + 1u : 0u;
         st->filled_us = rec->origin_us + (uint64_t)st->cell * rec->cfg.cell_us;
     } else if (rec->running &&
-               (t_us - st->t_us > rec->cfg.gap_us || !recorder_integrate(rec, s, t_us, value))) {
-        rec->broken = true;
+               (t_us - st->t_us > rec->gap_us || !recorder_integrate(rec, s, t_us, value))) {
+        /* if the period is being observed, no cell was popped: the record begins again */
+        rec->broken = !recorder_observes(rec) || rec->intervals == 0;
         rec->running = false;
     }
     memcpy(&rec->last[first_channel[s]], value,
@@ -240,11 +265,11 @@ auvid_status_t auvid_recorder_velocity(auvid_recorder_t *recorder, uint64_t t_us
         return status != AUVID_OK ? status : AUVID_UNUSED;
     }
     /* if all three components are missing for gap_us, the record breaks as for any stream */
-    bool continues = rec->running && min_us <= rec->cfg.gap_us;
+    bool continues = rec->running && min_us <= rec->gap_us;
     for (int i = 0; i < 3; ++i) {
         bool is_measured = (measured >> i & 1u) != 0;
-        bool lost = is_measured ? silence_us[i] > rec->cfg.gap_us
-                                : silence_us[i] >= rec->cfg.gap_us ||
+        bool lost = is_measured ? silence_us[i] > rec->gap_us
+                                : silence_us[i] >= rec->gap_us ||
                                       silence_us[i] >= MAX_LAG * rec->cfg.cell_us;
         if (continues && lost) {
             rec->stream[VELOCITY + i].valid = false;
@@ -252,6 +277,9 @@ auvid_status_t auvid_recorder_velocity(auvid_recorder_t *recorder, uint64_t t_us
         if (is_measured) {
             recorder_add(rec, VELOCITY + i, t_us, velocity + i);
         }
+    }
+    if (recorder_observes(rec) && min_us < UINT32_MAX) {
+        recorder_observe(rec, min_us);
     }
     recorder_begin(rec);
     return AUVID_OK;
@@ -305,7 +333,8 @@ auvid_status_t auvid_recorder_pop(auvid_recorder_t *recorder, auvid_sample_t *sa
     }
     for (int s = 0; s < STREAMS; ++s) {
         bool lost = recorder_is_velocity(s) && !rec->stream[s].valid;
-        if (!rec->running || (!lost && rec->stream[s].cell <= rec->next + 2)) {
+        if (!rec->running || recorder_observes(rec) ||
+            (!lost && rec->stream[s].cell <= rec->next + 2)) {
             return AUVID_EMPTY;
         }
     }

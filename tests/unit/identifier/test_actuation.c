@@ -117,17 +117,6 @@ static void test_it_attaches_once(void)
     TEST_ASSERT_EQUAL_FLOAT(7.0f, (float)storage.guard.cfg.depth_max_m);
 }
 
-static void test_gps_of_a_surface_craft_is_used_at_any_depth(void)
-{
-    auvid_real_t depth = chain.id.nav.surface_depth;
-    TEST_ASSERT_EQUAL(AUVID_OK, attach());
-    TEST_ASSERT_TRUE(chain.id.nav.surface_depth == depth);
-    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&chain.id, &cfg.id));
-    cfg.acting.guard.surface = true;
-    TEST_ASSERT_EQUAL(AUVID_OK, attach());
-    TEST_ASSERT_TRUE(chain.id.nav.surface_depth == AUVID_C(1e5));
-}
-
 static void test_it_attaches_before_the_first_step_only(void)
 {
     auvid_input_t in = {.t_us = 1};
@@ -215,7 +204,6 @@ int main(void)
     RUN_TEST(test_null_is_refused);
     RUN_TEST(test_an_identifier_that_is_not_initialised_is_refused);
     RUN_TEST(test_it_attaches_once);
-    RUN_TEST(test_gps_of_a_surface_craft_is_used_at_any_depth);
     RUN_TEST(test_it_attaches_before_the_first_step_only);
     RUN_TEST(test_thrusters_that_are_not_initialised_are_refused);
     RUN_TEST(test_errors_of_the_parts_are_passed_on);

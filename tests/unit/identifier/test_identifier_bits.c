@@ -111,6 +111,7 @@ static void navigate_separately(chain_t *c, auvid_input_t *in)
 static void test_motion_from_another_source_reaches_the_metric_through_the_recorder(void)
 {
     chain_set_driver(&cfg);
+    cfg.id.metric.velocity_us = 200000; /* only the identifier observes it */
     cfg.id.recorder.gap_us = auvid_recorder_gap(cfg.id.metric.velocity_us);
     cfg.id.metric.delay_sigma_s = cfg.id.uncertainty.delay_s;
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_nav_init(&own_nav, &cfg.id.nav));

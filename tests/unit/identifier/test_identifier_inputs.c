@@ -616,6 +616,7 @@ static void test_a_step_takes_no_more_cells_than_it_says(void)
     chain_set_driver(&cfg);
     cfg.sim.sensor[SIM_DVL].rate_hz = 2.5;
     cfg.sim.sensor[SIM_DVL].age_s = 0.1;
+    cfg.id.metric.velocity_us = 400000;
     cfg.after = count_cells;
     cfg.context = &last;
     TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &cfg));
@@ -626,6 +627,44 @@ static void test_a_step_takes_no_more_cells_than_it_says(void)
     auvid_identifier_attach(&chain.id, NULL);
     chain_run(&chain, 1.0);
     TEST_ASSERT_EQUAL_UINT32(last, cells.cells);
+}
+
+/* ---- period of the velocity samples ---- */
+
+static void test_the_period_of_the_dvl_is_observed_and_no_cell_is_lost_at_5_hz(void)
+{
+    chain_set_driver(&cfg);
+    TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &cfg));
+    cfg.id.metric.velocity_us = 200000;
+    TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&other, &cfg));
+    chain_run(&chain, 20.0);
+    chain_run(&other, 20.0);
+    TEST_ASSERT_EQUAL_MEMORY(&other.id.metric, &chain.id.metric, sizeof chain.id.metric);
+}
+
+static void test_the_period_of_another_dvl_spreads_the_wrench_as_if_it_were_given(void)
+{
+    chain_set_driver(&cfg);
+    cfg.sim.sensor[SIM_DVL].rate_hz = 10.0;
+    TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &cfg));
+    cfg.id.metric.velocity_us = 100000;
+    TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&other, &cfg));
+    chain_run(&chain, 20.0);
+    chain_run(&other, 20.0);
+    TEST_ASSERT_EQUAL_UINT32(100000, chain.id.metric.cfg.velocity_us);
+    TEST_ASSERT_EQUAL_MEMORY(&other.id.metric, &chain.id.metric, sizeof chain.id.metric);
+}
+
+/* The samples are those of the user's own navigation: one in each tick. */
+static void test_the_period_of_motion_from_elsewhere_is_observed(void)
+{
+    auvid_real_t x[AUVID_DOF_COUNT] = {0};
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&chain.id, &cfg.id));
+    for (uint64_t t_us = 0; t_us <= 1000000; t_us += 50000) {
+        TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_applied(&chain.id, t_us, x, NULL));
+        TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_motion(&chain.id, t_us, x, x));
+    }
+    TEST_ASSERT_EQUAL_UINT32(50000, chain.id.metric.cfg.velocity_us);
 }
 
 int main(void)
@@ -656,5 +695,8 @@ int main(void)
     RUN_TEST(test_ticks_left_out_for_5_s_are_a_gap);
     RUN_TEST(test_null_pointers_are_refused_and_outputs_written);
     RUN_TEST(test_a_step_takes_no_more_cells_than_it_says);
+    RUN_TEST(test_the_period_of_the_dvl_is_observed_and_no_cell_is_lost_at_5_hz);
+    RUN_TEST(test_the_period_of_another_dvl_spreads_the_wrench_as_if_it_were_given);
+    RUN_TEST(test_the_period_of_motion_from_elsewhere_is_observed);
     return UNITY_END();
 }

@@ -336,6 +336,7 @@ static void test_masses_drags_and_gains_must_not_all_be_free(void)
     id_config.metric.fixed[FORWARD] = 70;
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_thrusters_configure(&thrusters, &id_config));
     TEST_ASSERT_FALSE(id_config.metric.estimate_delay);
+    TEST_ASSERT_EQUAL_UINT32(200000, id_config.metric.velocity_us);
     TEST_ASSERT_EQUAL_DOUBLE(300.0, (double)id_config.search.upper[BACKWARD]);
 }
 
@@ -349,7 +350,7 @@ static void test_a_log_too_short_for_the_ring_is_refused(void)
     id_config.metric.set_rows = 1;
     TEST_ASSERT_EQUAL(AUVID_ERR_RANGE, auvid_thrusters_configure(&thrusters, &id_config));
     defaults(ROW_CELLS, 30);
-    id_config.metric.velocity_us = UINT32_MAX;
+    id_config.metric.velocity_us = UINT32_MAX - 1;
     TEST_ASSERT_EQUAL(AUVID_ERR_RANGE, auvid_thrusters_configure(&thrusters, &id_config));
     id_config.vehicle = &hull;
     TEST_ASSERT_EQUAL(AUVID_ERR_MODEL, auvid_thrusters_configure(&thrusters, &id_config));

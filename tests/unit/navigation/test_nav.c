@@ -310,6 +310,18 @@ static void test_gps_under_water_is_not_used(void)
     TEST_ASSERT_TRUE(memcmp(&before, &nav, sizeof nav) == 0);
 }
 
+/* A surface craft has no depth sensor. Its depth is dead reckoned, here to 30 m. */
+static void test_gps_is_used_at_any_depth_that_was_never_measured(void)
+{
+    cfg.gps_start = 0;
+    cfg.position[2] = 30;
+    start();
+    TEST_ASSERT_EQUAL_INT(AUVID_OK, auvid_nav_gps(&nav, now, 1, 1));
+    TEST_ASSERT_EQUAL_INT(AUVID_OK, auvid_nav_depth(&nav, now, 30));
+    TEST_ASSERT_EQUAL_INT(AUVID_OK, tick(20000));
+    TEST_ASSERT_EQUAL_INT(AUVID_UNUSED, auvid_nav_gps(&nav, now, 1, 1));
+}
+
 static void test_gps_at_the_surface_is_used_again_after_a_dive(void)
 {
     cfg.gps_start = 0;
@@ -477,6 +489,7 @@ int main(void)
     RUN_TEST(test_gps_start_allows_for_motion_between_the_fixes);
     RUN_TEST(test_gps_without_a_median_start_is_an_ordinary_update);
     RUN_TEST(test_gps_under_water_is_not_used);
+    RUN_TEST(test_gps_is_used_at_any_depth_that_was_never_measured);
     RUN_TEST(test_gps_at_the_surface_is_used_again_after_a_dive);
     RUN_TEST(test_one_depth_outside_the_gate_is_refused);
     RUN_TEST(test_gate_is_the_square_of_the_innovation_over_its_variance);

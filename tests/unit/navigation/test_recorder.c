@@ -582,7 +582,83 @@ static void test_default_gap_is_five_velocity_samples_between_half_a_second_and_
     TEST_ASSERT_EQUAL_UINT32(750000, auvid_recorder_gap(150000));
     TEST_ASSERT_EQUAL_UINT32(1000000, auvid_recorder_gap(200000));
     TEST_ASSERT_EQUAL_UINT32(1000000, auvid_recorder_gap(1000000));
-    TEST_ASSERT_EQUAL_UINT32(500000, recorder.cfg.gap_us);
+    TEST_ASSERT_EQUAL_UINT32(500000, recorder.gap_us);
+}
+
+/* Attitude and input at 50 Hz, velocity samples interval_ms[] apart, at which the period of the
+ * velocity samples is observed. */
+static void observe(const int *interval_ms, int intervals)
+{
+    int velocity_ms = 0, k = 0;
+    popped = gaps = 0;
+    latest_us = 0;
+    cfg.velocity_us = AUVID_VELOCITY_OBSERVED;
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_recorder_init(&recorder, &cfg));
+    for (int ms = 0; k <= intervals; ms += 20) {
+        uint64_t t_us = T0 + 1000ull * (uint64_t)ms;
+        TEST_ASSERT_EQUAL(AUVID_OK, feed(ATTITUDE, t_us, 1));
+        TEST_ASSERT_EQUAL(AUVID_OK, feed(INPUT, t_us, 1));
+        if (ms == velocity_ms) {
+            TEST_ASSERT_EQUAL(AUVID_OK, feed(VELOCITY, t_us, 1));
+            velocity_ms += interval_ms[k++];
+        }
+        if (k <= intervals) {
+            pop_all();
+        }
+    }
+}
+
+static void test_the_period_of_the_velocity_is_the_median_of_the_first_seven_intervals(void)
+{
+    static const int steady[] = {200, 200, 200, 200, 200, 200, 200, 0};
+    static const int fast[] = {100, 100, 100, 100, 100, 100, 100, 0};
+    static const int lossy[] = {400, 200, 600, 180, 200, 220, 400, 0};
+    observe(steady, 6);
+    TEST_ASSERT_EQUAL_UINT32(AUVID_VELOCITY_OBSERVED, recorder.cfg.velocity_us);
+    observe(fast, 7);
+    TEST_ASSERT_EQUAL_UINT32(100000, recorder.cfg.velocity_us);
+    TEST_ASSERT_EQUAL_UINT32(500000, recorder.gap_us);
+    observe(lossy, 7);
+    TEST_ASSERT_EQUAL_UINT32(220000, recorder.cfg.velocity_us);
+    TEST_ASSERT_EQUAL_UINT32(1000000, recorder.gap_us);
+    cfg.gap_us = 300000;
+    observe(fast, 7);
+    TEST_ASSERT_EQUAL_UINT32(300000, recorder.gap_us);
+}
+
+/* At 5 Hz they fit into the ring. */
+static void test_cells_wait_until_the_period_of_the_velocity_is_known(void)
+{
+    static const int steady[] = {200, 200, 200, 200, 200, 200, 200, 0};
+    observe(steady, 7);
+    TEST_ASSERT_EQUAL_INT(0, popped + gaps);
+    pop_all();
+    TEST_ASSERT_EQUAL_INT(0, gaps);
+    TEST_ASSERT_EQUAL_INT(10, popped); /* of 14 cells */
+}
+
+/* The ring overflows again and again. The record begins after that, without a gap. */
+static void test_the_period_of_a_slow_velocity_is_observed_without_a_gap(void)
+{
+    static const int slow[] = {1000, 1000, 1000, 1000, 1000, 1000, 1000, 0};
+    observe(slow, 7);
+    pop_all();
+    TEST_ASSERT_EQUAL_UINT32(1000000, recorder.cfg.velocity_us);
+    TEST_ASSERT_EQUAL_INT(0, gaps);
+}
+
+/* Slower than any gap that the default bridges: nothing is recorded, and each sample is a gap. */
+static void test_a_velocity_that_is_too_slow_to_be_observed_is_a_gap(void)
+{
+    static const int too_slow[] = {2000, 2000, 2000, 2000, 2000, 2000, 2000, 2000, 0};
+    observe(too_slow, 8);
+    TEST_ASSERT_EQUAL_INT(8, gaps);
+    TEST_ASSERT_EQUAL_INT(0, popped);
+    cfg.gap_us = 3000000; /* with a longer gap and longer cells it is recorded */
+    cfg.cell_us = 300000;
+    observe(too_slow, 7);
+    TEST_ASSERT_EQUAL_UINT32(1000000, recorder.cfg.velocity_us);
+    TEST_ASSERT_EQUAL_INT(0, gaps);
 }
 
 static void test_cells_that_are_not_popped_are_lost_and_reported_as_a_gap(void)
@@ -833,6 +909,10 @@ int main(void)
     RUN_TEST(test_a_velocity_first_sampled_late_counts_from_the_beginning);
     RUN_TEST(test_velocity_refuses_more_than_three_axes);
     RUN_TEST(test_default_gap_is_five_velocity_samples_between_half_a_second_and_one);
+    RUN_TEST(test_the_period_of_the_velocity_is_the_median_of_the_first_seven_intervals);
+    RUN_TEST(test_cells_wait_until_the_period_of_the_velocity_is_known);
+    RUN_TEST(test_the_period_of_a_slow_velocity_is_observed_without_a_gap);
+    RUN_TEST(test_a_velocity_that_is_too_slow_to_be_observed_is_a_gap);
     RUN_TEST(test_cells_that_are_not_popped_are_lost_and_reported_as_a_gap);
     RUN_TEST(test_record_after_a_gap_is_independent_of_the_previous_one);
     RUN_TEST(test_gap_leaves_the_sample_untouched);

@@ -26,6 +26,10 @@
  * between its own samples. A component does not break the record if another one is measured: after
  * `gap_us`, or AUVID_RECORDER_CELLS - 8 cells, without it, cells are marked in sample.missing.
  *
+ * The period of the velocity samples may be observed: the median of the intervals between the first
+ * 8. Until then complete cells wait in the ring. If it overflows first (a slow DVL), the record
+ * begins again. A rate that changes later is not noticed.
+ *
  * Cost: about 30 multiplications a sample; pop about 60. Memory: sizeof(auvid_recorder_t), 1.7 KiB
  * with default sizes.
  */
@@ -42,6 +46,8 @@ extern "C" {
 /** Number of stored cells. The slowest stream may lag the fastest by this many, less five. */
 #define AUVID_RECORDER_CELLS 16
 #define AUVID_RECORDER_CHANNELS (9 + AUVID_DOF_COUNT + AUVID_MAX_COMMANDS)
+/** Intervals between velocity samples whose median is their period. */
+#define AUVID_RECORDER_INTERVALS 7
 
 /** One stream: attitude, u, v, w, or input. Private. */
 typedef struct {
@@ -57,11 +63,14 @@ typedef struct {
     auvid_recorder_stream_t stream[5];
     auvid_real_t last[AUVID_RECORDER_CHANNELS]; /* last sample of each stream */
     auvid_real_t mean[AUVID_RECORDER_CELLS][AUVID_RECORDER_CHANNELS];
-    uint64_t origin_us;                     /* start of cell 0 */
-    uint32_t opened;                        /* cells begun so far */
-    uint32_t next;                          /* next cell to pop */
-    uint8_t measured[AUVID_RECORDER_CELLS]; /* bit i: velocity[i] covers the whole cell */
+    uint64_t origin_us;                             /* start of cell 0 */
+    uint32_t opened;                                /* cells begun so far */
+    uint32_t next;                                  /* next cell to pop */
+    uint32_t gap_us;                                /* longest time between samples */
+    uint32_t interval_us[AUVID_RECORDER_INTERVALS]; /* between velocity samples, ascending */
+    uint8_t measured[AUVID_RECORDER_CELLS];         /* bit i: velocity[i] covers the whole cell */
     bool running, broken;
+    uint8_t intervals; /* observed so far */
 } auvid_recorder_t;
 
 /** Fill *cfg with the defaults stated at its fields.
@@ -69,7 +78,7 @@ typedef struct {
 void auvid_recorder_defaults(auvid_recorder_config_t *cfg);
 
 /** Default of gap_us: five sample intervals, at least 0.5 s and at most 1 s.
- * @param velocity_us interval of the velocity samples [us].
+ * @param velocity_us period of the velocity samples [us].
  * @return 500000..1000000 [us]. */
 uint32_t auvid_recorder_gap(uint32_t velocity_us);
 
