@@ -59,11 +59,9 @@ static void node_arm(auvid_node_t *node)
 
 /* ---- ages of samples to times ---- */
 
-static void node_age_to_time(uint64_t *t_us, bool present, uint64_t tick_us)
+static void node_age_to_time(uint64_t *t_us, uint64_t tick_us)
 {
-    if (present) {
-        *t_us = tick_us > *t_us ? tick_us - *t_us : 0;
-    }
+    *t_us = tick_us > *t_us ? tick_us - *t_us : 0;
 }
 
 /* Forms a sample of the IMU from its halves, which may arrive in different ticks. */
@@ -89,14 +87,17 @@ static void node_set_sample_times(auvid_node_t *node, uint64_t tick_us)
     auvid_input_t *in = &node->in;
     in->t_us = tick_us;
     for (int i = 0; i < AUVID_INPUT_SAMPLES; ++i) {
-        auvid_input_sample_t sample;
-        if (auvid_input_get(in, i, &sample)) {
-            node_age_to_time(&sample.t_us, true, tick_us);
-            auvid_input_set(in, i, &sample);
+        if (auvid_input_has(in, i)) {
+            size_t at = auvid_input_places[i].at + offsetof(auvid_input_sample_t, t_us);
+            node_age_to_time((void *)((unsigned char *)in + at), tick_us);
         }
     }
-    node_age_to_time(&node->attitude_us, node->new_attitude, tick_us);
-    node_age_to_time(&node->rates_us, node->new_rates, tick_us);
+    if (node->new_attitude) {
+        node_age_to_time(&node->attitude_us, tick_us);
+    }
+    if (node->new_rates) {
+        node_age_to_time(&node->rates_us, tick_us);
+    }
     node->new_attitude = node->new_rates = false;
     node_complete_imu(node);
 }
@@ -175,7 +176,7 @@ static void node_open_tick(auvid_node_t *node, uint64_t t_us, auvid_can_frame_t 
 static void node_count_drops(auvid_node_t *node, uint32_t events)
 {
     uint32_t dropped = AUVID_EVENT_IMU_DROPPED | AUVID_EVENT_INPUT_DROPPED;
-    for (int i = 0; i < AUVID_INPUT_SAMPLES; ++i) {
+    for (int i = 0; events != 0 && i < AUVID_INPUT_SAMPLES; ++i) {
         dropped |= auvid_input_places[i].event;
     }
     for (dropped &= events; dropped != 0; dropped &= dropped - 1u) {

@@ -12,6 +12,7 @@
 #include "../base/auvid_refusal_internal.h"
 #include "../excitation/auvid_excitation_init_internal.h"
 #include "../excitation/auvid_guard_internal.h"
+#include "../navigation/auvid_nav_internal.h"
 
 static auvid_guard_seen_t actuation_last_seen(const auvid_nav_t *nav, auvid_nav_sensor_t sensor)
 {
@@ -32,7 +33,7 @@ static void actuation_fill_guard_input(const auvid_identifier_t *id, bool satura
     in->altitude = a->altitude;
     in->altitude_m = a->altitude_m;
     in->applied = id->applied;
-    if (auvid_nav_state(&id->nav, &state) != AUVID_OK) {
+    if (!auvid_nav_pose(&id->nav, &state)) {
         return; /* without IMU samples there are no others */
     }
     in->imu.t_us = state.t_us;
@@ -93,7 +94,7 @@ static void actuation_set_displacement(const auvid_identifier_t *id)
     auvid_actuation_t *a = id->actuation;
     auvid_nav_state_t state;
     auvid_real_t moved[AUVID_DOF_COUNT], d[AUVID_DOF_COUNT], r[3][3];
-    if (auvid_nav_state(&id->nav, &state) != AUVID_OK) {
+    if (!auvid_nav_pose(&id->nav, &state)) {
         return;
     }
     if (a->starting) {

@@ -67,7 +67,7 @@ static void identifier_flag_rejected(auvid_identifier_t *id, auvid_status_t stat
 /* Flag the rejected ones among the samples that waited for the IMU. */
 static void identifier_flag_held(auvid_identifier_t *id)
 {
-    for (int i = 0; i < AUVID_NAV_SENSOR_COUNT; ++i) {
+    for (int i = 0; id->nav.held_rejected >> i != 0; ++i) {
         id->events |= (id->nav.held_rejected >> i & 1) != 0 ? auvid_input_places[i].event : 0u;
     }
     identifier_record_velocity(id); /* another update may follow in this step */
@@ -106,11 +106,11 @@ static void identifier_navigate(auvid_identifier_t *id, const auvid_input_t *in)
             AUVID_EVENT_DEPTH_DROPPED);
     }
     for (int i = 0; i < AUVID_NAV_SENSOR_COUNT; ++i) {
-        auvid_input_sample_t sample;
-        if (auvid_nav_rows[i].kind == NAV_POSITION && auvid_input_get(in, i, &sample)) {
-            identifier_flag_rejected(
-                id, auvid_nav_update(&id->nav, (auvid_nav_sensor_t)i, sample.t_us, sample.value, 0),
-                auvid_input_places[i].event);
+        if (auvid_nav_rows[i].kind == NAV_POSITION && auvid_input_has(in, i)) {
+            const uint64_t *t_us = INPUT_AT(in, i, t_us);
+            auvid_status_t status =
+                auvid_nav_update(&id->nav, (auvid_nav_sensor_t)i, *t_us, INPUT_AT(in, i, value), 0);
+            identifier_flag_rejected(id, status, auvid_input_places[i].event);
         }
     }
 }
@@ -119,16 +119,15 @@ static void identifier_navigate(auvid_identifier_t *id, const auvid_input_t *in)
 static void identifier_record_state(auvid_identifier_t *id, const auvid_input_t *in)
 {
     auvid_nav_state_t state;
-    if (auvid_nav_state(&id->nav, &state) != AUVID_OK) {
+    if (!auvid_nav_pose(&id->nav, &state)) {
         return;
     }
     bool water = id->velocity == AUVID_VELOCITY_WATER;
-    uint32_t fresh = water ? AUVID_NAV_FRESH_WATER : AUVID_NAV_FRESH_BOTTOM;
     if (in->imu.present) {
         (void)auvid_recorder_attitude(&id->recorder, state.t_us, state.attitude, state.rates);
     }
     identifier_record_velocity(id);
-    if (!(state.flags & fresh)) {
+    if (!nav_is_fresh(&id->nav, water ? AUVID_NAV_DVL_WATER : AUVID_NAV_DVL_BOTTOM)) {
         id->events |= AUVID_EVENT_VELOCITY_STALE;
     }
 }

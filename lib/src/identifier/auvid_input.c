@@ -20,13 +20,6 @@ const auvid_input_place_t auvid_input_places[AUVID_INPUT_SAMPLES] = {
     _Static_assert(sizeof((auvid_input_t){0}.input) >= INPUT_BYTES(axes), #name);
 AUVID_SENSORS(INPUT_FITS)
 
-bool auvid_input_get(const auvid_input_t *in, int i, auvid_input_sample_t *sample)
-{
-    const auvid_input_place_t *place = &auvid_input_places[i];
-    memcpy(sample, (const unsigned char *)in + place->at, INPUT_BYTES(place->values));
-    return sample->present;
-}
-
 void auvid_input_set(auvid_input_t *in, int i, const auvid_input_sample_t *sample)
 {
     const auvid_input_place_t *place = &auvid_input_places[i];

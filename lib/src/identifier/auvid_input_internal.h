@@ -27,9 +27,16 @@ typedef struct {
 
 extern const auvid_input_place_t auvid_input_places[AUVID_INPUT_SAMPLES];
 
-/** Copy a sample; elements that it does not have are left as they are. @return whether it is
- * present */
-bool auvid_input_get(const auvid_input_t *in, int i, auvid_input_sample_t *sample);
+/** Address of a member of sample i, in place: most ticks have one sample or none. */
+#define INPUT_AT(in, i, member)                                                                    \
+    ((const void *)((const unsigned char *)(in) + auvid_input_places[i].at +                       \
+                    offsetof(auvid_input_sample_t, member)))
+
+static inline bool auvid_input_has(const auvid_input_t *in, int i)
+{
+    const bool *present = INPUT_AT(in, i, present);
+    return *present;
+}
 
 /** Write a sample. Lock and valid axes of a DVL are left as they are. */
 void auvid_input_set(auvid_input_t *in, int i, const auvid_input_sample_t *sample);

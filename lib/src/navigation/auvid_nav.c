@@ -140,13 +140,10 @@ auvid_status_t auvid_nav_init(auvid_nav_t *nav, const auvid_nav_config_t *cfg)
     return AUVID_OK;
 }
 
-auvid_status_t auvid_nav_state(const auvid_nav_t *nav, auvid_nav_state_t *state)
+bool auvid_nav_pose(const auvid_nav_t *nav, auvid_nav_state_t *state)
 {
-    if (nav == NULL || state == NULL) {
-        return AUVID_ERR_NULL;
-    }
     if (nav->ready != NAV_RUNNING) {
-        return AUVID_ERR_STATE;
+        return false;
     }
     state->t_us = nav->t_us;
     for (int i = 0; i < 3; ++i) {
@@ -155,6 +152,17 @@ auvid_status_t auvid_nav_state(const auvid_nav_t *nav, auvid_nav_state_t *state)
             nav->attitude[i] + (auvid_real_t)nav->yaw_revolutions[i] * (AUVID_C(2.0) * AUVID_PI);
         state->velocity[i] = nav->velocity[i];
         state->rates[i] = nav->rates[i];
+    }
+    return true;
+}
+
+auvid_status_t auvid_nav_state(const auvid_nav_t *nav, auvid_nav_state_t *state)
+{
+    if (nav == NULL || state == NULL) {
+        return AUVID_ERR_NULL;
+    }
+    if (!auvid_nav_pose(nav, state)) {
+        return AUVID_ERR_STATE;
     }
     state->flags = nav->flags;
     for (int i = 0; i < AUVID_NAV_SENSOR_COUNT; ++i) {

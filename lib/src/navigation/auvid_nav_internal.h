@@ -27,6 +27,9 @@ _Static_assert(AUVID_NAV_FLAG_END - 1 <= UINT16_MAX, "auvid_nav_t.flags");
  * auvid_nav_init() */
 auvid_status_t auvid_nav_check(const auvid_nav_config_t *cfg, auvid_refusal_t *why);
 
+/** auvid_nav_state() but for the flags, which are left as they are. @return whether there is one */
+bool auvid_nav_pose(const auvid_nav_t *nav, auvid_nav_state_t *state);
+
 /** Increment a counter that saturates. */
 static inline void nav_increment(uint16_t *counter)
 {

@@ -489,16 +489,17 @@ static void test_a_sample_of_every_sensor_reaches_the_filter_with_its_values_and
     const uint32_t age_ms = 70;
     for (int i = 0; i < AUVID_NAV_SENSOR_COUNT; ++i) {
         auvid_can_message_t m = {.kind = kind[i]};
-        auvid_input_sample_t sample;
         size_t bytes = auvid_input_places[i].values * sizeof value[0];
         memcpy(&m.as, value, bytes);
         memcpy((char *)&m.as + bytes, &age_ms, sizeof age_ms);
         begin();
         TEST_ASSERT_EQUAL(AUVID_OK, give(&m));
-        TEST_ASSERT_TRUE(auvid_input_get(&node.in, i, &sample));
-        TEST_ASSERT_EQUAL_UINT64(70000, sample.t_us);
+        TEST_ASSERT_TRUE(auvid_input_has(&node.in, i));
+        const uint64_t *age_us = INPUT_AT(&node.in, i, t_us);
+        const auvid_real_t *got = INPUT_AT(&node.in, i, value);
+        TEST_ASSERT_EQUAL_UINT64(70000, *age_us);
         for (int j = 0; j < auvid_input_places[i].values; ++j) {
-            TEST_ASSERT_DOUBLE_WITHIN(0.051, (double)value[j], (double)sample.value[j]);
+            TEST_ASSERT_DOUBLE_WITHIN(0.051, (double)value[j], (double)got[j]);
         }
         give_imu(0, 0);
         step_at(50);
