@@ -10,7 +10,7 @@
 #include <string.h>
 
 #include "auvid/detail/metric.h"
-#include "metric/auvid_metric_internal.h"
+#include "metric/auvid_metric_evaluator_internal.h"
 #include "by_residual.h"
 #include "unity.h"
 

@@ -15,7 +15,8 @@ import sys
 from auvid_validation.dwarf import Binding
 
 # Unused between calls: unions whose other member is saved; the configuration, which init copies.
-DEAD = ("cfg.", "refusal.", "actuation.refusal.", "metric.evaluator.regressor", "confidence.regressor")
+DEAD = ("cfg.", "refusal.", "actuation.refusal.", "metric.evaluator.regressor",
+        "confidence.regressor")
 # Bytes that only fill a gap.
 PADDING = ".unused["
 # Members that decide on forces stay those of init.

@@ -15,7 +15,7 @@
 #include "auvid/fossen.h"
 #include "auvid/identifier.h"
 #include "base/auvid_linalg_internal.h"
-#include "metric/auvid_metric_internal.h"
+#include "metric/auvid_metric_evaluator_internal.h"
 #include "simulator.h"
 #include "unity.h"
 

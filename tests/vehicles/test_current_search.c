@@ -8,7 +8,7 @@
 #include <string.h>
 
 #include "auvid/current.h"
-#include "metric/auvid_metric_internal.h"
+#include "metric/auvid_metric_evaluator_internal.h"
 #include "binomial.h"
 #include "finish.h"
 #include "unity.h"

@@ -5,7 +5,8 @@
 
 #include "auvid/smoother.h"
 #include "../../lib/src/identifier/auvid_identifier_internal.h"
-#include "../../lib/src/metric/auvid_metric_internal.h"
+#include "../../lib/src/metric/auvid_metric_evaluator_internal.h"
+#include "../../lib/src/metric/auvid_metric_rows_internal.h"
 
 enum { ORDER = 3, HALF_US = 500000 };
 
@@ -143,11 +144,9 @@ auvid_status_t literal_add(literal_t *l, const auvid_sample_t *cell)
 
 void literal_gap(literal_t *l)
 {
-    uint32_t before = PAST + 2 * l->half, counted = PAST + TAPS - 1u,
-             row = l->metric->cfg.row_cells;
-    uint32_t mine = l->cells < before ? l->cells : before;
-    uint32_t its = l->metric->rows.cells < counted ? l->metric->rows.cells : counted;
-    l->metric->rows.set.lost = (uint16_t)(l->metric->rows.set.lost + mine / row - its / row);
+    uint32_t before = PAST + 2 * l->half, mine = l->cells < before ? l->cells : before;
+    uint32_t rows = mine / l->metric->cfg.row_cells, its = auvid_metric_rows_begun(l->metric);
+    auvid_metric_count_lost_rows(&l->metric->rows.set, rows - its);
     l->cells = 0;
     auvid_metric_gap(l->metric);
 }
@@ -155,7 +154,7 @@ void literal_gap(literal_t *l)
 /* Ends a merge after its first pass. */
 static void end_merge(auvid_metric_t *m)
 {
-    if (m->evaluator.at.pass == PASS_RESIDUAL && m->cfg.vehicle->regressor == smoothed_rows) {
+    if (auvid_metric_pass(m) == PASS_RESIDUAL && m->cfg.vehicle->regressor == smoothed_rows) {
         auvid_metric_restart_pass(m, PASS_PRIOR);
     }
 }

@@ -8,7 +8,7 @@
 #include "../search/auvid_crs_internal.h"
 #include "../search/auvid_line_search_directions_internal.h"
 #include "../base/auvid_math_internal.h"
-#include "../metric/auvid_metric_internal.h"
+#include "../metric/auvid_metric_evaluator_internal.h"
 #include "../navigation/auvid_nav_internal.h"
 
 #define LIMIT(table, same, type, first, last, low, high)                                           \

@@ -12,7 +12,7 @@
 #include "auvid_identifier_internal.h"
 #include "../search/auvid_line_search_directions_internal.h"
 #include "../base/auvid_math_internal.h"
-#include "../metric/auvid_metric_internal.h"
+#include "../metric/auvid_metric_evaluator_internal.h"
 #include "../navigation/auvid_nav_internal.h"
 
 typedef struct {

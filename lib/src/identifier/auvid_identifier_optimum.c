@@ -6,7 +6,7 @@
 #include "../search/auvid_bounded_ls_internal.h"
 #include "auvid_identifier_internal.h"
 #include "../base/auvid_math_internal.h"
-#include "../metric/auvid_metric_internal.h"
+#include "../metric/auvid_metric_evaluator_internal.h"
 
 /* Largest excess of a result's cost, relative to the minimum. For data without noise the minimum
  * is almost zero: then relative to the cost of all-zero parameters. */
@@ -44,12 +44,12 @@ auvid_status_t auvid_identifier_optimum(auvid_identifier_t *id, uint32_t *budget
         ls->spent = 0;
         if (ls->dof == AUVID_DOF_COUNT) {
             status = auvid_bounded_ls_step(ls, m->result.constant);
-        } else if (ls->row == m->layout.count[ls->dof] || !(m->result.excited >> ls->dof & 1)) {
+        } else if (auvid_metric_joint_row(m, ls->dof, ls->row, id->active, id->candidate, row)) {
+            ++ls->row;
+            auvid_bounded_ls_add(ls, row);
+        } else {
             ++ls->dof;
             ls->row = 0;
-        } else {
-            auvid_metric_joint_row(m, ls->dof, ls->row++, id->active, id->candidate, row);
-            auvid_bounded_ls_add(ls, row);
         }
     }
     if (status != AUVID_PENDING) {

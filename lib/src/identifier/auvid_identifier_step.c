@@ -8,7 +8,7 @@
 
 #include "auvid_actuation_internal.h"
 #include "../base/auvid_math_internal.h"
-#include "../metric/auvid_metric_internal.h"
+#include "../metric/auvid_metric_sets_internal.h"
 #include "../navigation/auvid_nav_internal.h"
 #include "auvid_input_internal.h"
 
@@ -132,13 +132,6 @@ static void identifier_record_state(auvid_identifier_t *id, const auvid_input_t 
     }
 }
 
-/* Are rows of this time dropped? */
-static bool identifier_drops_rows(const auvid_identifier_t *id, uint64_t t_us)
-{
-    const auvid_metric_t *m = &id->metric;
-    return m->sets.held && (m->sets.full || t_us > m->sets.until_us);
-}
-
 /* Record a wrench that is known from t_us on. */
 static auvid_status_t identifier_record_input(auvid_identifier_t *id, uint64_t t_us,
                                               const auvid_real_t *wrench,
@@ -148,7 +141,7 @@ static auvid_status_t identifier_record_input(auvid_identifier_t *id, uint64_t t
     if (status >= 0) {
         id->applied.t_us = t_us;
         id->applied.known = true;
-        if (identifier_listener(id) != NULL && !identifier_drops_rows(id, t_us)) {
+        if (identifier_listener(id) != NULL && !auvid_metric_drops_rows(&id->metric, t_us)) {
             id->listener->command(id->listener_context, t_us, command);
         }
     }

@@ -10,7 +10,7 @@
  */
 #include "auvid_identifier_internal.h"
 #include "../base/auvid_math_internal.h"
-#include "../metric/auvid_metric_internal.h"
+#include "../metric/auvid_metric_sets_internal.h"
 
 /* A prediction is worse only if its cost is larger by this factor. */
 #define MARGIN AUVID_C(1.1)
@@ -52,11 +52,11 @@ void auvid_identifier_begin_sets(auvid_identifier_t *id)
         id->listener->set(id->listener_context, m);
     }
     id->sets = m->sets.recorded;
-    id->untested = id->estimate.number == 0 ? 0u : m->sets.waiting;
+    id->untested = id->estimate.number == 0 ? 0u : auvid_metric_waiting(m);
     bool limited = identifier_listener(id) != NULL;
     auvid_metric_hold(m, limited ? id->applied.t_us + identifier_set_duration_us(&m->cfg)
                                  : UINT64_MAX);
-    m->sets.from = (uint8_t)(id->untested > 0 ? id->untested - 1u : 0u);
+    auvid_metric_exclude(m, (uint8_t)(id->untested > 0 ? id->untested - 1u : 0u));
     auvid_identifier_begin_change_test(id);
 }
 
@@ -80,16 +80,23 @@ void auvid_identifier_begin_merge(auvid_identifier_t *id)
     id->phase = AUVID_WORK_MERGE;
 }
 
-/* metric.from makes the set under validation the newest one in use. */
+/* A set is validated, or was overwritten before: the next newer one, if there is one, counts. */
+static void identifier_advance_set(auvid_identifier_t *id)
+{
+    if (--id->untested > 0) {
+        auvid_metric_include_next(&id->metric);
+    }
+}
+
+/* The set under validation is the newest one that counts. */
 void auvid_identifier_begin_change_test(auvid_identifier_t *id)
 {
     auvid_metric_t *m = &id->metric;
     const auvid_estimate_t *e = &id->estimate;
     while (id->untested > 0 && auvid_metric_sets(m) == 0) { /* overwritten before its validation */
-        --id->untested;
-        m->sets.from = (uint8_t)(id->untested > 0 ? m->sets.from - 1u : m->sets.from);
+        identifier_advance_set(id);
     }
-    m->sets.least = id->untested > 0 && m->cfg.sets >= ENOUGH ? ENOUGH : 0;
+    auvid_metric_protect(m, id->untested > 0 && m->cfg.sets >= ENOUGH ? ENOUGH : 0);
     if (id->untested == 0) {
         auvid_identifier_begin_merge(id);
         return;
@@ -99,14 +106,6 @@ void auvid_identifier_begin_change_test(auvid_identifier_t *id)
     }
     auvid_metric_linearise_begin(m, e->pi, auvid_identifier_common_delay(e), 1);
     id->phase = AUVID_WORK_PREPARE;
-}
-
-/* A set is validated: continue with the next newer one. */
-static void identifier_next_set(auvid_identifier_t *id)
-{
-    id->metric.sets.from =
-        (uint8_t)(--id->untested > 0 ? id->metric.sets.from - 1u : id->metric.sets.from);
-    auvid_identifier_begin_change_test(id);
 }
 
 static void identifier_begin_prediction(auvid_identifier_t *id, const auvid_estimate_t *e,
@@ -251,7 +250,8 @@ auvid_status_t auvid_identifier_change_test(auvid_identifier_t *id, uint32_t *bu
         status = auvid_metric_change(m, budget);
         if (status == AUVID_OK) {
             identifier_conclude_test(id);
-            identifier_next_set(id);
+            identifier_advance_set(id);
+            auvid_identifier_begin_change_test(id);
         }
         break;
     }

@@ -14,7 +14,7 @@
 
 #include "auvid_identifier_internal.h"
 #include "../base/auvid_math_internal.h"
-#include "../metric/auvid_metric_internal.h"
+#include "../metric/auvid_metric_evaluator_internal.h"
 #include "../search/auvid_optimizer_internal.h"
 
 /* Is the delay one of the parameters of the search? Then it is the last one. */
@@ -137,7 +137,7 @@ static void identifier_collect_speeds(const auvid_metric_t *m, auvid_estimate_t 
     for (int k = 0; k < 2 * AUVID_DOF_COUNT; ++k) {
         uint16_t max_speed = 0;
         for (int age = 0; age < auvid_metric_sets(m); ++age) {
-            const auvid_set_t *set = &m->sets.set[auvid_metric_slot(m, age)];
+            const auvid_set_t *set = auvid_metric_set(m, age);
             uint16_t speed = (set->excited >> k / 2 & 1) != 0 ? set->fastest[k / 2][k % 2] : 0;
             max_speed = speed > max_speed ? speed : max_speed;
         }
@@ -232,7 +232,6 @@ static auvid_status_t identifier_finish_merge(auvid_identifier_t *id, uint32_t *
 /* A set has replaced the oldest: restart the phase that reads the ring. */
 static void identifier_restart_phase(auvid_identifier_t *id)
 {
-    id->metric.sets.changed = false;
     switch ((auvid_work_phase_t)id->phase) {
     case AUVID_WORK_PREPARE:
     case AUVID_WORK_PREDICT:
@@ -308,7 +307,7 @@ auvid_status_t auvid_identifier_work(auvid_identifier_t *id, uint32_t budget)
     }
     uint32_t left = budget;
     auvid_status_t status = AUVID_OK;
-    if (budget > 0 && id->metric.sets.changed) {
+    if (budget > 0 && auvid_metric_ring_changed(&id->metric)) {
         identifier_restart_phase(id);
     }
     if (budget > 0 && id->set_pending && id->phase == AUVID_WORK_IDLE) {

@@ -19,7 +19,7 @@
 #include "../metric/auvid_confidence_notes_internal.h"
 #include "auvid_identifier_internal.h"
 #include "../base/auvid_math_internal.h"
-#include "../metric/auvid_metric_internal.h"
+#include "../metric/auvid_metric_evaluator_internal.h"
 
 #define RECORD_MAGIC 0x31777661u
 

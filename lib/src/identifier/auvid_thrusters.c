@@ -12,7 +12,7 @@
 
 #include "auvid/identifier.h"
 #include "../base/auvid_math_internal.h"
-#include "../metric/auvid_metric_internal.h"
+#include "../metric/auvid_metric_sets_internal.h"
 #include "../models/auvid_thrusters_wrench_internal.h"
 
 /* Length of the lead-in before a row, in longest lags. An initial error decays to e^-3 of its
@@ -237,7 +237,7 @@ static void thrusters_drop_lost_sets(void *context, auvid_metric_t *metric)
     uint64_t end_us = th->state.end_us, period = th->cfg.period_us;
     uint64_t next_us = end_us + thrusters_needed_us(th, &th->grid, &metric->cfg, 1);
     for (int age = 0; age < auvid_metric_sets(metric); ++age) {
-        const auvid_set_t *set = &metric->sets.set[auvid_metric_slot(metric, age)];
+        const auvid_set_t *set = auvid_metric_set(metric, age);
         uint64_t first_us = auvid_metric_rows(metric, age)[0].sample.t_us;
         first_us = auvid_thrusters_in_log(th, first_us);
         bool lost = first_us + th->state.filled * period + SLACK_US < end_us ||

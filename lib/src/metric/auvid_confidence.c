@@ -40,7 +40,7 @@
 
 #include "auvid_confidence_notes_internal.h"
 #include "../base/auvid_linalg_internal.h"
-#include "auvid_metric_internal.h"
+#include "auvid_metric_evaluator_internal.h"
 
 #define SMOOTHED AUVID_C(2.6) /* f, of rows half a second apart */
 #define RIDGE                                                                                      \
@@ -52,33 +52,29 @@ typedef auvid_confidence_job_t job_t;
 
 static bool confidence_is_excited(const job_t *c, int j)
 {
-    return (c->metric->result.excited >> j & 1) != 0 && c->metric->layout.count[j] > 0;
+    return auvid_metric_is_excited(c->metric, j) && auvid_metric_equation(c->metric, j).count > 0;
 }
 
 /* Compute the weights of the wrench at DoF j's delay, or their derivatives. */
 static void confidence_delay_weights(const job_t *c, int j, bool slopes,
                                      auvid_real_t l[AUVID_METRIC_DELAYS])
 {
-    const auvid_metric_t *m = c->metric;
-    auvid_real_t s = m->result.delay_s[j] / auvid_metric_node_s(m);
-    bool lag = (m->result.first_order_lag >> j & 1) != 0;
+    bool lag;
+    auvid_real_t s = auvid_metric_delay(c->metric, j, &lag);
     (slopes ? auvid_metric_delay_slopes : auvid_metric_delay_weights)(s, lag, l);
 }
 
 /* ---- OPTIMUM: the optimum and the mean square residual of a DoF's equation ---- */
 
-static void confidence_find_single_dof_optimum(job_t *c, int j)
+/* Count the rows of DoF j in the merged sets, and of those in the ring the part lost to gaps. */
+static void confidence_count_rows(job_t *c, int j)
 {
     const auvid_metric_t *m = c->metric;
-    int n = auvid_metric_order(m, j), count = m->layout.count[j], at = m->layout.channel_at[j];
-    auvid_real_t l[AUVID_METRIC_DELAYS], excess = AUVID_C(0.0);
-    auvid_real_t s = m->result.delay_s[j] / auvid_metric_node_s(m);
     bool stored = auvid_metric_stores_rows(m);
     uint32_t lost = 0, all = 0;
-    c->rows[j] =
-        (auvid_real_t)m->result.dof_rows[j]; /* of the merged sets; some may have left the ring */
+    c->rows[j] = (auvid_real_t)m->result.dof_rows[j]; /* some sets may have left the ring */
     for (int age = 0; age < auvid_metric_sets(m); ++age) {
-        const auvid_set_t *set = &m->sets.set[auvid_metric_slot(m, age)];
+        const auvid_set_t *set = auvid_metric_set(m, age);
         uint32_t rows = (set->excited >> j & 1) == 0 ? 0u : set->rows_of[j];
         if (rows > 0) {
             c->rows[j] -= stored ? (auvid_real_t)(rows - set->windows[j]) : AUVID_C(0.0);
@@ -87,23 +83,29 @@ static void confidence_find_single_dof_optimum(job_t *c, int j)
         }
     }
     c->result.lost[j] = (uint8_t)(all > 0 ? 100u * lost / all : 0u);
-    for (int i = 0; i < count; ++i) {
-        const auvid_real_t *r = confidence_merged(c, j) + auvid_qr_row(n, i);
-        auvid_real_t e = -m->evaluator.z[at + i];
-        for (int k = i; k < count; ++k) {
-            e += r[k - i] * c->pi[m->layout.index[at + k]];
+}
+
+static void confidence_find_single_dof_optimum(job_t *c, int j)
+{
+    auvid_equation_t equation = auvid_metric_equation(c->metric, j);
+    auvid_real_t *optimum = c->single_dof_optimum + equation.at;
+    auvid_real_t l[AUVID_METRIC_DELAYS], excess = AUVID_C(0.0);
+    confidence_count_rows(c, j);
+    for (int i = 0; i < equation.count; ++i) {
+        const auvid_real_t *r = auvid_equation_row(&equation, i);
+        auvid_real_t e = -equation.z[i];
+        for (int k = i; k < equation.count; ++k) {
+            e += r[k - i] * c->pi[equation.index[k]];
         }
         excess += e * e;
-        c->single_dof_optimum[at + i] = m->evaluator.z[at + i];
+        optimum[i] = equation.z[i];
     }
-    (void)auvid_qr_solve(confidence_merged(c, j), n, count, AUVID_C(1e-4),
-                         c->single_dof_optimum + at);
+    (void)auvid_qr_solve(equation.factor, equation.order, equation.count, AUVID_C(1e-4), optimum);
     confidence_delay_weights(c, j, false, l);
     for (int d = 0; d < AUVID_METRIC_DELAYS; ++d) {
-        c->single_dof_optimum[at + count + d] = -l[d];
+        optimum[equation.count + d] = -l[d];
     }
-    auvid_real_t squares =
-        excess + auvid_metric_unexplained(m, j, s, (m->result.first_order_lag >> j & 1) != 0);
+    auvid_real_t squares = excess + auvid_metric_unexplained(c->metric, j);
     c->result.residual_rms[j] =
         c->rows[j] > AUVID_C(0.0) ? auvid_sqrt(squares / c->rows[j]) : AUVID_C(0.0);
 }
@@ -153,22 +155,22 @@ static void confidence_add_delay_priors(job_t *c, int j, int order)
  * */
 static void confidence_border_factor(job_t *c, int j)
 {
-    const auvid_metric_t *m = c->metric;
-    int n = auvid_metric_order(m, j), count = m->layout.count[j], at = m->layout.channel_at[j];
-    int first = confidence_delay_columns(c, j), order = first == 1 ? count + 1 : count + 3;
+    auvid_equation_t e = auvid_metric_equation(c->metric, j);
+    int count = e.count, first = confidence_delay_columns(c, j);
+    int order = first == 1 ? count + 1 : count + 3;
     auvid_real_t slope[AUVID_METRIC_DELAYS], l[AUVID_METRIC_DELAYS];
     static const auvid_real_t bend[AUVID_METRIC_DELAYS] = {AUVID_C(1.0), AUVID_C(-2.0),
                                                            AUVID_C(1.0)};
     confidence_delay_weights(c, j, true, slope);
     confidence_delay_weights(c, j, false, l);
     memset(c->part, 0, sizeof c->part);
-    for (int i = 0; i < n; ++i) {
-        const auvid_real_t *r = confidence_merged(c, j) + auvid_qr_row(n, i);
+    for (int i = 0; i < e.order; ++i) {
+        const auvid_real_t *r = auvid_equation_row(&e, i);
         auvid_real_t row[AUVID_MAX_PARAMETERS + AUVID_METRIC_DELAYS] = {AUVID_C(0.0)};
         auvid_real_t residual = AUVID_C(0.0), second = AUVID_C(0.0);
         for (int k = i; k < count && k < AUVID_MAX_PARAMETERS; ++k) {
             row[k + first] = r[k - i];
-            residual -= r[k - i] * c->pi[m->layout.index[at + k]];
+            residual -= r[k - i] * c->pi[e.index[k]];
         }
         for (int d = i < count ? 0 : i - count; d < AUVID_METRIC_DELAYS; ++d) {
             row[0] -= r[count + d - i] * slope[d];
@@ -189,11 +191,11 @@ static void confidence_border_factor(job_t *c, int j)
 /* Rotate row i of DoF j's R factor into the joint one. */
 static void confidence_rotate_row(job_t *c, int j, int i)
 {
-    const auvid_metric_t *m = c->metric;
+    auvid_equation_t e = auvid_metric_equation(c->metric, j);
     auvid_real_t row[AUVID_MAX_PARAMETERS] = {AUVID_C(0.0)}, residual = AUVID_C(0.0);
-    auvid_real_t scale = auvid_sqrt(m->evaluator.weight[j]);
-    int count = m->layout.count[j], first = confidence_delay_columns(c, j);
-    const auvid_real_t *r = confidence_merged(c, j) + auvid_qr_row(auvid_metric_order(m, j), i);
+    auvid_real_t scale = auvid_sqrt(auvid_metric_weight(c->metric, j));
+    int count = e.count, first = confidence_delay_columns(c, j);
+    const auvid_real_t *r = auvid_equation_row(&e, i);
     if (c->delayed &&
         (confidence_delay_is_uncertain(c, j) || confidence_delay_is_estimated(c, j))) {
         if (i == 0) {
@@ -203,7 +205,7 @@ static void confidence_rotate_row(job_t *c, int j, int i)
         residual = first == 1 ? AUVID_C(0.0) : scale * r[count - i];
     }
     for (int k = i; k < count; ++k) {
-        int column = c->column_of[m->layout.index[m->layout.channel_at[j] + k]];
+        int column = c->column_of[e.index[k]];
         if (column != NOWHERE) {
             row[column] += scale * r[k - i];
             c->influence[column] += scale * r[k - i] * residual;
@@ -275,7 +277,7 @@ static void confidence_step(job_t *c)
 {
     int j = c->at_dof, i = c->at_row,
         n = j < AUVID_DOF_COUNT ? auvid_metric_order(c->metric, j) : 1;
-    const auvid_set_t *set = &c->metric->sets.set[auvid_metric_slot(c->metric, c->at_set)];
+    const auvid_set_t *set = auvid_metric_set(c->metric, c->at_set);
     switch (c->phase) {
     case OPTIMUM:
         confidence_find_single_dof_optimum(c, j);
@@ -321,7 +323,7 @@ static int confidence_steps(const job_t *c)
     case BIAS:
         return 1;
     case ROTATE:
-        return c->metric->layout.count[c->at_dof];
+        return auvid_metric_equation(c->metric, c->at_dof).count;
     case SCATTER:
         return AUVID_METRIC_BANDS * auvid_metric_order(c->metric, c->at_dof) + 1;
     default:
@@ -399,7 +401,7 @@ void auvid_confidence_begin(auvid_confidence_job_t *job, const auvid_metric_t *m
         }
     }
     for (int age = 0; age < auvid_metric_sets(metric); ++age) {
-        bool excited = metric->sets.set[auvid_metric_slot(metric, age)].excited != 0;
+        bool excited = auvid_metric_set(metric, age)->excited != 0;
         c->result.sets = (uint8_t)(c->result.sets + excited);
     }
     /* estimated or uncertain delays: a first run of ROTATE to INVERT computes the widening, a

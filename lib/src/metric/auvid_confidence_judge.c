@@ -24,7 +24,7 @@
 
 #include "auvid_confidence_notes_internal.h"
 #include "../base/auvid_linalg_internal.h"
-#include "auvid_metric_internal.h"
+#include "auvid_metric_evaluator_internal.h"
 
 #define POOLED AUVID_C(10.0)     /* nu, see auvid_confidence.c */
 #define WIDENED AUVID_C(1.3)     /* m */
@@ -39,13 +39,12 @@ static auvid_real_t confidence_pooled_product(const job_t *c, const auvid_real_t
     const auvid_metric_t *m = c->metric;
     auvid_real_t sum = AUVID_C(0.0);
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
-        int n = auvid_metric_order(m, j),
-            count = (m->result.excited >> j & 1) ? m->layout.count[j] : 0;
-        auvid_real_t scale = m->evaluator.weight[j] * c->result.effective_noise[j];
+        auvid_equation_t equation = auvid_metric_equation(m, j);
+        const uint8_t *index = equation.index;
+        int count = auvid_metric_is_excited(m, j) ? equation.count : 0;
+        auvid_real_t scale = auvid_metric_weight(m, j) * c->result.effective_noise[j];
         for (int i = 0; i < count; ++i) {
-            const auvid_real_t *r =
-                m->evaluator.merged + m->layout.factor_at[j] + auvid_qr_row(n, i);
-            const uint8_t *index = m->layout.index + m->layout.channel_at[j];
+            const auvid_real_t *r = auvid_equation_row(&equation, i);
             auvid_real_t e = AUVID_C(0.0);
             for (int k = i; k < count; ++k) {
                 int column = c->column_of[index[k]];
@@ -103,7 +102,7 @@ auvid_real_t auvid_confidence_dvl_degree(const auvid_vehicle_t *vehicle, int i)
  * low band. */
 static auvid_real_t confidence_column_rms(const job_t *c, int j, int p)
 {
-    auvid_real_t rows = c->rows[j] * c->metric->evaluator.band_weight[0][j];
+    auvid_real_t rows = c->rows[j] * auvid_metric_band_weight(c->metric, 0, j);
     auvid_real_t norm = auvid_confidence_column(c, j, p);
     return rows > AUVID_C(0.0) ? norm / auvid_sqrt(rows) : AUVID_C(0.0);
 }
@@ -206,7 +205,7 @@ void auvid_confidence_judge(job_t *c, int i)
     if (c->result.sets > 1) {
         auvid_real_t scatter = sets * c->squares[i] - c->sum[i] * c->sum[i];
         /* include the sets that left the ring */
-        scatter *= (auvid_real_t)c->metric->evaluator.sets_merged / sets;
+        scatter *= (auvid_real_t)auvid_metric_sets_merged(c->metric) / sets;
         variance =
             (POOLED * variance + auvid_max(scatter, AUVID_C(0.0))) / (POOLED + sets - AUVID_C(1.0));
     }

@@ -7,7 +7,7 @@
 
 #include "auvid_confidence_notes_internal.h"
 #include "../base/auvid_linalg_internal.h"
-#include "auvid_metric_internal.h"
+#include "auvid_metric_evaluator_internal.h"
 
 /* Largest part of an equation's rms wrench that the impossible part of an estimate may explain. */
 #define IMPOSSIBLE AUVID_C(0.1)
@@ -75,11 +75,10 @@ void auvid_confidence_bias(auvid_confidence_job_t *c, int j)
         mass += a[i] * c->pi[i];
     }
     auvid_real_t rho = confidence_noise_correlation(m, j);
-    auvid_real_t noise =
-        m->evaluator.band_sse[1][j] *
-        (m->evaluator.band_weight[0][j] * (AUVID_C(1.0) + rho) / (AUVID_C(1.0) - rho) +
-         m->evaluator.band_weight[1][j]);
-    auvid_real_t scaled = m->evaluator.weight[j] * noise / mass;
+    auvid_real_t low = auvid_metric_band_weight(m, 0, j), high = auvid_metric_band_weight(m, 1, j);
+    auvid_real_t noise = auvid_metric_band_squares(m, 1, j) *
+                         (low * (AUVID_C(1.0) + rho) / (AUVID_C(1.0) - rho) + high);
+    auvid_real_t scaled = auvid_metric_weight(m, j) * noise / mass;
     for (int k = 0; k < c->n && auvid_is_finite(scaled); ++k) {
         c->influence[k] += scaled * a[c->parameter_of[k]];
     }
@@ -91,7 +90,7 @@ void auvid_confidence_note_idle(auvid_confidence_job_t *c, int i)
 {
     const auvid_metric_config_t *cfg = &c->metric->cfg;
     bool free = cfg->free == 0 || (cfg->free >> i & 1u) != 0;
-    bool excited = (c->metric->result.excited >> cfg->vehicle->parameter[i].dof & 1) != 0;
+    bool excited = auvid_metric_is_excited(c->metric, (int)cfg->vehicle->parameter[i].dof);
     c->result.sigma[i] = AUVID_LARGEST;
     c->result.note[i] = !free     ? AUVID_NOTE_FIXED
                         : excited ? AUVID_NOTE_UNCERTAIN
@@ -100,11 +99,10 @@ void auvid_confidence_note_idle(auvid_confidence_job_t *c, int i)
 
 auvid_real_t auvid_confidence_column(const auvid_confidence_job_t *c, int j, int i)
 {
-    const auvid_metric_t *m = c->metric;
-    for (int k = 0; k < m->layout.count[j]; ++k) {
-        if (m->layout.index[m->layout.channel_at[j] + k] == i) {
-            return auvid_qr_column_norm(m->evaluator.merged + m->layout.factor_at[j],
-                                        auvid_metric_order(m, j), k);
+    auvid_equation_t e = auvid_metric_equation(c->metric, j);
+    for (int k = 0; k < e.count; ++k) {
+        if (e.index[k] == i) {
+            return auvid_qr_column_norm(e.factor, e.order, k);
         }
     }
     return AUVID_C(0.0);
@@ -121,15 +119,7 @@ auvid_real_t auvid_confidence_allowed(const auvid_metric_config_t *cfg, int i, a
 /* Returns the value of parameter i whose force is AUVID_CONFIDENCE_SMALL of DoF j's rms wrench. */
 static auvid_real_t confidence_small_value_in_dof(const auvid_confidence_job_t *c, int i, int j)
 {
-    const auvid_metric_t *m = c->metric;
-    auvid_real_t wrench = AUVID_C(0.0), rows = AUVID_C(0.0);
-    for (int age = 0; age < auvid_metric_sets(m); ++age) {
-        const auvid_set_t *set = &m->sets.set[auvid_metric_slot(m, age)];
-        if (set->excited >> j & 1) {
-            wrench += set->tau_m2[j];
-            rows += (auvid_real_t)set->rows_of[j];
-        }
-    }
+    auvid_real_t rows, wrench = auvid_metric_wrench_squares(c->metric, j, &rows);
     return AUVID_CONFIDENCE_SMALL * auvid_sqrt(wrench / rows * c->rows[j]) /
            auvid_confidence_column(c, j, i);
 }
@@ -140,7 +130,7 @@ static auvid_real_t confidence_small_value(const auvid_confidence_job_t *c, int 
     auvid_real_t smallest = AUVID_LARGEST;
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
         auvid_real_t value = confidence_small_value_in_dof(c, i, j);
-        smallest = (c->metric->result.excited >> j & 1) && value < smallest ? value : smallest;
+        smallest = auvid_metric_is_excited(c->metric, j) && value < smallest ? value : smallest;
     }
     return smallest < AUVID_LARGEST ? smallest : AUVID_C(0.0);
 }
@@ -149,11 +139,7 @@ static auvid_real_t confidence_small_value(const auvid_confidence_job_t *c, int 
  * optimum does, unless bounds or model errors keep the search away from it. */
 static bool confidence_is_explained(const auvid_metric_t *m, int j)
 {
-    auvid_real_t total = AUVID_C(0.0);
-    for (int age = 0; age < auvid_metric_sets(m); ++age) {
-        const auvid_set_t *set = &m->sets.set[auvid_metric_slot(m, age)];
-        total += (set->excited >> j & 1) ? set->tau_m2[j] : AUVID_C(0.0);
-    }
+    auvid_real_t rows, total = auvid_metric_wrench_squares(m, j, &rows);
     return m->result.sse[j] <= total;
 }
 
@@ -183,13 +169,10 @@ static auvid_real_t confidence_impossible_part(const auvid_confidence_job_t *c, 
 /* Returns the norm of DoF j's wrench at its delay, less what known parameters explain. */
 static auvid_real_t confidence_wrench_norm(const auvid_confidence_job_t *c, int j)
 {
-    const auvid_metric_t *m = c->metric;
-    auvid_real_t s = m->result.delay_s[j] / auvid_metric_node_s(m);
-    auvid_real_t square =
-        auvid_metric_unexplained(m, j, s, (m->result.first_order_lag >> j & 1) != 0);
-    for (int k = 0; k < m->layout.count[j]; ++k) {
-        auvid_real_t z = m->evaluator.z[m->layout.channel_at[j] + k];
-        square += z * z;
+    auvid_equation_t e = auvid_metric_equation(c->metric, j);
+    auvid_real_t square = auvid_metric_unexplained(c->metric, j);
+    for (int k = 0; k < e.count; ++k) {
+        square += e.z[k] * e.z[k];
     }
     return auvid_sqrt(square);
 }

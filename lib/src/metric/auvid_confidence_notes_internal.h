@@ -13,12 +13,6 @@ enum { NOWHERE = 255 };
 /** auvid_confidence_job_t.phase: see auvid_confidence.c */
 enum { OPTIMUM, ROTATE, BOUND, INVERT, SCATTER, BIAS, JUDGE, CONCLUDE, DONE };
 
-/** Returns DoF j's merged R factor. */
-static inline const auvid_real_t *confidence_merged(const auvid_confidence_job_t *c, int j)
-{
-    return c->metric->evaluator.merged + c->metric->layout.factor_at[j];
-}
-
 /** SCATTER: take row i of one band of a set, DoF j. */
 void auvid_confidence_take_row(auvid_confidence_job_t *c, const auvid_set_t *set, int j, int band,
                                int i);

@@ -6,7 +6,7 @@
 
 #include "../base/auvid_linalg_internal.h"
 #include "auvid_confidence_notes_internal.h"
-#include "auvid_metric_internal.h"
+#include "auvid_metric_evaluator_internal.h"
 
 typedef auvid_confidence_job_t job_t;
 
@@ -15,27 +15,27 @@ typedef auvid_confidence_job_t job_t;
 void auvid_confidence_take_row(job_t *c, const auvid_set_t *set, int j, int band, int i)
 {
     const auvid_metric_t *m = c->metric;
-    int n = auvid_metric_order(m, j), count = m->layout.count[j], at = m->layout.channel_at[j];
+    auvid_equation_t e = auvid_metric_equation(m, j);
+    const auvid_real_t *optimum = c->single_dof_optimum + e.at;
     auvid_real_t w[AUVID_MAX_PARAMETERS + AUVID_METRIC_DELAYS] = {AUVID_C(0.0)};
     auvid_real_t dof_residual = AUVID_C(0.0), residual = AUVID_C(0.0),
-                 weight = m->evaluator.band_weight[band][j];
+                 weight = auvid_metric_band_weight(m, band, j);
     auvid_metric_unpack_row(m, set, band, j, i, w);
-    for (int k = i; k < n; ++k) {
-        dof_residual += w[k] * c->single_dof_optimum[at + k];
-        residual +=
-            w[k] * (k < count ? c->pi[m->layout.index[at + k]] : c->single_dof_optimum[at + k]);
+    for (int k = i; k < e.order; ++k) {
+        dof_residual += w[k] * optimum[k];
+        residual += w[k] * (k < e.count ? c->pi[e.index[k]] : optimum[k]);
     }
-    for (int k = i; k < count; ++k) {
-        int column = c->column_of[m->layout.index[at + k]];
+    for (int k = i; k < e.count; ++k) {
+        int column = c->column_of[e.index[k]];
         c->score[k] += weight * dof_residual * w[k];
         if (column != NOWHERE) {
-            c->influence[column] += m->evaluator.weight[j] * weight * residual * w[k];
+            c->influence[column] += auvid_metric_weight(m, j) * weight * residual * w[k];
         }
     }
-    auvid_qr_solve_transposed(confidence_merged(c, j), n, count, w);
-    for (int a = 0; a < count; ++a) {
-        auvid_real_t *to = c->part + auvid_qr_row(count, a);
-        for (int b = a; b < count; ++b) {
+    auvid_qr_solve_transposed(e.factor, e.order, e.count, w);
+    for (int a = 0; a < e.count; ++a) {
+        auvid_real_t *to = c->part + auvid_qr_row(e.count, a);
+        for (int b = a; b < e.count; ++b) {
             to[b - a] += weight * w[a] * w[b];
         }
     }
@@ -45,9 +45,9 @@ void auvid_confidence_take_row(job_t *c, const auvid_set_t *set, int j, int band
  * */
 void auvid_confidence_finish_dof(job_t *c, int j)
 {
-    const auvid_metric_t *m = c->metric;
-    int count = m->layout.count[j];
-    auvid_qr_solve_transposed(confidence_merged(c, j), auvid_metric_order(m, j), count, c->score);
+    auvid_equation_t e = auvid_metric_equation(c->metric, j);
+    int count = e.count;
+    auvid_qr_solve_transposed(e.factor, e.order, count, c->score);
     for (int a = 0; a < count; ++a) {
         const auvid_real_t *row = c->part + auvid_qr_row(count, a);
         c->scatter[j] += c->score[a] * c->score[a];

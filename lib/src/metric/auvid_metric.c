@@ -1,7 +1,7 @@
 /*
  * Metric (Karras et al. 2013, III-B): its configuration and its layout.
  *
- * auvid_metric_record.c forms rows from cells, auvid_metric_close.c sets from rows.
+ * auvid_metric_rows.c forms rows from cells, auvid_metric_sets.c collects them in sets.
  * auvid_metric_merge.c merges sets to one weighted R factor. auvid_metric_cost.c evaluates costs.
  */
 #include "auvid/detail/metric.h"
@@ -165,6 +165,17 @@ static void metric_lay_out(auvid_metric_t *m)
     m->layout.channel_at[AUVID_DOF_COUNT] = (uint16_t)channel;
 }
 
+uint32_t auvid_metric_free_of(const auvid_metric_t *m, uint8_t excited)
+{
+    uint32_t free = 0;
+    for (int i = 0; i < m->cfg.vehicle->parameters; ++i) {
+        if (excited >> m->cfg.vehicle->parameter[i].dof & 1) {
+            free |= 1u << i;
+        }
+    }
+    return m->cfg.free == 0 ? free : free & m->cfg.free;
+}
+
 auvid_status_t auvid_metric_init(auvid_metric_t *metric, const auvid_metric_config_t *cfg)
 {
     if (metric == NULL || cfg == NULL) {
@@ -181,9 +192,4 @@ auvid_status_t auvid_metric_init(auvid_metric_t *metric, const auvid_metric_conf
     memcpy(metric->result.delay_s, metric->cfg.delay_s, sizeof metric->result.delay_s);
     metric->result.first_order_lag = metric->cfg.first_order_lag;
     return AUVID_OK;
-}
-
-int auvid_metric_slot(const auvid_metric_t *m, int age)
-{
-    return (int)auvid_metric_ring_index(m->sets.stored, m->cfg.sets, m->sets.from + (uint32_t)age);
 }

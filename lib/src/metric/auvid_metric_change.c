@@ -8,12 +8,9 @@
  * without the set before the newest, and U of all. Then the newest set is rotated alone, and then
  * the two newest.
  */
-#include "auvid/detail/metric.h"
+#include "auvid_metric_evaluator_internal.h"
 
 #include <string.h>
-
-#include "../base/auvid_linalg_internal.h"
-#include "auvid_metric_internal.h"
 
 void auvid_metric_change_begin(auvid_metric_t *metric)
 {
@@ -27,10 +24,10 @@ void auvid_metric_change_begin(auvid_metric_t *metric)
 /* DoF j has rotated in set number `step` of the chain: update the statistic. */
 static void metric_record_change(auvid_metric_t *m, int j, int step)
 {
-    int sets = auvid_metric_sets(m), n = auvid_metric_order(m, j);
-    auvid_real_t s = m->result.delay_s[j] / auvid_metric_node_s(m);
+    auvid_equation_t e = auvid_metric_equation(m, j);
+    int sets = auvid_metric_sets(m);
     auvid_metric_clear_dependent(m, j);
-    auvid_real_t u = auvid_metric_unexplained(m, j, s, (m->result.first_order_lag >> j & 1) != 0);
+    auvid_real_t u = auvid_metric_unexplained(m, j);
     if (step == sets - 3) {
         m->result.change[1][j] -= u;
     } else if (step == sets - 2) {
@@ -38,13 +35,12 @@ static void metric_record_change(auvid_metric_t *m, int j, int step)
     } else if (step == sets - 1) {
         m->result.change[0][j] += u;
         m->result.change[1][j] += u;
-        for (int i = 0; i < m->layout.count[j]; ++i) {
-            bool usable =
-                !auvid_is_zero(m->evaluator.merged[m->layout.factor_at[j] + auvid_qr_row(n, i)]);
+        for (int i = 0; i < e.count; ++i) {
+            bool usable = !auvid_is_zero(*auvid_equation_row(&e, i));
             m->result.change_rank[j] = (uint8_t)(m->result.change_rank[j] + usable);
         }
         memset(m->evaluator.merged + m->layout.factor_at[j], 0,
-               (size_t)AUVID_QR_FACTOR(n) * sizeof u);
+               (size_t)AUVID_QR_FACTOR(e.order) * sizeof u);
     } else if (step == sets) {
         m->result.change[0][j] -= u;
     } else if (step == sets + 1) {
@@ -55,14 +51,15 @@ static void metric_record_change(auvid_metric_t *m, int j, int step)
 /* Rotate in one row of set number `step` of DoF j's chain. @return true if it has no more rows */
 static bool metric_change_row(auvid_metric_t *m, int j, int step)
 {
+    auvid_metric_cursor_t *at = &m->evaluator.at;
     int sets = auvid_metric_sets(m), n = auvid_metric_order(m, j);
     int age = step < sets ? sets - 1 - step : step - sets;
-    const auvid_set_t *set = &m->sets.set[auvid_metric_slot(m, age)];
-    if ((set->excited >> j & 1) == 0 || m->evaluator.at.row >= AUVID_METRIC_BANDS * n) {
+    const auvid_set_t *set = auvid_metric_set(m, age);
+    if ((set->excited >> j & 1) == 0 || at->row >= AUVID_METRIC_BANDS * n) {
         return true;
     }
-    auvid_metric_rotate(m, set, m->evaluator.at.row / n, j, m->evaluator.at.row % n);
-    ++m->evaluator.at.row;
+    auvid_metric_rotate(m, set, at->row / n, j, at->row % n);
+    ++at->row;
     return false;
 }
 
@@ -72,34 +69,21 @@ auvid_status_t auvid_metric_change(auvid_metric_t *metric, uint32_t *budget)
         return AUVID_ERR_NULL;
     }
     auvid_metric_t *m = metric;
+    auvid_metric_cursor_t *at = &m->evaluator.at;
     int sets = auvid_metric_sets(m);
     int steps = sets < 3 ? 0 : sets + 2; /* fewer than three: nothing to compare with */
-    for (; m->evaluator.at.dof < AUVID_DOF_COUNT; ++m->evaluator.at.dof, m->evaluator.at.set = 0) {
-        int j = m->evaluator.at.dof;
-        while (auvid_metric_order(m, j) > 0 && m->evaluator.at.set < steps) {
+    for (; at->dof < AUVID_DOF_COUNT; ++at->dof, at->set = 0) {
+        int j = at->dof;
+        while (auvid_metric_order(m, j) > 0 && at->set < steps) {
             if (*budget == 0) {
                 return AUVID_PENDING;
             }
-            if (auvid_metric_spend(m, budget, AUVID_METRIC_ROTATION) &&
-                metric_change_row(m, j, m->evaluator.at.set)) {
-                metric_record_change(m, j, m->evaluator.at.set++);
-                m->evaluator.at.row = 0;
+            if (auvid_metric_spend(at, budget, AUVID_METRIC_ROTATION) &&
+                metric_change_row(m, j, at->set)) {
+                metric_record_change(m, j, at->set++);
+                at->row = 0;
             }
         }
     }
     return AUVID_OK;
-}
-
-const auvid_set_t *auvid_metric_newest(const auvid_metric_t *metric)
-{
-    return &metric->sets.set[auvid_metric_slot(metric, 0)];
-}
-
-int auvid_metric_excited_sets(const auvid_metric_t *metric, int j, int newest)
-{
-    int sets = 0;
-    for (int age = newest; age < auvid_metric_sets(metric); ++age) {
-        sets += metric->sets.set[auvid_metric_slot(metric, age)].excited >> j & 1;
-    }
-    return sets;
 }

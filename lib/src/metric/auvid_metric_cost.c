@@ -1,12 +1,9 @@
 /*
  * Metric, evaluation (Karras et al. 2013, Eq. 10-11): cost and residuals of a candidate.
  */
-#include "auvid/detail/metric.h"
+#include "auvid_metric_evaluator_internal.h"
 
 #include <string.h>
-
-#include "../base/auvid_linalg_internal.h"
-#include "auvid_metric_internal.h"
 
 auvid_real_t auvid_metric_longest_delay(const auvid_metric_t *metric)
 {
@@ -14,30 +11,31 @@ auvid_real_t auvid_metric_longest_delay(const auvid_metric_t *metric)
                           : auvid_metric_node_s(metric) * (auvid_real_t)(AUVID_METRIC_DELAYS - 1);
 }
 
-void auvid_metric_take_candidate(auvid_metric_t *m, const auvid_real_t *pi, auvid_real_t delay_s)
+/* Set pi and the common delay as the candidate of the next evaluation. */
+static void metric_take_candidate(auvid_metric_t *m, const auvid_real_t *pi, auvid_real_t delay_s)
 {
+    auvid_metric_evaluator_t *ev = &m->evaluator;
     if (auvid_metric_stores_rows(m)) {
         auvid_metric_path(m)->begin(m, pi, delay_s);
     }
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
-        const uint8_t *index = m->layout.index + m->layout.channel_at[j];
-        auvid_real_t *candidate = m->evaluator.candidate + m->layout.channel_at[j];
-        for (int k = 0, count = m->layout.count[j]; k < count; ++k) {
-            candidate[k] = pi[index[k]];
+        auvid_equation_t e = auvid_metric_equation(m, j);
+        for (int k = 0; k < e.count; ++k) {
+            ev->candidate[e.at + k] = pi[e.index[k]];
         }
     }
-    m->evaluator.at.set = m->evaluator.at.dof = 0;
-    m->evaluator.at.row = 0;
-    m->evaluator.window_rows = 0;
-    memset(m->evaluator.window_of, 0, sizeof m->evaluator.window_of);
-    m->evaluator.sum = m->evaluator.compensation = m->evaluator.squares = AUVID_C(0.0);
+    ev->at.set = ev->at.dof = 0;
+    ev->at.row = 0;
+    ev->window_rows = 0;
+    memset(ev->window_of, 0, sizeof ev->window_of);
+    ev->sum = ev->compensation = ev->squares = AUVID_C(0.0);
 }
 
 void auvid_metric_cost_begin(auvid_metric_t *metric, const auvid_real_t *pi, auvid_real_t delay_s)
 {
     if (metric != NULL && pi != NULL) {
         metric->evaluator.at.pass = PASS_COST;
-        auvid_metric_take_candidate(metric, pi, delay_s);
+        metric_take_candidate(metric, pi, delay_s);
     }
 }
 
@@ -54,14 +52,15 @@ void auvid_metric_measure_begin(auvid_metric_t *metric, const auvid_real_t *pi,
 {
     if (metric != NULL && pi != NULL) {
         auvid_metric_restart_pass(metric, PASS_MEASURE);
-        auvid_metric_take_candidate(metric, pi, delay_s);
+        metric_take_candidate(metric, pi, delay_s);
         for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
+            auvid_equation_t e = auvid_metric_equation(metric, j);
             auvid_real_t l[AUVID_METRIC_DELAYS];
-            auvid_real_t delay = metric->result.delay_s[j] / auvid_metric_node_s(metric);
-            auvid_metric_delay_weights(delay, metric->result.first_order_lag >> j & 1, l);
-            for (int d = 0; d < AUVID_METRIC_DELAYS && auvid_metric_order(metric, j) > 0; ++d) {
-                metric->evaluator
-                    .candidate[metric->layout.channel_at[j] + metric->layout.count[j] + d] = -l[d];
+            bool lag;
+            auvid_real_t delay = auvid_metric_delay(metric, j, &lag);
+            auvid_metric_delay_weights(delay, lag, l);
+            for (int d = 0; d < AUVID_METRIC_DELAYS && e.order > 0; ++d) {
+                metric->evaluator.candidate[e.at + e.count + d] = -l[d];
             }
         }
     }
@@ -72,10 +71,10 @@ void auvid_metric_predict_begin(auvid_metric_t *metric, const auvid_real_t *pi,
 {
     if (metric != NULL && pi != NULL) {
         auvid_metric_measure_begin(metric, pi, delay_s);
-        metric->evaluator.at.to_set =
-            1; /* regressor path by age, residual path from the oldest set on */
+        auvid_metric_cursor_t *at = &metric->evaluator.at;
         int oldest = auvid_metric_sets(metric) - 1;
-        metric->evaluator.at.set = auvid_metric_stores_rows(metric) ? (uint8_t)oldest : 0;
+        at->to_set = 1; /* regressor path by age, residual path from the oldest set on */
+        at->set = auvid_metric_stores_rows(metric) ? (uint8_t)oldest : 0;
     }
 }
 
@@ -88,10 +87,11 @@ auvid_status_t auvid_metric_measure(auvid_metric_t *metric, uint32_t *budget)
     if (auvid_metric_path(m)->evaluate(m, budget) != AUVID_OK) {
         return AUVID_PENDING;
     }
+    const auvid_metric_evaluator_t *ev = &m->evaluator;
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
-        m->result.sse[j] = m->evaluator.band_sse[0][j] + m->evaluator.band_sse[1][j];
-        m->result.predicted[j] = m->evaluator.band_weight[0][j] * m->evaluator.band_sse[0][j] +
-                                 m->evaluator.band_weight[1][j] * m->evaluator.band_sse[1][j];
+        auvid_real_t low = ev->band_sse[0][j], high = ev->band_sse[1][j];
+        m->result.sse[j] = low + high;
+        m->result.predicted[j] = ev->band_weight[0][j] * low + ev->band_weight[1][j] * high;
     }
     return AUVID_OK;
 }
@@ -104,7 +104,7 @@ void auvid_metric_linearise_begin(auvid_metric_t *metric, const auvid_real_t *pi
         return;
     }
     auvid_metric_restart_pass(m, PASS_LINEAR);
-    auvid_metric_take_candidate(m, pi, delay_s);
+    metric_take_candidate(m, pi, delay_s);
     m->evaluator.linear_delay_s = delay_s;
     m->evaluator.at.to_set = sets < m->cfg.sets ? sets : m->cfg.sets;
     m->evaluator.at.part = 0;
@@ -117,17 +117,6 @@ auvid_status_t auvid_metric_linearise(auvid_metric_t *metric, uint32_t *budget)
     }
     return auvid_metric_stores_rows(metric) ? auvid_metric_path(metric)->linearise(metric, budget)
                                             : AUVID_OK;
-}
-
-uint32_t auvid_metric_free_of(const auvid_metric_t *m, uint8_t excited)
-{
-    uint32_t free = 0;
-    for (int i = 0; i < m->cfg.vehicle->parameters; ++i) {
-        if (excited >> m->cfg.vehicle->parameter[i].dof & 1) {
-            free |= 1u << i;
-        }
-    }
-    return m->cfg.free == 0 ? free : free & m->cfg.free;
 }
 
 uint32_t auvid_metric_active(const auvid_metric_t *metric)
@@ -160,13 +149,11 @@ void auvid_metric_scale(const auvid_metric_t *metric, auvid_real_t *scale)
         return;
     }
     for (int j = 0; j < AUVID_DOF_COUNT && !auvid_metric_stores_rows(m); ++j) {
-        int n = auvid_metric_order(m, j);
-        for (int k = 0; k < m->layout.count[j] && n > 0 && (m->result.excited >> j & 1); ++k) {
+        auvid_equation_t e = auvid_metric_equation(m, j);
+        for (int k = 0; k < e.count && auvid_metric_is_excited(m, j); ++k) {
             for (int i = 0; i <= k; ++i) {
-                auvid_real_t r =
-                    m->evaluator.merged[m->layout.factor_at[j] + auvid_qr_row(n, i) + k - i];
-                square[m->layout.index[m->layout.channel_at[j] + k]] +=
-                    m->evaluator.weight[j] * r * r;
+                auvid_real_t r = auvid_equation_row(&e, i)[k - i];
+                square[e.index[k]] += m->evaluator.weight[j] * r * r;
             }
         }
     }
@@ -178,37 +165,36 @@ void auvid_metric_scale(const auvid_metric_t *metric, auvid_real_t *scale)
 void auvid_metric_r2(const auvid_metric_t *metric, auvid_real_t *r2)
 {
     for (int j = 0; j < AUVID_DOF_COUNT && metric != NULL && r2 != NULL; ++j) {
-        auvid_real_t total = AUVID_C(0.0);
-        for (int age = 0; age < auvid_metric_sets(metric); ++age) {
-            const auvid_set_t *set = &metric->sets.set[auvid_metric_slot(metric, age)];
-            total += (set->excited >> j & 1) ? set->tau_m2[j] : AUVID_C(0.0);
-        }
+        auvid_real_t rows, total = auvid_metric_wrench_squares(metric, j, &rows);
         auvid_real_t unexplained = metric->result.sse[j] / total;
         r2[j] = auvid_is_finite(unexplained) ? AUVID_C(1.0) - unexplained : AUVID_C(0.0);
     }
 }
 
-void auvid_metric_joint_row(const auvid_metric_t *m, int j, int i, uint32_t active,
+bool auvid_metric_joint_row(const auvid_metric_t *m, int j, int i, uint32_t active,
                             const auvid_real_t *pi, auvid_real_t *row)
 {
+    auvid_equation_t e = auvid_metric_equation(m, j);
+    if (i >= e.count || !auvid_metric_is_excited(m, j)) {
+        return false;
+    }
     int8_t column[AUVID_MAX_PARAMETERS] = {0}, n = 0;
     for (int p = 0; p < m->cfg.vehicle->parameters; ++p) {
         row[p] = AUVID_C(0.0);
         column[p] = (active >> p & 1u) ? n++ : -1;
     }
-    const auvid_real_t *r =
-        m->evaluator.merged + m->layout.factor_at[j] + auvid_qr_row(auvid_metric_order(m, j), i);
+    const auvid_real_t *r = auvid_equation_row(&e, i);
     auvid_real_t scale = auvid_sqrt(m->evaluator.weight[j]);
-    int at = m->layout.channel_at[j];
-    row[n] = scale * m->evaluator.z[at + i];
-    for (int k = i; k < m->layout.count[j]; ++k, ++r) {
-        int p = m->layout.index[at + k];
+    row[n] = scale * e.z[i];
+    for (int k = i; k < e.count; ++k, ++r) {
+        int p = e.index[k];
         if (column[p] >= 0) {
             row[column[p]] = scale * *r;
         } else {
             row[n] -= scale * *r * pi[p];
         }
     }
+    return true;
 }
 
 auvid_status_t auvid_metric_least_squares(const auvid_metric_t *metric, uint32_t active,
@@ -230,8 +216,7 @@ auvid_status_t auvid_metric_least_squares(const auvid_metric_t *metric, uint32_t
         column[i] = (active >> i & 1u) ? n++ : -1;
     }
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
-        for (int i = 0; i < m->layout.count[j] && (m->result.excited >> j & 1); ++i) {
-            auvid_metric_joint_row(m, j, i, active, pi, x);
+        for (int i = 0; auvid_metric_joint_row(m, j, i, active, pi, x); ++i) {
             auvid_qr_update(joint, n + 1, 0, x);
         }
     }

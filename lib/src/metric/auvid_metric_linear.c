@@ -13,12 +13,11 @@
  * It is enough to take smoothed residuals one standard deviation of the smoothing apart: closer
  * ones add almost no information.
  */
-#include "auvid/detail/metric.h"
+#include "auvid_metric_evaluator_internal.h"
 
 #include <string.h>
 
-#include "../base/auvid_linalg_internal.h"
-#include "auvid_metric_internal.h"
+#include "auvid_metric_rows_internal.h"
 
 #if AUVID_MAX_COMMANDS > 0
 
@@ -49,7 +48,7 @@ static const auvid_row_t *metric_row_before(const auvid_metric_t *m, int age, in
             return NULL;
         }
         back -= r + 1;
-        r = m->sets.set[auvid_metric_slot(m, ++age)].rows - 1;
+        r = auvid_metric_set(m, ++age)->rows - 1;
     }
     return back > r ? NULL : &auvid_metric_rows(m, age)[r - back];
 }
@@ -74,23 +73,23 @@ static bool metric_has_window(const auvid_metric_t *m, int age, int r)
 static auvid_real_t metric_evaluate_perturbed(auvid_metric_t *m, const auvid_row_t *row, int v,
                                               auvid_real_t residual[AUVID_DOF_COUNT])
 {
+    auvid_metric_evaluator_t *ev = &m->evaluator;
     int i = (v - 1) / 2, n = m->cfg.vehicle->parameters;
     auvid_real_t sign = v % 2 == 1 ? AUVID_C(0.5) : AUVID_C(-0.5), step = AUVID_C(1.0);
-    auvid_real_t node = auvid_metric_node_s(m), s = m->evaluator.linear_delay_s / node;
+    auvid_real_t node = auvid_metric_node_s(m), s = ev->linear_delay_s / node;
     if (v > 0 && i < n) {
-        auvid_real_t pi = m->evaluator.pi[i];
+        auvid_real_t pi = ev->pi[i];
         step = auvid_abs(pi) > AUVID_C(0.0) ? auvid_max(PARAMETER_STEP * auvid_abs(pi), MIN_STEP)
                                             : ZERO_STEP;
-        m->evaluator.pi[i] = pi + sign * step;
+        ev->pi[i] = pi + sign * step;
         auvid_sample_t sample = auvid_metric_delayed_sample(m, row);
-        auvid_vehicle_residual(m->cfg.vehicle, &sample, m->evaluator.pi, residual);
-        m->evaluator.pi[i] = pi;
+        auvid_vehicle_residual(m->cfg.vehicle, &sample, ev->pi, residual);
+        ev->pi[i] = pi;
     } else {
         step = v > 0 ? DELAY_STEP_S : step;
-        auvid_metric_delay_weights(v > 0 ? s + sign * step / node : s, false,
-                                   m->evaluator.delay_weight);
+        auvid_metric_delay_weights(v > 0 ? s + sign * step / node : s, false, ev->delay_weight);
         auvid_sample_t sample = auvid_metric_delayed_sample(m, row);
-        auvid_vehicle_residual(m->cfg.vehicle, &sample, m->evaluator.pi, residual);
+        auvid_vehicle_residual(m->cfg.vehicle, &sample, ev->pi, residual);
     }
     return v > 0 ? (sign > AUVID_C(0.0) ? AUVID_C(1.0) : AUVID_C(-1.0)) / step : AUVID_C(1.0);
 }
@@ -104,29 +103,31 @@ static void metric_add_evaluation(auvid_metric_t *m, const auvid_row_t *row, auv
     auvid_real_t weight = tap * metric_evaluate_perturbed(m, row, v, residual);
     int i = (v - 1) / 2, n = m->cfg.vehicle->parameters;
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
-        auvid_real_t *z = m->evaluator.z + m->layout.channel_at[j];
-        if (auvid_metric_order(m, j) == 0) {
+        auvid_equation_t e = auvid_metric_equation(m, j);
+        auvid_real_t *z = m->evaluator.z + e.at;
+        if (e.order == 0) {
             continue;
         }
-        for (int k = 0; k < m->layout.count[j] && v > 0; ++k) {
-            z[k] += m->layout.index[m->layout.channel_at[j] + k] == i ? weight * residual[j]
-                                                                      : AUVID_C(0.0);
+        for (int k = 0; k < e.count && v > 0; ++k) {
+            z[k] += e.index[k] == i ? weight * residual[j] : AUVID_C(0.0);
         }
-        z[m->layout.count[j]] += v == 0 ? weight * residual[j] : AUVID_C(0.0);
-        z[m->layout.count[j] + 1] += v > 0 && i == n ? weight * residual[j] : AUVID_C(0.0);
+        z[e.count] += v == 0 ? weight * residual[j] : AUVID_C(0.0);
+        z[e.count + 1] += v > 0 && i == n ? weight * residual[j] : AUVID_C(0.0);
     }
 }
 
 /* Add the model's own derivatives by its parameters to z. */
 static void metric_add_derivatives(auvid_metric_t *m, const auvid_row_t *row, auvid_real_t tap)
 {
+    auvid_metric_evaluator_t *ev = &m->evaluator;
     auvid_sample_t sample = auvid_metric_delayed_sample(m, row);
     const auvid_vehicle_t *vehicle = m->cfg.vehicle;
-    memset(&m->evaluator.regressor, 0, sizeof m->evaluator.regressor);
-    vehicle->regressor(vehicle->context, &sample, m->evaluator.pi, &m->evaluator.regressor);
+    memset(&ev->regressor, 0, sizeof ev->regressor);
+    vehicle->regressor(vehicle->context, &sample, ev->pi, &ev->regressor);
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
-        for (int k = 0, at = m->layout.channel_at[j]; k < m->layout.count[j]; ++k) {
-            m->evaluator.z[at + k] += tap * m->evaluator.regressor.row[j][m->layout.index[at + k]];
+        auvid_equation_t e = auvid_metric_equation(m, j);
+        for (int k = 0; k < e.count; ++k) {
+            ev->z[e.at + k] += tap * ev->regressor.row[j][e.index[k]];
         }
     }
 }
@@ -146,41 +147,40 @@ static uint8_t metric_dofs_without_window(const auvid_metric_t *m, int age, int 
 static AUVID_NOINLINE void metric_finish_window(auvid_metric_t *m, auvid_set_t *set,
                                                 uint8_t excluded)
 {
-    auvid_real_t node = auvid_metric_node_s(m), s = m->evaluator.linear_delay_s / node;
+    auvid_metric_evaluator_t *ev = &m->evaluator;
+    auvid_real_t node = auvid_metric_node_s(m), s = ev->linear_delay_s / node;
     /* replace e by sum e_i pi_i - e */
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
-        auvid_real_t *z = m->evaluator.z + m->layout.channel_at[j];
-        int count = m->layout.count[j];
-        if (auvid_metric_order(m, j) == 0) {
+        auvid_equation_t e = auvid_metric_equation(m, j);
+        auvid_real_t *z = ev->z + e.at;
+        if (e.order == 0) {
             continue;
         }
         if ((excluded >> j & 1) != 0) {
-            auvid_clear(z, (size_t)auvid_metric_order(m, j));
+            auvid_clear(z, (size_t)e.order);
             continue;
         }
-        z[count] = -z[count];
-        for (int k = 0; k < count; ++k) {
-            z[count] += z[k] * m->evaluator.pi[m->layout.index[m->layout.channel_at[j] + k]];
+        z[e.count] = -z[e.count];
+        for (int k = 0; k < e.count; ++k) {
+            z[e.count] += z[k] * ev->pi[e.index[k]];
         }
     }
-    if (auvid_all_within(m->evaluator.z, m->layout.channel_at[AUVID_DOF_COUNT],
-                         METRIC_LARGEST_ENTRY) != AUVID_OK) {
+    if (auvid_all_within(ev->z, m->layout.channel_at[AUVID_DOF_COUNT], METRIC_LARGEST_ENTRY) !=
+        AUVID_OK) {
         return;
     }
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
-        const auvid_real_t *z = m->evaluator.z + m->layout.channel_at[j];
+        auvid_equation_t e = auvid_metric_equation(m, j);
         auvid_real_t row[AUVID_MAX_PARAMETERS + AUVID_METRIC_DELAYS];
-        int count = m->layout.count[j];
-        if (auvid_metric_order(m, j) == 0 || (excluded >> j & 1) != 0) {
+        if (e.order == 0 || (excluded >> j & 1) != 0) {
             continue;
         }
         ++set->windows[j];
-        memcpy(row, z, (size_t)count * sizeof *row);
+        memcpy(row, e.z, (size_t)e.count * sizeof *row);
         for (int d = 0; d < AUVID_METRIC_DELAYS; ++d) {
-            row[count + d] = z[count] - ((auvid_real_t)d - s) * node * z[count + 1];
+            row[e.count + d] = e.z[e.count] - ((auvid_real_t)d - s) * node * e.z[e.count + 1];
         }
-        auvid_qr_update(m->rows.set.factor[0] + m->layout.factor_at[j], auvid_metric_order(m, j), 0,
-                        row);
+        auvid_qr_update(m->rows.set.factor[0] + m->layout.factor_at[j], e.order, 0, row);
     }
 }
 
@@ -196,46 +196,55 @@ static bool metric_is_perturbed(const auvid_metric_t *m, int v)
            (m->cfg.free >> i & 1u) != 0;
 }
 
+/* Distance in rows of the windows that are linearised: the standard deviation of the window,
+ * sqrt(window_length - 1) / 2. */
+static int metric_stride(const auvid_metric_t *m)
+{
+    int stride = 1;
+    while (4 * (stride + 1) * (stride + 1) <= m->layout.window_length - 1) {
+        ++stride;
+    }
+    return stride;
+}
+
 /* Linearise all windows of one set. @return true if they are complete */
 static bool metric_linearise_set(auvid_metric_t *m, auvid_set_t *set, uint32_t *budget)
 {
-    int values = 2 * m->cfg.vehicle->parameters + 3, stride = auvid_metric_stride(m);
-    for (; m->evaluator.at.row < set->rows;
-         m->evaluator.at.row = (uint16_t)(m->evaluator.at.row + stride), m->evaluator.at.part = 0) {
-        if (m->evaluator.at.part == 0) {
-            if (!metric_has_window(m, m->evaluator.at.set, m->evaluator.at.row)) {
+    auvid_metric_cursor_t *at = &m->evaluator.at;
+    int values = 2 * m->cfg.vehicle->parameters + 3, stride = metric_stride(m);
+    for (; at->row < set->rows; at->row = (uint16_t)(at->row + stride), at->part = 0) {
+        if (at->part == 0) {
+            if (!metric_has_window(m, at->set, at->row)) {
                 continue;
             }
             memset(m->evaluator.z, 0, sizeof m->evaluator.z);
         }
-        for (; m->evaluator.at.part < values * m->layout.window_length; ++m->evaluator.at.part) {
-            int k = m->evaluator.at.part / values, v = m->evaluator.at.part % values;
+        for (; at->part < values * m->layout.window_length; ++at->part) {
+            int k = at->part / values, v = at->part % values;
             if (!metric_is_perturbed(m, v)) {
                 continue;
             }
             if (!auvid_metric_spend_model(m, budget)) {
                 return false;
             }
-            const auvid_row_t *row =
-                metric_row_before(m, m->evaluator.at.set, m->evaluator.at.row, k);
+            const auvid_row_t *row = metric_row_before(m, at->set, at->row, k);
             if (v == 1 && m->cfg.vehicle->regressor != NULL) {
                 metric_add_derivatives(m, row, m->layout.window_weight[k]);
             } else {
                 metric_add_evaluation(m, row, m->layout.window_weight[k], v);
             }
         }
-        metric_finish_window(
-            m, set, metric_dofs_without_window(m, m->evaluator.at.set, m->evaluator.at.row));
+        metric_finish_window(m, set, metric_dofs_without_window(m, at->set, at->row));
     }
     return true;
 }
 
 auvid_status_t auvid_metric_linearise_sets(auvid_metric_t *m, uint32_t *budget)
 {
-    for (; m->evaluator.at.pass == PASS_LINEAR && m->evaluator.at.set < m->evaluator.at.to_set;
-         ++m->evaluator.at.set, m->evaluator.at.row = 0) {
-        auvid_set_t *set = &m->sets.set[auvid_metric_slot(m, m->evaluator.at.set)];
-        if (m->evaluator.at.row == 0 && m->evaluator.at.part == 0) {
+    auvid_metric_cursor_t *at = &m->evaluator.at;
+    for (; at->pass == PASS_LINEAR && at->set < at->to_set; ++at->set, at->row = 0) {
+        auvid_set_t *set = &m->sets.set[auvid_metric_slot(m, at->set)];
+        if (at->row == 0 && at->part == 0) {
             memset(m->rows.set.factor, 0, sizeof m->rows.set.factor);
             memset(set->windows, 0, sizeof set->windows);
         }
@@ -244,8 +253,8 @@ auvid_status_t auvid_metric_linearise_sets(auvid_metric_t *m, uint32_t *budget)
         }
         auvid_metric_pack(m, set);
     }
-    if (m->evaluator.at.pass == PASS_LINEAR) {
-        if (m->evaluator.at.to_set < m->cfg.sets) {
+    if (at->pass == PASS_LINEAR) {
+        if (at->to_set < m->cfg.sets) {
             return AUVID_OK;
         }
         auvid_metric_restart_pass(m, PASS_LAST);

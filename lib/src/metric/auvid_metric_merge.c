@@ -11,12 +11,9 @@
  * difference is (1 +- rho) sigma^2 / 2. So the weights whiten a first-order autoregression that is
  * chosen after the fact.
  */
-#include "auvid/detail/metric.h"
+#include "auvid_metric_evaluator_internal.h"
 
 #include <string.h>
-
-#include "../base/auvid_linalg_internal.h"
-#include "auvid_metric_internal.h"
 
 /* Largest ratio of the weights of the two bands, as inverse variances. */
 #define METRIC_LARGEST_RATIO AUVID_C(1e3)
@@ -57,11 +54,12 @@ void auvid_metric_delay_slopes(auvid_real_t s, bool lag, auvid_real_t l[AUVID_ME
     l[2] = AUVID_C(0.5) * (b - AUVID_C(1.0));
 }
 
-auvid_real_t auvid_metric_unexplained(const auvid_metric_t *m, int j, auvid_real_t s, bool lag)
+/* Returns ||T l||^2, T the last 3 x 3 block of the merged R factor: the squared wrench that no pi
+ * explains at a delay, or first-order lag, of s spacings. */
+static auvid_real_t metric_unexplained(const auvid_metric_t *m, int j, auvid_real_t s, bool lag)
 {
-    int n = auvid_metric_order(m, j);
-    const auvid_real_t *t =
-        m->evaluator.merged + m->layout.factor_at[j] + auvid_qr_row(n, n - AUVID_METRIC_DELAYS);
+    auvid_equation_t e = auvid_metric_equation(m, j);
+    const auvid_real_t *t = auvid_equation_row(&e, e.order - AUVID_METRIC_DELAYS);
     auvid_real_t l[AUVID_METRIC_DELAYS];
     auvid_metric_delay_weights(s, lag, l);
     auvid_real_t a = t[0] * l[0] + t[1] * l[1] + t[2] * l[2];
@@ -69,21 +67,28 @@ auvid_real_t auvid_metric_unexplained(const auvid_metric_t *m, int j, auvid_real
     return a * a + b * b + c * c;
 }
 
+auvid_real_t auvid_metric_unexplained(const auvid_metric_t *m, int j)
+{
+    bool lag;
+    auvid_real_t s = auvid_metric_delay(m, j, &lag);
+    return metric_unexplained(m, j, s, lag);
+}
+
 /* Find the delay (or lag) with the smallest unexplained wrench: on a grid, then at the vertex of
  * the parabola through the best point and its neighbours. */
 static auvid_real_t metric_best_delay(const auvid_metric_t *m, int j, bool lag)
 {
-    auvid_real_t smallest = auvid_metric_unexplained(m, j, AUVID_C(0.0), lag), best = AUVID_C(0.0);
+    auvid_real_t smallest = metric_unexplained(m, j, AUVID_C(0.0), lag), best = AUVID_C(0.0);
     bool early = !lag && m->cfg.delay_sigma_s > AUVID_C(0.0);
     for (int i = early ? -EARLY_STEPS : 0; i <= DELAY_STEPS; ++i) {
-        auvid_real_t s = DELAY_STEP * (auvid_real_t)i, e = auvid_metric_unexplained(m, j, s, lag);
+        auvid_real_t s = DELAY_STEP * (auvid_real_t)i, e = metric_unexplained(m, j, s, lag);
         if (e < smallest) {
             smallest = e;
             best = s;
         }
     }
-    auvid_real_t left = auvid_metric_unexplained(m, j, best - DELAY_STEP, lag);
-    auvid_real_t right = auvid_metric_unexplained(m, j, best + DELAY_STEP, lag);
+    auvid_real_t left = metric_unexplained(m, j, best - DELAY_STEP, lag);
+    auvid_real_t right = metric_unexplained(m, j, best + DELAY_STEP, lag);
     auvid_real_t bend = left - AUVID_C(2.0) * smallest + right;
     auvid_real_t off = bend > AUVID_C(0.0) ? AUVID_C(0.5) * (left - right) / bend : AUVID_C(0.0);
     best += DELAY_STEP * auvid_clamp(off, AUVID_C(-0.5), AUVID_C(0.5));
@@ -97,12 +102,12 @@ static auvid_real_t metric_best_delay(const auvid_metric_t *m, int j, bool lag)
 static auvid_real_t metric_estimate_delay(const auvid_metric_t *m, int j, bool *lag)
 {
     auvid_real_t as_shift = metric_best_delay(m, j, false), as_lag = metric_best_delay(m, j, true);
-    auvid_real_t e_shift = auvid_metric_unexplained(m, j, as_shift, false);
-    auvid_real_t e_lag = auvid_metric_unexplained(m, j, as_lag, true);
+    auvid_real_t e_shift = metric_unexplained(m, j, as_shift, false);
+    auvid_real_t e_lag = metric_unexplained(m, j, as_lag, true);
     *lag = as_lag > AUVID_C(0.0) && e_lag < e_shift;
     auvid_real_t s = *lag ? as_lag : as_shift, e_best = *lag ? e_lag : e_shift;
     auvid_real_t gain = (auvid_real_t)m->result.dof_rows[j] *
-                        (auvid_metric_unexplained(m, j, AUVID_C(0.0), false) - e_best);
+                        (metric_unexplained(m, j, AUVID_C(0.0), false) - e_best);
     auvid_real_t precise = s * auvid_metric_node_s(m) / DELAY_PRECISION_S;
     bool sure = gain > DELAY_SIGMAS * DELAY_SIGMAS * e_best && gain > precise * precise * e_best;
     *lag = *lag && sure;
@@ -132,15 +137,16 @@ void auvid_metric_clear_dependent(auvid_metric_t *m, int j)
 /* candidate = [pi_j, -l]. */
 void auvid_metric_solve_dof(auvid_metric_t *m, int j)
 {
-    int n = auvid_metric_order(m, j), count = m->layout.count[j], at = m->layout.channel_at[j];
-    const auvid_real_t *factor = m->evaluator.merged + m->layout.factor_at[j];
+    auvid_metric_evaluator_t *ev = &m->evaluator;
+    auvid_equation_t e = auvid_metric_equation(m, j);
+    auvid_real_t *z = ev->z + e.at, *x = ev->candidate + e.at;
     auvid_real_t l[AUVID_METRIC_DELAYS];
     auvid_real_t s = m->cfg.delay_s[j] / auvid_metric_node_s(m);
-    bool excited = (m->result.excited >> j & 1) != 0;
+    bool excited = auvid_metric_is_excited(m, j);
     bool lag = (m->cfg.first_order_lag >> j & 1) != 0;
     auvid_metric_clear_dependent(m, j);
     if (auvid_metric_stores_rows(m)) { /* linearised at one delay */
-        s = excited ? m->evaluator.linear_delay_s / auvid_metric_node_s(m) : AUVID_C(0.0);
+        s = excited ? ev->linear_delay_s / auvid_metric_node_s(m) : AUVID_C(0.0);
         lag = false;
     } else if (m->cfg.estimate_delay) {
         s = excited ? metric_estimate_delay(m, j, &lag) : AUVID_C(0.0);
@@ -149,18 +155,17 @@ void auvid_metric_solve_dof(auvid_metric_t *m, int j)
     m->result.first_order_lag =
         (uint8_t)((m->result.first_order_lag & ~(1u << j)) | (unsigned)lag << j);
     auvid_metric_delay_weights(s, lag, l);
-    for (int i = 0; i < count; ++i) {
-        const auvid_real_t *r = factor + auvid_qr_row(n, i);
-        m->evaluator.z[at + i] =
-            r[count - i] * l[0] + r[count - i + 1] * l[1] + r[count - i + 2] * l[2];
-        m->evaluator.candidate[at + i] = m->evaluator.z[at + i];
+    for (int i = 0; i < e.count; ++i) {
+        const auvid_real_t *r = auvid_equation_row(&e, i) + e.count - i;
+        z[i] = r[0] * l[0] + r[1] * l[1] + r[2] * l[2];
+        x[i] = z[i];
     }
-    (void)auvid_qr_solve(factor, n, count, AUVID_C(1e-4), m->evaluator.candidate + at);
+    (void)auvid_qr_solve(e.factor, e.order, e.count, AUVID_C(1e-4), x);
     for (int d = 0; d < AUVID_METRIC_DELAYS; ++d) {
-        m->evaluator.candidate[at + count + d] = -l[d];
+        x[e.count + d] = -l[d];
     }
     if (excited) {
-        m->result.constant += m->evaluator.weight[j] * auvid_metric_unexplained(m, j, s, lag);
+        m->result.constant += ev->weight[j] * metric_unexplained(m, j, s, lag);
     }
 }
 
@@ -178,7 +183,7 @@ void auvid_metric_rotate(auvid_metric_t *m, const auvid_set_t *set, int band, in
 
 static bool metric_rotates(const auvid_metric_t *m)
 {
-    return m->evaluator.at.pass != PASS_RESIDUAL && m->evaluator.at.pass != PASS_MEASURE;
+    return auvid_metric_pass(m) != PASS_RESIDUAL && auvid_metric_pass(m) != PASS_MEASURE;
 }
 
 /* Process one row of one band of one set: rotate it in, or add its residual at the candidate. */
@@ -200,14 +205,16 @@ static void metric_visit_row(auvid_metric_t *m, const auvid_set_t *set, int band
 
 void auvid_metric_restart_pass(auvid_metric_t *m, uint8_t pass)
 {
-    m->evaluator.at.pass = pass;
-    m->evaluator.at.to_set = (uint8_t)auvid_metric_sets(m);
-    m->evaluator.at.set = m->evaluator.at.band = m->evaluator.at.dof = 0;
-    m->evaluator.at.spent = 0;
-    m->evaluator.at.row = 0;
-    memset(m->evaluator.band_sse, 0, sizeof m->evaluator.band_sse);
+    auvid_metric_evaluator_t *ev = &m->evaluator;
+    auvid_metric_cursor_t *at = &ev->at;
+    at->pass = pass;
+    at->to_set = (uint8_t)auvid_metric_sets(m);
+    at->set = at->band = at->dof = 0;
+    at->spent = 0;
+    at->row = 0;
+    memset(ev->band_sse, 0, sizeof ev->band_sse);
     if (pass == PASS_FIRST || pass == PASS_LAST) {
-        memset(m->evaluator.merged, 0, sizeof m->evaluator.merged);
+        memset(ev->merged, 0, sizeof ev->merged);
         m->result.constant = AUVID_C(0.0);
     }
 }
@@ -216,26 +223,26 @@ void auvid_metric_restart_pass(auvid_metric_t *m, uint8_t pass)
  * for each unit of the budget. @return true if all rows are processed */
 bool auvid_metric_for_each_row(auvid_metric_t *m, uint32_t *budget)
 {
-    while (m->evaluator.at.set < m->evaluator.at.to_set) {
-        const auvid_set_t *set = &m->sets.set[auvid_metric_slot(m, m->evaluator.at.set)];
-        int j = m->evaluator.at.dof;
-        bool inside =
-            (set->excited >> j & 1) != 0 && m->evaluator.at.row < auvid_metric_order(m, j);
+    auvid_metric_cursor_t *at = &m->evaluator.at;
+    while (at->set < at->to_set) {
+        const auvid_set_t *set = auvid_metric_set(m, at->set);
+        int j = at->dof;
+        bool inside = (set->excited >> j & 1) != 0 && at->row < auvid_metric_order(m, j);
         if (inside) {
             if (*budget == 0) {
                 return false;
             }
-            if (auvid_metric_spend(m, budget, metric_rotates(m) ? AUVID_METRIC_ROTATION : 1)) {
-                metric_visit_row(m, set, m->evaluator.at.band, j, m->evaluator.at.row++);
+            if (auvid_metric_spend(at, budget, metric_rotates(m) ? AUVID_METRIC_ROTATION : 1)) {
+                metric_visit_row(m, set, at->band, j, at->row++);
             }
             continue;
         }
-        m->evaluator.at.row = 0;
-        if (++m->evaluator.at.dof == AUVID_DOF_COUNT) {
-            m->evaluator.at.dof = 0;
-            if (++m->evaluator.at.band == AUVID_METRIC_BANDS) {
-                m->evaluator.at.band = 0;
-                ++m->evaluator.at.set;
+        at->row = 0;
+        if (++at->dof == AUVID_DOF_COUNT) {
+            at->dof = 0;
+            if (++at->band == AUVID_METRIC_BANDS) {
+                at->band = 0;
+                ++at->set;
             }
         }
     }
@@ -245,47 +252,50 @@ bool auvid_metric_for_each_row(auvid_metric_t *m, uint32_t *budget)
 /* weight_b ~ 1 / sse_b, geometric mean one. */
 static void metric_weigh_bands(auvid_metric_t *m, int j)
 {
-    auvid_real_t low = m->evaluator.band_sse[0][j], high = m->evaluator.band_sse[1][j];
+    auvid_metric_evaluator_t *ev = &m->evaluator;
+    auvid_real_t low = ev->band_sse[0][j], high = ev->band_sse[1][j];
     auvid_real_t ratio = AUVID_C(1.0);
     if (low > AUVID_C(0.0) && high > AUVID_C(0.0)) {
         ratio = auvid_clamp(high / low, AUVID_C(1.0) / METRIC_LARGEST_RATIO, METRIC_LARGEST_RATIO);
     }
-    m->evaluator.band_weight[0][j] = auvid_sqrt(ratio);
-    m->evaluator.band_weight[1][j] = AUVID_C(1.0) / m->evaluator.band_weight[0][j];
+    ev->band_weight[0][j] = auvid_sqrt(ratio);
+    ev->band_weight[1][j] = AUVID_C(1.0) / ev->band_weight[0][j];
 }
 
 /* Complete a pass, one DoF at a time, at eight units each. @return true if all are complete */
 static bool metric_finish_dofs(auvid_metric_t *m, uint32_t *budget)
 {
-    while (m->evaluator.at.dof < AUVID_DOF_COUNT) {
-        int j = m->evaluator.at.dof;
+    auvid_metric_cursor_t *at = &m->evaluator.at;
+    while (at->dof < AUVID_DOF_COUNT) {
+        int j = at->dof;
         if (auvid_metric_order(m, j) > 0) {
             if (*budget == 0) {
                 return false;
             }
-            if (!auvid_metric_spend(m, budget, 2 * AUVID_METRIC_ROTATION)) {
+            if (!auvid_metric_spend(at, budget, 2 * AUVID_METRIC_ROTATION)) {
                 continue; /* the work of two rows */
             }
-            if (m->evaluator.at.pass == PASS_RESIDUAL) {
+            if (at->pass == PASS_RESIDUAL) {
                 metric_weigh_bands(m, j);
             } else {
                 auvid_metric_solve_dof(m, j);
             }
         }
-        m->evaluator.at.row = 0;
-        ++m->evaluator.at.dof;
+        at->row = 0;
+        ++at->dof;
     }
     return true;
 }
 
 bool auvid_metric_merge_sets(auvid_metric_t *m, uint32_t *budget)
 {
+    auvid_metric_cursor_t *at = &m->evaluator.at;
     auvid_status_t status = AUVID_EMPTY;
     while (status == AUVID_EMPTY) {
-        if (m->evaluator.at.pass == PASS_PRIOR) {
+        if (at->pass == PASS_PRIOR) {
             status = m->apply_prior == NULL ? AUVID_OK : m->apply_prior(m, budget);
         } else if (auvid_metric_for_each_row(m, budget) && metric_finish_dofs(m, budget)) {
-            auvid_metric_restart_pass(m, (uint8_t)(m->evaluator.at.pass + 1));
+            auvid_metric_restart_pass(m, (uint8_t)(at->pass + 1));
         } else {
             status = AUVID_PENDING;
         }
@@ -299,23 +309,25 @@ void auvid_metric_merge_begin(auvid_metric_t *metric)
     if (m == NULL) {
         return;
     }
-    m->result.excited = m->evaluator.sets_merged = 0;
-    memset(m->result.dof_rows, 0, sizeof m->result.dof_rows);
+    auvid_metric_evaluator_t *ev = &m->evaluator;
+    auvid_metric_result_t *result = &m->result;
+    result->excited = ev->sets_merged = 0;
+    memset(result->dof_rows, 0, sizeof result->dof_rows);
     for (int age = 0; age < auvid_metric_sets(m); ++age) {
-        const auvid_set_t *set = &m->sets.set[auvid_metric_slot(m, age)];
-        m->result.excited |= set->excited;
-        m->evaluator.sets_merged = (uint8_t)(m->evaluator.sets_merged + (set->excited != 0));
+        const auvid_set_t *set = auvid_metric_set(m, age);
+        result->excited |= set->excited;
+        ev->sets_merged = (uint8_t)(ev->sets_merged + (set->excited != 0));
         for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
             unsigned rows = (set->excited >> j & 1) ? set->rows_of[j] : 0u;
-            m->result.dof_rows[j] = (uint16_t)(m->result.dof_rows[j] + rows);
+            result->dof_rows[j] = (uint16_t)(result->dof_rows[j] + rows);
         }
     }
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
-        m->evaluator.weight[j] = m->result.dof_rows[j] == 0
-                                     ? AUVID_C(0.0)
-                                     : AUVID_C(1.0) / (m->cfg.tau_max[j] * m->cfg.tau_max[j] *
-                                                       (auvid_real_t)m->result.dof_rows[j]);
-        m->evaluator.band_weight[0][j] = m->evaluator.band_weight[1][j] = AUVID_C(1.0);
+        auvid_real_t rows = (auvid_real_t)result->dof_rows[j];
+        ev->weight[j] = result->dof_rows[j] == 0
+                            ? AUVID_C(0.0)
+                            : AUVID_C(1.0) / (m->cfg.tau_max[j] * m->cfg.tau_max[j] * rows);
+        ev->band_weight[0][j] = ev->band_weight[1][j] = AUVID_C(1.0);
     }
     auvid_metric_restart_pass(m, PASS_FIRST);
 }

@@ -7,12 +7,9 @@
  * variable (Chow 1960; auvid_metric_change.c). It has as many degrees of freedom as there are prior
  * rows.
  */
-#include "auvid/detail/metric.h"
+#include "auvid_metric_evaluator_internal.h"
 
 #include <string.h>
-
-#include "../base/auvid_linalg_internal.h"
-#include "auvid_metric_internal.h"
 
 /* The prior is discarded above this F. A wrong discard costs little: a cold start. */
 #define METRIC_LIMIT AUVID_C(6.0)
@@ -25,9 +22,10 @@
 /* Returns the columns (bit k) of DoF j's own parameters that have a prior. */
 static uint32_t metric_prior_columns(const auvid_metric_t *m, int j)
 {
+    auvid_equation_t e = auvid_metric_equation(m, j);
     uint32_t known = 0;
-    for (int k = 0; k < m->layout.count[j]; ++k) {
-        int i = m->layout.index[m->layout.channel_at[j] + k];
+    for (int k = 0; k < e.count; ++k) {
+        int i = e.index[k];
         bool of_dof = (int)m->cfg.vehicle->parameter[i].dof == j;
         known |= (uint32_t)(of_dof && (m->prior.known >> i & 1u)) << k;
     }
@@ -38,24 +36,23 @@ static uint32_t metric_prior_columns(const auvid_metric_t *m, int j)
 static void metric_add_prior_row(auvid_metric_t *m, int j, int k, auvid_real_t noise)
 {
     auvid_real_t row[AUVID_MAX_PARAMETERS + AUVID_METRIC_DELAYS] = {AUVID_C(0.0)};
-    int n = auvid_metric_order(m, j), i = m->layout.index[m->layout.channel_at[j] + k];
+    auvid_equation_t e = auvid_metric_equation(m, j);
+    int i = e.index[k];
     row[k] = noise / m->prior.sigma[i];
     for (int d = 0; d < AUVID_METRIC_DELAYS; ++d) {
-        row[m->layout.count[j] + d] = row[k] * m->prior.pi[i];
+        row[e.count + d] = row[k] * m->prior.pi[i];
     }
-    if (auvid_all_within(row + k, (size_t)(n - k), METRIC_LARGEST_ENTRY) != AUVID_OK) {
+    if (auvid_all_within(row + k, (size_t)(e.order - k), METRIC_LARGEST_ENTRY) != AUVID_OK) {
         return; /* its squares would not be finite */
     }
-    auvid_qr_update(m->evaluator.merged + m->layout.factor_at[j], n, k, row);
+    auvid_qr_update(m->evaluator.merged + m->layout.factor_at[j], e.order, k, row);
 }
 
 /* Rotate the priors of DoF j in. @return true if they agree with the sets */
 static bool metric_apply_prior_dof(auvid_metric_t *m, int j)
 {
-    auvid_real_t s = m->result.delay_s[j] / auvid_metric_node_s(m),
+    auvid_real_t before = auvid_metric_unexplained(m, j),
                  rows = (auvid_real_t)m->result.dof_rows[j];
-    bool lag = (m->result.first_order_lag >> j & 1) != 0;
-    auvid_real_t before = auvid_metric_unexplained(m, j, s, lag);
     auvid_real_t square = m->prior.variance_inflation[j] * before / rows, degrees = AUVID_C(0.0);
     uint32_t known = metric_prior_columns(m, j);
     for (int k = 0; k < m->layout.count[j]; ++k) {
@@ -64,7 +61,7 @@ static bool metric_apply_prior_dof(auvid_metric_t *m, int j)
             degrees += AUVID_C(1.0);
         }
     }
-    auvid_real_t more = auvid_metric_unexplained(m, j, s, lag) - before;
+    auvid_real_t more = auvid_metric_unexplained(m, j) - before;
     m->result.constant -= m->evaluator.weight[j] * before;
     auvid_metric_solve_dof(m, j);
     return more <= METRIC_LIMIT * degrees * square;
@@ -73,9 +70,10 @@ static bool metric_apply_prior_dof(auvid_metric_t *m, int j)
 /* @return AUVID_OK; AUVID_PENDING; AUVID_EMPTY (prior discarded: the last pass starts again) */
 static auvid_status_t metric_apply_prior(auvid_metric_t *m, uint32_t *budget)
 {
-    for (; m->evaluator.at.dof < AUVID_DOF_COUNT; ++m->evaluator.at.dof) {
-        int j = m->evaluator.at.dof;
-        if ((m->result.excited >> j & 1) == 0) {
+    auvid_metric_cursor_t *at = &m->evaluator.at;
+    for (; at->dof < AUVID_DOF_COUNT; ++at->dof) {
+        int j = at->dof;
+        if (!auvid_metric_is_excited(m, j)) {
             continue;
         }
         uint8_t price = (uint8_t)(AUVID_METRIC_ROTATION * (m->layout.count[j] + 2));
@@ -83,7 +81,7 @@ static auvid_status_t metric_apply_prior(auvid_metric_t *m, uint32_t *budget)
             if (*budget == 0) {
                 return AUVID_PENDING;
             }
-        } while (!auvid_metric_spend(m, budget, price));
+        } while (!auvid_metric_spend(at, budget, price));
         if (!metric_apply_prior_dof(m, j)) {
             m->prior.known = 0;
             m->apply_prior = NULL;

@@ -15,14 +15,13 @@
  * gain is 0.8 % low, and masses become too large by as much. So the wrench of forces also passes
  * (a, 1 - 2 a, a), a = T^2 / (12 cell^2), which has the same variance.
  */
-#include "auvid/detail/metric.h"
+#include "auvid_metric_evaluator_internal.h"
 
 #include <string.h>
 
 #include "auvid/smoother.h"
-#include "../base/auvid_linalg_internal.h"
 #include "../base/auvid_refusal_internal.h"
-#include "auvid_metric_internal.h"
+#include "auvid_metric_rows_internal.h"
 
 /* Where the regressor is evaluated: in memory that only the residual path needs, or else on the
  * stack. */
@@ -91,12 +90,13 @@ void auvid_metric_set_velocity_us(auvid_metric_t *m, uint32_t velocity_us)
 
 static void metric_make_smoother(auvid_metric_t *m)
 {
+    auvid_metric_layout_t *layout = &m->layout;
     const auvid_metric_config_t *cfg = &m->cfg;
     auvid_metric_set_taps(m, metric_taps(cfg));
-    m->layout.window_length = 1;
+    layout->window_length = 1;
     auvid_metric_set_velocity_us(m, cfg->velocity_us);
-    metric_make_kernel(m, m->layout.kernel[0], cfg->half_width[0]);
-    metric_make_kernel(m, m->layout.kernel[1], cfg->half_width[1]);
+    metric_make_kernel(m, layout->kernel[0], cfg->half_width[0]);
+    metric_make_kernel(m, layout->kernel[1], cfg->half_width[1]);
 }
 
 /* The channels of the regressor path form four sections of one weight each. The forces have the
@@ -104,9 +104,10 @@ static void metric_make_smoother(auvid_metric_t *m)
  * Returns where section i begins. */
 static int metric_section(const auvid_metric_t *m, int i)
 {
+    const auvid_metric_layout_t *layout = &m->layout;
     int j = i < 2 ? AUVID_SURGE : AUVID_ROLL;
-    return m->layout.channel_at[j] +
-           (i % 2 ? m->layout.count[j] + m->layout.count[j + 1] + m->layout.count[j + 2] : 0);
+    return layout->channel_at[j] +
+           (i % 2 ? layout->count[j] + layout->count[j + 1] + layout->count[j + 2] : 0);
 }
 
 /* Returns the part of DoF j's wrench that fixed parameters explain. */
@@ -161,7 +162,7 @@ static bool metric_row_channels(const auvid_metric_t *m, const auvid_regressor_t
     return any;
 }
 
-/* Returns the weight of the wrench of forces in addition to kernel[age]: see auvid_metric.c. */
+/* Returns the weight of the wrench of forces in addition to kernel[age]: see the top. */
 static auvid_real_t metric_spread_weight(const auvid_metric_t *m, uint32_t age)
 {
     const auvid_real_t *kernel = m->layout.kernel[0];
@@ -197,36 +198,37 @@ static void metric_accumulate_rows(auvid_metric_t *m, uint32_t slot, uint32_t ag
  *     ||a + b||^2 / 4 + ||a - b||^2 / 4 = (||a||^2 + ||b||^2) / 2                              */
 static void metric_rotate_row(auvid_metric_t *m, int j, const auvid_real_t *row)
 {
+    auvid_metric_rows_t *rows = &m->rows;
     int at = m->layout.channel_at[j], n = auvid_metric_order(m, j);
     uint32_t lag = m->cfg.lag[j >= AUVID_ROLL];
     const auvid_real_t *previous =
-        m->rows.previous[(m->rows.since_gap + AUVID_METRIC_LAGS - lag) % AUVID_METRIC_LAGS] + at;
-    for (int band = 0; band < AUVID_METRIC_BANDS && m->rows.successive[j] >= lag; ++band) {
+        rows->previous[(rows->since_gap + AUVID_METRIC_LAGS - lag) % AUVID_METRIC_LAGS] + at;
+    for (int band = 0; band < AUVID_METRIC_BANDS && rows->successive[j] >= lag; ++band) {
         auvid_real_t sum[AUVID_MAX_PARAMETERS + AUVID_METRIC_DELAYS];
         auvid_real_t other = band == 0 ? AUVID_C(0.5) : AUVID_C(-0.5);
         for (int i = 0; i < n; ++i) {
             sum[i] = AUVID_C(0.5) * row[i] + other * previous[i];
         }
-        auvid_qr_update(m->rows.set.factor[band] + m->layout.factor_at[j], n, 0, sum);
+        auvid_qr_update(rows->set.factor[band] + m->layout.factor_at[j], n, 0, sum);
     }
-    memcpy(m->rows.previous[m->rows.since_gap % AUVID_METRIC_LAGS] + at, row,
-           (size_t)n * sizeof *row);
-    m->rows.successive[j] =
-        (uint8_t)(m->rows.successive[j] + (m->rows.successive[j] < AUVID_METRIC_LAGS));
+    memcpy(rows->previous[rows->since_gap % AUVID_METRIC_LAGS] + at, row, (size_t)n * sizeof *row);
+    rows->successive[j] =
+        (uint8_t)(rows->successive[j] + (rows->successive[j] < AUVID_METRIC_LAGS));
 }
 
 /* Take a row into the R factors, except for the DoF whose equation reads what was not measured. A
  * row in which the regressor failed does not count: its wrench would seem explained. */
 static void metric_take_row(auvid_metric_t *m, uint64_t t_us, uint32_t slot)
 {
-    const auvid_real_t *channel = m->rows.accumulator[slot], *fixed = m->rows.fixed_wrench[slot];
+    auvid_metric_rows_t *rows = &m->rows;
+    const auvid_real_t *channel = rows->accumulator[slot], *fixed = rows->fixed_wrench[slot];
     const auvid_real_t *motion = channel, *wrench = channel + metric_section(m, 1);
     uint8_t excluded = auvid_metric_dofs_without_row(m, slot);
     (void)t_us;
     if (auvid_all_within(channel, m->layout.channel_at[AUVID_DOF_COUNT], METRIC_LARGEST_ENTRY) !=
             AUVID_OK ||
         auvid_all_within(fixed, AUVID_DOF_COUNT, METRIC_LARGEST_ENTRY) != AUVID_OK) {
-        memset(m->rows.successive, 0, sizeof m->rows.successive);
+        memset(rows->successive, 0, sizeof rows->successive);
         return;
     }
     bool any = false;
@@ -241,13 +243,13 @@ static void metric_take_row(auvid_metric_t *m, uint64_t t_us, uint32_t slot)
             continue;
         }
         if ((excluded >> j & 1) != 0) {
-            m->rows.successive[j] = 0;
+            rows->successive[j] = 0;
             motion += count;
             wrench += AUVID_METRIC_DELAYS;
             continue;
         }
         any = true;
-        auvid_metric_update_wrench_moments(m, j, *wrench);
+        auvid_metric_update_wrench_moments(&rows->set, j, *wrench);
         memcpy(row, motion, (size_t)count * sizeof *row);
         motion += count;
         for (int d = 0; d < AUVID_METRIC_DELAYS; ++d) {
@@ -255,8 +257,8 @@ static void metric_take_row(auvid_metric_t *m, uint64_t t_us, uint32_t slot)
         }
         metric_rotate_row(m, j, row);
     }
-    auvid_metric_count_row(m, any);
-    ++m->rows.since_gap;
+    auvid_metric_count_row(&rows->set, any);
+    ++rows->since_gap;
 }
 
 /* Add the equations of cell n of the record to all rows under construction. The newest, begun
@@ -282,18 +284,20 @@ static void metric_add_equations(auvid_metric_t *m, const auvid_sample_t *sample
 /* J = sum_j weight_j ||R_j pi - z_j||^2, row by row. */
 static auvid_status_t metric_factor_cost(auvid_metric_t *m, uint32_t *budget)
 {
-    for (; m->evaluator.at.dof < AUVID_DOF_COUNT; ++m->evaluator.at.dof, m->evaluator.at.row = 0) {
-        int j = m->evaluator.at.dof, count = m->layout.count[j], n = count + AUVID_METRIC_DELAYS;
-        if (!(m->result.excited >> j & 1)) {
+    auvid_metric_evaluator_t *ev = &m->evaluator;
+    auvid_metric_cursor_t *at = &ev->at;
+    for (; at->dof < AUVID_DOF_COUNT; ++at->dof, at->row = 0) {
+        int j = at->dof;
+        if (!auvid_metric_is_excited(m, j)) {
             continue;
         }
-        const auvid_real_t *x = m->evaluator.candidate + m->layout.channel_at[j],
-                           *z = m->evaluator.z + m->layout.channel_at[j];
-        const auvid_real_t *r =
-            m->evaluator.merged + m->layout.factor_at[j] + auvid_qr_row(n, m->evaluator.at.row);
-        int i = m->evaluator.at.row, left = count - i;
+        auvid_equation_t equation = auvid_metric_equation(m, j);
+        const auvid_real_t *x = ev->candidate + equation.at, *z = equation.z;
+        const auvid_real_t *r = auvid_equation_row(&equation, at->row);
+        int count = equation.count;
+        int i = at->row, left = count - i;
         int to = *budget < (uint32_t)left ? i + (int)*budget : count;
-        auvid_real_t squares = m->evaluator.squares;
+        auvid_real_t squares = ev->squares;
         *budget -= (uint32_t)(to - i);
         for (; i < to; ++i, r += AUVID_METRIC_DELAYS) {
             auvid_real_t e = -z[i];
@@ -302,15 +306,15 @@ static auvid_status_t metric_factor_cost(auvid_metric_t *m, uint32_t *budget)
             }
             squares += e * e;
         }
-        m->evaluator.squares = squares;
-        m->evaluator.at.row = (uint16_t)i;
+        ev->squares = squares;
+        at->row = (uint16_t)i;
         if (i < count) {
             return AUVID_PENDING;
         }
-        m->evaluator.sum += m->evaluator.weight[j] * m->evaluator.squares;
-        m->evaluator.squares = AUVID_C(0.0);
+        ev->sum += ev->weight[j] * ev->squares;
+        ev->squares = AUVID_C(0.0);
     }
-    m->result.cost = m->evaluator.sum;
+    m->result.cost = ev->sum;
     return AUVID_OK;
 }
 

@@ -2,13 +2,12 @@
  * Metric, residual path: means of motion and inputs are stored, and the model's residual is called
  * on each at every evaluation.
  */
-#include "auvid/detail/metric.h"
+#include "auvid_metric_evaluator_internal.h"
 
 #include <string.h>
 
-#include "../base/auvid_linalg_internal.h"
 #include "../base/auvid_refusal_internal.h"
-#include "auvid_metric_internal.h"
+#include "auvid_metric_rows_internal.h"
 
 #if AUVID_MAX_COMMANDS == 0
 
@@ -49,17 +48,18 @@ static auvid_status_t metric_check_residual(const auvid_metric_config_t *cfg, au
 /* Make binomial weights over an odd number of rows: n weights have a variance of (n - 1) / 4. */
 static void metric_make_window(auvid_metric_t *m)
 {
+    auvid_metric_layout_t *layout = &m->layout;
     auvid_real_t rows = RESIDUAL_SMOOTHING_S * AUVID_C(1e6) /
                         ((auvid_real_t)m->cfg.cell_us * (auvid_real_t)m->cfg.row_cells);
     int pairs = (int)auvid_min(AUVID_C(2.0) * rows * rows + AUVID_C(0.5),
                                (auvid_real_t)AUVID_METRIC_WINDOW);
     pairs = pairs < AUVID_METRIC_WINDOW / 2 ? pairs : AUVID_METRIC_WINDOW / 2;
-    m->layout.window_length = (uint8_t)(2 * pairs + 1);
-    m->layout.window_weight[0] = AUVID_C(1.0);
-    for (int n = 1; n < m->layout.window_length; ++n) {
+    layout->window_length = (uint8_t)(2 * pairs + 1);
+    layout->window_weight[0] = AUVID_C(1.0);
+    for (int n = 1; n < layout->window_length; ++n) {
         for (int k = n; k >= 0; --k) { /* Pascal's triangle, each line halved */
-            auvid_real_t left = k > 0 ? m->layout.window_weight[k - 1] : AUVID_C(0.0);
-            m->layout.window_weight[k] = AUVID_C(0.5) * (m->layout.window_weight[k] + left);
+            auvid_real_t left = k > 0 ? layout->window_weight[k - 1] : AUVID_C(0.0);
+            layout->window_weight[k] = AUVID_C(0.5) * (layout->window_weight[k] + left);
         }
     }
 }
@@ -67,10 +67,10 @@ static void metric_make_window(auvid_metric_t *m)
 /* Rows are means over the row time. */
 static void metric_make_mean(auvid_metric_t *m)
 {
+    auvid_metric_layout_t *layout = &m->layout;
     auvid_metric_set_taps(m, m->cfg.row_cells);
-    for (int i = 0; i < m->layout.taps; ++i) {
-        m->layout.kernel[0][i] = m->layout.kernel[1][i] =
-            AUVID_C(1.0) / (auvid_real_t)m->layout.taps;
+    for (int i = 0; i < layout->taps; ++i) {
+        layout->kernel[0][i] = layout->kernel[1][i] = AUVID_C(1.0) / (auvid_real_t)layout->taps;
     }
     metric_make_window(m);
 }
@@ -111,8 +111,7 @@ static void metric_sample_from_channels(const auvid_real_t *channel, uint64_t t_
 /* Store a row if there is room. It is counted if an equation of the model can use it. */
 static void metric_store_row(auvid_metric_t *m, uint64_t t_us, uint32_t slot)
 {
-    if (m->sets.full || t_us < m->sets.resume_us) {
-        ++m->sets.rows_dropped;
+    if (!auvid_metric_takes_row(m, t_us)) {
         return;
     }
     const auvid_real_t *channel = m->rows.accumulator[slot];
@@ -123,13 +122,13 @@ static void metric_store_row(auvid_metric_t *m, uint64_t t_us, uint32_t slot)
         bool has_row = (excluded >> j & 1) == 0;
         any = any || (has_row && m->cfg.vehicle->columns[j] != 0);
         if (has_row) {
-            auvid_metric_update_wrench_moments(m, j, channel[MOTION_TAU + j]);
+            auvid_metric_update_wrench_moments(&m->rows.set, j, channel[MOTION_TAU + j]);
         }
     }
     metric_sample_from_channels(channel, t_us, &store->sample);
     store->sample.missing = m->rows.missing[slot][0];
     memcpy(store->late, channel + MOTION_LATE, sizeof store->late);
-    auvid_metric_count_row(m, any);
+    auvid_metric_count_row(&m->rows.set, any);
 }
 
 /* Add the motion in cell n of the record to all rows under construction. The newest, begun
@@ -148,22 +147,22 @@ static void metric_add_motion(auvid_metric_t *m, const auvid_sample_t *sample, u
  * successive rows */
 static bool metric_push_residual(auvid_metric_t *m, const auvid_row_t *row)
 {
+    auvid_metric_evaluator_t *ev = &m->evaluator;
     auvid_sample_t sample = auvid_metric_delayed_sample(m, row);
     uint8_t excluded = auvid_vehicle_unmeasured(m->cfg.vehicle, sample.missing);
-    if (!auvid_metric_succeeds(m, m->evaluator.window_us, sample.t_us)) {
-        m->evaluator.window_rows = 0;
-        memset(m->evaluator.window_of, 0, sizeof m->evaluator.window_of);
+    if (!auvid_metric_succeeds(m, ev->window_us, sample.t_us)) {
+        ev->window_rows = 0;
+        memset(ev->window_of, 0, sizeof ev->window_of);
     }
-    m->evaluator.window_us = sample.t_us;
+    ev->window_us = sample.t_us;
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
-        int rows =
-            m->evaluator.window_of[j] + (m->evaluator.window_of[j] < m->layout.window_length);
-        m->evaluator.window_of[j] = (uint8_t)((excluded >> j & 1) != 0 ? 0 : rows);
+        int rows = ev->window_of[j] + (ev->window_of[j] < m->layout.window_length);
+        ev->window_of[j] = (uint8_t)((excluded >> j & 1) != 0 ? 0 : rows);
     }
-    auvid_vehicle_residual(m->cfg.vehicle, &sample, m->evaluator.pi,
-                           m->evaluator.window[m->evaluator.window_rows % m->layout.window_length]);
-    ++m->evaluator.window_rows;
-    return m->evaluator.window_rows >= m->layout.window_length;
+    auvid_vehicle_residual(m->cfg.vehicle, &sample, ev->pi,
+                           ev->window[ev->window_rows % m->layout.window_length]);
+    ++ev->window_rows;
+    return ev->window_rows >= m->layout.window_length;
 }
 
 static auvid_real_t metric_smoothed_residual(const auvid_metric_t *m, int j)
@@ -180,44 +179,44 @@ static auvid_real_t metric_smoothed_residual(const auvid_metric_t *m, int j)
  * constant part. */
 static auvid_status_t metric_sample_cost(auvid_metric_t *m, uint32_t *budget)
 {
+    auvid_metric_evaluator_t *ev = &m->evaluator;
+    auvid_metric_cursor_t *at = &ev->at;
     int sets = auvid_metric_sets(m);
-    for (; m->evaluator.at.set < sets; ++m->evaluator.at.set, m->evaluator.at.row = 0) {
-        int age = sets - 1 - m->evaluator.at.set;
-        const auvid_set_t *set = &m->sets.set[auvid_metric_slot(m, age)];
-        for (; set->excited != 0 && m->evaluator.at.row < set->rows; ++m->evaluator.at.row) {
+    for (; at->set < sets; ++at->set, at->row = 0) {
+        int age = sets - 1 - at->set;
+        const auvid_set_t *set = auvid_metric_set(m, age);
+        for (; set->excited != 0 && at->row < set->rows; ++at->row) {
             if (!auvid_metric_spend_model(m, budget)) {
                 return AUVID_PENDING;
             }
             auvid_real_t squares = AUVID_C(0.0);
-            if (!metric_push_residual(m, &auvid_metric_rows(m, age)[m->evaluator.at.row])) {
+            if (!metric_push_residual(m, &auvid_metric_rows(m, age)[at->row])) {
                 continue;
             }
             for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
-                if ((set->excited >> j & 1) != 0 &&
-                    m->evaluator.window_of[j] == m->layout.window_length) {
+                if ((set->excited >> j & 1) != 0 && ev->window_of[j] == m->layout.window_length) {
                     auvid_real_t e = metric_smoothed_residual(m, j);
-                    squares += m->evaluator.weight[j] * e * e;
-                    m->evaluator.band_sse[0][j] +=
-                        m->evaluator.at.pass == PASS_MEASURE ? e * e : AUVID_C(0.0);
+                    squares += ev->weight[j] * e * e;
+                    ev->band_sse[0][j] += at->pass == PASS_MEASURE ? e * e : AUVID_C(0.0);
                 }
             }
-            auvid_real_t term = squares - m->evaluator.compensation,
-                         total = m->evaluator.sum + term;
-            m->evaluator.compensation = (total - m->evaluator.sum) - term;
-            m->evaluator.sum = total;
+            auvid_real_t term = squares - ev->compensation, total = ev->sum + term;
+            ev->compensation = (total - ev->sum) - term;
+            ev->sum = total;
         }
     }
-    m->result.cost = m->evaluator.sum;
+    m->result.cost = ev->sum;
     return AUVID_OK;
 }
 
 static void metric_begin_samples(auvid_metric_t *m, const auvid_real_t *pi, auvid_real_t delay_s)
 {
-    auvid_metric_delay_weights(delay_s / auvid_metric_node_s(m), false, m->evaluator.delay_weight);
+    auvid_metric_evaluator_t *ev = &m->evaluator;
+    auvid_metric_delay_weights(delay_s / auvid_metric_node_s(m), false, ev->delay_weight);
     for (int i = 0; i < m->cfg.vehicle->parameters; ++i) {
-        m->evaluator.pi[i] = m->cfg.free == 0 || (m->cfg.free >> i & 1u) ? pi[i] : m->cfg.fixed[i];
+        ev->pi[i] = m->cfg.free == 0 || (m->cfg.free >> i & 1u) ? pi[i] : m->cfg.fixed[i];
     }
-    m->evaluator.at.spent = 0;
+    ev->at.spent = 0;
 }
 
 const auvid_path_t auvid_path_residual = {.check = metric_check_residual,

@@ -113,9 +113,9 @@ typedef struct {
     uint8_t index[AUVID_MAX_COLUMNS];       /* parameter numbers, DoF after DoF */
 } auvid_metric_layout_t;
 
-/** The set being recorded. Private. */
+/** The set being recorded. Private except `rows`. */
 typedef struct {
-    uint16_t rows;                        /* so far */
+    uint16_t rows;                        /**< so far */
     uint16_t lost;                        /* rows of all DoF lost to gaps in the record or in
                                              velocities */
     uint16_t rows_of[AUVID_DOF_COUNT];    /* see auvid_set_t */
@@ -269,10 +269,9 @@ auvid_status_t auvid_metric_close(auvid_metric_t *metric);
  *
  * Regressor path: a set completed meanwhile enters the ring at once, replaces the oldest, and does
  * not count. At most (sets - 1) / 2 such sets (at least one) are kept, or as many as the ring has
- * free slots. None is kept that would leave fewer than `least` sets that count. If there are more,
- * the oldest waiting set is lost and its rows are counted in `rows_dropped`. `ring_changed` is set
- * when a set has entered: restart a pass over the sets that is in progress. A search needs no such
- * pass: it reads `merged`.
+ * free slots. If there are more, the oldest waiting set is lost and its rows are counted in
+ * `sets.rows_dropped`. When a set has entered, a pass over the sets that is in progress must
+ * restart. A search needs no such pass: it reads the merged sets.
  *
  * Residual path: no set enters the ring. The set being recorded takes rows until it is full;
  * further rows are dropped and counted.
@@ -330,7 +329,7 @@ void auvid_metric_cost_begin(auvid_metric_t *metric, const auvid_real_t *pi, auv
 /** Continue the cost evaluation started by auvid_metric_cost_begin.
  * @param budget units of work left, reduced by those used: one for each row of R, or vehicle->work
  * for each stored sample
- * @return AUVID_OK (metric->cost is written); AUVID_PENDING (budget used up); AUVID_ERR_NULL. A
+ * @return AUVID_OK (result.cost is written); AUVID_PENDING (budget used up); AUVID_ERR_NULL. A
  * cost that is not finite is returned as it is; the optimizer treats it as very bad. */
 auvid_status_t auvid_metric_cost(auvid_metric_t *metric, uint32_t *budget);
 
@@ -395,7 +394,7 @@ auvid_real_t auvid_metric_longest_delay(const auvid_metric_t *metric);
 /** Continue the measurement started by auvid_metric_measure_begin or auvid_metric_predict_begin.
  * @param budget units of work left, reduced by those used: one for each row of each set, or
  * vehicle->work for each stored sample
- * @return AUVID_OK (metric->sse is written); AUVID_PENDING (budget used up); AUVID_ERR_NULL. */
+ * @return AUVID_OK (result.sse is written); AUVID_PENDING (budget used up); AUVID_ERR_NULL. */
 auvid_status_t auvid_metric_measure(auvid_metric_t *metric, uint32_t *budget);
 
 #define auvid_metric_newest AUVID_SIZED(auvid_metric_newest)

@@ -1,42 +1,41 @@
 /*
- * Metric, recording (Karras et al. 2013, III-B): cells to rows. auvid_metric_close.c completes
- * sets. What a cell adds to a row, and where a complete row goes, is the path's: see
+ * Metric, rows (Karras et al. 2013, III-B): cells to rows. auvid_metric_sets.c completes sets.
+ * What a cell adds to a row, and where a complete row goes, is the path's: see
  * auvid_metric_regressor.c and auvid_metric_residual.c.
  *
  * The filter runs in transposed form: each cell is added, with the right coefficient, to the few
  * rows under construction, so no window of cells is stored.
  */
-#include "auvid/detail/metric.h"
+#include "auvid_metric_rows_internal.h"
 
 #include <string.h>
 
-#include "../base/auvid_linalg_internal.h"
-#include "auvid_metric_internal.h"
+#include "auvid_metric_sets_internal.h"
 
 /* Add a cell to the rows under construction. @return slot of the row that it completes; -1: none */
 static int metric_add_to_rows(auvid_metric_t *m, const auvid_sample_t *sample)
 {
-    if (m->rows.cells + 1 < METRIC_PAST) { /* the wrench is not yet known at all delays */
+    auvid_metric_rows_t *rows = &m->rows;
+    if (rows->cells + 1 < METRIC_PAST) { /* the wrench is not yet known at all delays */
         return -1;
     }
-    uint32_t n = m->rows.cells + 1 - METRIC_PAST, step = m->cfg.row_cells,
-             last = m->layout.taps - 1u;
+    uint32_t n = rows->cells + 1 - METRIC_PAST, step = m->cfg.row_cells, last = m->layout.taps - 1u;
     uint32_t slot = n / step % m->layout.overlap;
     if (n % step == 0) {
-        auvid_clear(m->rows.accumulator[slot], AUVID_MAX_COLUMNS);
-        auvid_clear(m->rows.fixed_wrench[slot], AUVID_DOF_COUNT);
-        memset(m->rows.missing[slot], 0, sizeof m->rows.missing[slot]);
+        auvid_clear(rows->accumulator[slot], AUVID_MAX_COLUMNS);
+        auvid_clear(rows->fixed_wrench[slot], AUVID_DOF_COUNT);
+        memset(rows->missing[slot], 0, sizeof rows->missing[slot]);
     }
     auvid_metric_path(m)->add_cell(m, sample, n, slot);
     return n >= last && (n - last) % step == 0 ? (int)((n - last) / step % m->layout.overlap) : -1;
 }
 
 /* Update the largest speed in each direction, in thousandths. */
-static void metric_update_max_speed(auvid_metric_t *m, const auvid_sample_t *sample)
+static void metric_update_max_speed(auvid_partial_set_t *set, const auvid_sample_t *sample)
 {
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
         auvid_real_t speed = AUVID_C(1000.0) * auvid_abs(sample->nu[j]);
-        uint16_t *fastest = &m->rows.set.fastest[j][sample->nu[j] < AUVID_C(0.0)];
+        uint16_t *fastest = &set->fastest[j][sample->nu[j] < AUVID_C(0.0)];
         if ((sample->missing >> j & 1) == 0 && speed > (auvid_real_t)*fastest) {
             *fastest = (uint16_t)auvid_min(speed, (auvid_real_t)UINT16_MAX);
         }
@@ -56,12 +55,12 @@ auvid_status_t auvid_metric_add(auvid_metric_t *metric, const auvid_sample_t *sa
         !auvid_all_finite(sample->command, AUVID_MAX_COMMANDS)) {
         return AUVID_ERR_NOT_FINITE;
     }
-    m->sets.full = m->sets.full || (m->sets.held && sample->t_us > m->sets.until_us);
-    if (!m->sets.full && sample->t_us >= m->sets.resume_us) {
-        metric_update_max_speed(m, sample);
+    if (auvid_metric_takes_cell(m, sample->t_us)) {
+        metric_update_max_speed(&m->rows.set, sample);
     }
-    memcpy(m->rows.past_tau[m->rows.cells % METRIC_PAST], sample->tau, sizeof sample->tau);
-    memcpy(m->rows.past_tau[m->rows.cells % METRIC_PAST] + AUVID_DOF_COUNT, sample->command,
+    auvid_real_t *inputs = m->rows.past_tau[m->rows.cells % METRIC_PAST];
+    memcpy(inputs, sample->tau, sizeof sample->tau);
+    memcpy(inputs + AUVID_DOF_COUNT, sample->command,
            AUVID_MAX_COMMANDS * sizeof sample->command[0]);
     auvid_status_t status = AUVID_OK;
     int slot = metric_add_to_rows(m, sample);
@@ -76,12 +75,16 @@ auvid_status_t auvid_metric_add(auvid_metric_t *metric, const auvid_sample_t *sa
     return status == AUVID_PENDING ? AUVID_OK : status;
 }
 
+uint32_t auvid_metric_rows_begun(const auvid_metric_t *m)
+{
+    uint32_t cells = METRIC_PAST - 1u + m->layout.taps - 1u; /* before the first row */
+    return (m->rows.cells < cells ? m->rows.cells : cells) / m->cfg.row_cells;
+}
+
 void auvid_metric_gap(auvid_metric_t *metric)
 {
     if (metric != NULL) {
-        uint32_t cells = METRIC_PAST - 1u + metric->layout.taps - 1u; /* before the first row */
-        cells = metric->rows.cells < cells ? metric->rows.cells : cells;
-        auvid_metric_count_lost_rows(metric, cells / metric->cfg.row_cells);
+        auvid_metric_count_lost_rows(&metric->rows.set, auvid_metric_rows_begun(metric));
         metric->rows.cells = 0;
         memset(metric->rows.successive, 0, sizeof metric->rows.successive);
     }

@@ -1,0 +1,166 @@
+/**
+ * @file auvid_metric_evaluator_internal.h
+ * Private: merged R factors, candidates, and passes over the rows of the sets. Only the files of
+ * the evaluator and of the two paths read the members of auvid_metric_evaluator_t.
+ */
+#ifndef AUVID_METRIC_EVALUATOR_INTERNAL_H
+#define AUVID_METRIC_EVALUATOR_INTERNAL_H
+
+#include "../base/auvid_linalg_internal.h"
+#include "auvid_metric_sets_internal.h"
+
+/* ---- the merged sets ---- */
+
+/** DoF j's equation in the merged sets: its R factor [R | Z], and R x = z at its delay. */
+typedef struct {
+    const auvid_real_t *factor;
+    const auvid_real_t *z; /**< [count] */
+    const uint8_t *index;  /**< [count] the parameter of each column */
+    int count;             /**< columns of R */
+    int order;             /**< of the R factor; 0: the DoF is not modelled */
+    int at;                /**< its first channel */
+} auvid_equation_t;
+
+AUVID_INLINE auvid_equation_t auvid_metric_equation(const auvid_metric_t *m, int j)
+{
+    int at = m->layout.channel_at[j];
+    return (auvid_equation_t){.factor = m->evaluator.merged + m->layout.factor_at[j],
+                              .z = m->evaluator.z + at,
+                              .index = m->layout.index + at,
+                              .count = m->layout.count[j],
+                              .order = auvid_metric_order(m, j),
+                              .at = at};
+}
+
+/** Returns row i of the equation's R factor, from its diagonal on. */
+AUVID_INLINE const auvid_real_t *auvid_equation_row(const auvid_equation_t *e, int i)
+{
+    return e->factor + auvid_qr_row(e->order, i);
+}
+
+/** Is DoF j excited in some merged set? */
+static inline bool auvid_metric_is_excited(const auvid_metric_t *m, int j)
+{
+    return (m->result.excited >> j & 1) != 0;
+}
+
+/** Weight of DoF j in the cost, 1 / (tau_max^2 rows). */
+static inline auvid_real_t auvid_metric_weight(const auvid_metric_t *m, int j)
+{
+    return m->evaluator.weight[j];
+}
+
+/** Weight of one band of DoF j: the inverse of its residual. */
+static inline auvid_real_t auvid_metric_band_weight(const auvid_metric_t *m, int band, int j)
+{
+    return m->evaluator.band_weight[band][j];
+}
+
+/** Sum of squares of one band's residuals, DoF j, at the last measurement. */
+static inline auvid_real_t auvid_metric_band_squares(const auvid_metric_t *m, int band, int j)
+{
+    return m->evaluator.band_sse[band][j];
+}
+
+/** Number of sets with an excited DoF at the last merge. */
+static inline uint8_t auvid_metric_sets_merged(const auvid_metric_t *m)
+{
+    return m->evaluator.sets_merged;
+}
+
+/** Row i < count of DoF j in the regressor path's cost, which is ||R pi - z||^2 over all rows
+ * of excited DoF. The row has the columns of the n parameters of `active`, then z less what the
+ * other parameters explain. row[] has n + 1 entries, at least as many as the model has parameters.
+ * @return false: the DoF has no such row */
+bool auvid_metric_joint_row(const auvid_metric_t *m, int j, int i, uint32_t active,
+                            const auvid_real_t *pi, auvid_real_t *row);
+
+/* ---- delays, in units of the spacing of those at which the wrench is stored ---- */
+
+/** DoF j's delay in use; *lag: is it that of a first-order lag? */
+static inline auvid_real_t auvid_metric_delay(const auvid_metric_t *m, int j, bool *lag)
+{
+    *lag = (m->result.first_order_lag >> j & 1) != 0;
+    return m->result.delay_s[j] / auvid_metric_node_s(m);
+}
+
+/** Weights of the wrench at those delays for a delay, or a first-order lag, s. */
+void auvid_metric_delay_weights(auvid_real_t s, bool lag, auvid_real_t l[AUVID_METRIC_DELAYS]);
+
+/** Derivatives of those weights by s. */
+void auvid_metric_delay_slopes(auvid_real_t s, bool lag, auvid_real_t l[AUVID_METRIC_DELAYS]);
+
+/** Returns the squared wrench of DoF j that no pi explains at its delay in use. */
+auvid_real_t auvid_metric_unexplained(const auvid_metric_t *m, int j);
+
+/** Clear the rows of DoF j whose pivot is only rounding and rotate them in at the next column. */
+void auvid_metric_clear_dependent(auvid_metric_t *m, int j);
+
+/* ---- passes over the rows of the sets ---- */
+
+/** Cost of rotating a row into an R factor [units of work]. */
+enum { AUVID_METRIC_ROTATION = 4 };
+
+/** Purpose of a pass over the rows of all sets. */
+enum { PASS_FIRST, PASS_RESIDUAL, PASS_LAST, PASS_PRIOR, PASS_COST, PASS_MEASURE, PASS_LINEAR };
+
+static inline int auvid_metric_pass(const auvid_metric_t *m)
+{
+    return m->evaluator.at.pass;
+}
+
+/** Spend one unit of a step that costs `price`. @return true if all of them are spent: do it */
+static inline bool auvid_metric_spend(auvid_metric_cursor_t *at, uint32_t *budget, uint16_t price)
+{
+    --*budget;
+    at->spent = (uint16_t)(at->spent + 1u < price ? at->spent + 1u : 0u);
+    return at->spent == 0;
+}
+
+/** Begin a pass over the rows of all sets. */
+void auvid_metric_restart_pass(auvid_metric_t *m, uint8_t pass);
+
+/** Continue the pass begun by auvid_metric_restart_pass. @return true if it is complete */
+bool auvid_metric_for_each_row(auvid_metric_t *m, uint32_t *budget);
+
+/** Rotate row i of one band of a set's R factor, weighted, into DoF j's merged one. */
+void auvid_metric_rotate(auvid_metric_t *m, const auvid_set_t *set, int band, int j, int i);
+
+/** After a pass: compute the delay, z and the least-squares candidate of DoF j, and add to
+ * `constant`. */
+void auvid_metric_solve_dof(auvid_metric_t *m, int j);
+
+/** Continue the passes of a merge from the present one on. @return true if they are complete */
+bool auvid_metric_merge_sets(auvid_metric_t *m, uint32_t *budget);
+
+/* ---- the residual path ---- */
+
+/** Spend units on a call of the model's residual. @return true if all are spent: call it */
+static inline bool auvid_metric_spend_model(auvid_metric_t *m, uint32_t *budget)
+{
+    uint16_t work = m->cfg.vehicle->work;
+    bool due = false;
+    while (!due && *budget > 0) {
+        due = auvid_metric_spend(&m->evaluator.at, budget, work);
+    }
+    return due;
+}
+
+/** Returns the stored sample with wrench and commands at the candidate's delay. */
+auvid_sample_t auvid_metric_delayed_sample(const auvid_metric_t *m, const auvid_row_t *row);
+
+/** Returns true if a row at `later_us` is the next after one at `earlier_us`, to half a cell. */
+static inline bool auvid_metric_succeeds(const auvid_metric_t *m, uint64_t earlier_us,
+                                         uint64_t later_us)
+{
+    uint64_t row_us = (uint64_t)m->cfg.cell_us * m->cfg.row_cells;
+    return later_us - earlier_us + m->cfg.cell_us / 2 - row_us <= m->cfg.cell_us;
+}
+
+/** Check a prior against the metric's model. Returns the statuses of auvid_metric_set_prior. */
+auvid_status_t auvid_metric_check_prior(const auvid_metric_t *metric, const auvid_prior_t *prior);
+
+/** The linearise of the residual path. */
+auvid_status_t auvid_metric_linearise_sets(auvid_metric_t *m, uint32_t *budget);
+
+#endif
