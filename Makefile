@@ -88,8 +88,7 @@ WAY_sanitized := -O1 -g -fno-omit-frame-pointer \
 WAY_bench := -O2 -DAUVID_MAX_POPULATION=130
 # The program's sizes, and those of the tests of models that the default sizes have no room for:
 # everything of the 6-DoF model free.
-WIDE := -DAUVID_MAX_PARAMETERS=32 -DAUVID_MAX_POPULATION=128 -DAUVID_MAX_FACTOR=1024 \
-    -DAUVID_MAX_COLUMNS=160
+WIDE := -DAUVID_MAX_PARAMETERS=32
 WAY_wide := $(WAY_release) $(WIDE)
 WAY_wide_double := $(WAY_double) $(WIDE)
 WAY_wide_sanitized := $(WAY_sanitized) $(WIDE)

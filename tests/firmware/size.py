@@ -261,9 +261,7 @@ def main():
     for config, board, more in (
         ("default", "m4f", ()), ("m3_20k", "m3_20k", ()),
         ("regressors", "m4f", ("-DAUVID_MAX_COMMANDS=0", "-DAUVID_MAX_POPULATION=52")),
-        ("thirteen", "m4f", ("-DAUVID_MAX_COMMANDS=0", "-DAUVID_MAX_POPULATION=52",
-                             "-DAUVID_MAX_PARAMETERS=13", "-DAUVID_MAX_FACTOR=171",
-                             "-DAUVID_MAX_COLUMNS=35"))
+        ("thirteen", "m4f", ("-DAUVID_MAX_COMMANDS=0", "-DAUVID_MAX_PARAMETERS=13"))
     ):
         for name, size in structs(board, more).items():
             figures[f"sizeof/{config}/{name}"] = size

@@ -84,8 +84,7 @@ refused 'auvid_checkpoint_row_t.table' identifier/auvid_checkpoint_locate.c \
 more='s/#if AUVID_MAX_PARAMETERS < 1 .*/#undef AUVID_MAX_PARAMETERS\
 #define AUVID_MAX_PARAMETERS 33\
 #if 0/'
-DEFINES='-DAUVID_MAX_PARAMETERS=32 -DAUVID_MAX_POPULATION=128 -DAUVID_MAX_FACTOR=1024
-    -DAUVID_MAX_COLUMNS=160'
+DEFINES=-DAUVID_MAX_PARAMETERS=32
 refused 'the record has room' identifier/auvid_prior.c "$more" $public/config.h
 refused 'estimate.index' can/auvid_node_report.c "$more" $public/config.h
 exit "$broken"

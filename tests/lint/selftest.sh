@@ -113,9 +113,13 @@ link_name() { # RULE DEFINE: a function of a struct that AUVID_MAX_X is in, rena
     text "$1" lib/include/auvid/nav.h 'typedef struct {' '    auvid_real_t x[1 + AUVID_MAX_X];' \
         '} auvid_x_t;' "$2" 'void auvid_x_take(const auvid_x_t *x);'
 }
-link_name '' '#define auvid_x_take AUVID_SIZED1(auvid_x_take, AUVID_MAX_X)'
+link_name '' '#define auvid_x_take AUVID_SIZED(auvid_x_take)'
 link_name 'link name' '#define auvid_x_take AUVID_SIZED0(auvid_x_take)'
 link_name 'link name' ''
+text 'link name' lib/include/auvid/config.h '#define AUVID_VERSION_MAJOR 1' \
+    '#define AUVID_VERSION_MINOR 2' '#define AUVID_VERSION_PATCH 3' \
+    '#define AUVID_VERSION_STRING "1.2.3"' '#ifndef AUVID_MAX_X' '#endif' '#ifndef AUVID_MAX_Y' \
+    '#endif' '#define AUVID_SIZED(name) JOIN(name, AUVID_MAX_X)' ''
 text target Makefile '.PHONY: all' 'all:' '	true'
 
 # Compilers: what the object rules leave to the flags of lint.sh.

@@ -225,7 +225,7 @@ def check_targets(makefile):
             yield "target", f"`{target}` has no ## comment"
 
 
-SIZE = re.compile(r"^#ifndef (AUVID_\w+)$", re.M)
+SIZE = re.compile(r"^#ifndef (AUVID_MAX_\w+)$", re.M)
 
 
 def dependencies(headers):
@@ -250,9 +250,12 @@ def dependencies(headers):
 
 
 def check_link_names(headers):
-    """Functions and variables of types that depend on config.h: which lack a size in their name?"""
+    """Functions and variables of types that depend on config.h: which lack sizes in their name?"""
     types = dependencies(headers)
-    every = re.findall(r"define AUVID_SIZED\(name\)(.*?)\n\n", headers["config.h"], re.S)
+    named = re.findall(r"define AUVID_SIZED\(name\)(.*?)\n\n", headers["config.h"], re.S)
+    sizes = set(re.findall(r"AUVID_\w+", " ".join(named).replace("AUVID_TOKEN_", "AUVID_MAX_")))
+    for size in sorted(set(SIZE.findall(headers["config.h"])) - sizes if named else ()):
+        yield "link name", f"AUVID_SIZED lacks {size}"
     for text in headers.values():
         code = without_comments(text)
         sized = re.compile(r"^#define (auvid_\w+)\s+\\?\s*(AUVID_SIZED.*\))$", re.M)
@@ -260,9 +263,8 @@ def check_link_names(headers):
         for declaration, name in re.findall(
                 r"^(?!typedef|static)([a-z][^;{}#]*?\b(auvid_\w+)(?:[(\[][^;{}]*)?;)", code, re.M):
             macro = macros.get(name, "")
-            has = set(re.findall(r"\w+", every[0] if "AUVID_SIZED(" in macro else macro))
             needs = set().union(*(types.get(word, ()) for word in re.findall(r"\w+", declaration)))
-            if needs - {"auvid_real_t"} - has or (needs and not macro):
+            if needs and not macro or needs - {"auvid_real_t"} and "AUVID_SIZED(" not in macro:
                 yield "link name", f"{name} depends on {', '.join(sorted(needs))}"
 
 

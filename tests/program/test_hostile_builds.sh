@@ -38,7 +38,9 @@ done < <(grep '^#error' $config |
     sed -nE 's/.*auvid: (AUVID_[A-Z_]*) must be ([0-9]+)\.\.([0-9]+)"/\1 \2 \3/p')
 stops 'AUVID_MAX_COLUMNS must be at least' gcc -DAUVID_MAX_COLUMNS=40
 report "too few columns for the commands are refused"
-tested=$((tested + 2)) # with -ffast-math below
+stops 'AUVID_MAX_POPULATION must be at least' gcc -DAUVID_MAX_POPULATION=17
+report "a population too small for the parameters is refused"
+tested=$((tested + 3)) # with -ffast-math below
 [ "$(grep -c '#error' $config)" = $tested ]
 report "all $tested sentences of config.h are tested here"
 

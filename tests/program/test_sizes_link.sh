@@ -143,17 +143,13 @@ for file in init.c step.c defaults.c model.c model.cpp step.cpp; do
     done
 done
 
-# The sizes that the identifier depends on: those in the AUVID_SIZED macro, each increased by one
-# (commands decreased, because more of them need more columns).
+# The sizes that the identifier depends on: those in the AUVID_SIZED macro, each increased by one.
 sizes=$(sed -n '/define AUVID_SIZED(name)/,/^$/p' "$config" |
-    grep -oE 'AUVID_MAX_[A-Z_]*')
+    grep -oE 'AUVID_(MAX|TOKEN)_[A-Z_]*' | sed 's/TOKEN/MAX/')
 for file in step.c model.c; do
     for size in $sizes; do
-        value=$(awk -v size="$size" '$1 == "#define" && $2 == size { value = $3 }
-            END { print value }' $config)
-        step=1
-        [ "$size" != AUVID_MAX_COMMANDS ] || step=-1
-        refused archive $file "-D$size=$((value + step))"
+        value=$(echo "$size" | gcc -E -P -Ilib/include -include auvid/config.h -)
+        refused archive $file "-D$size=$((value + 1))"
         report "$file: $size differs: does not link"
     done
     refused archive $file -DAUVID_REAL_DOUBLE

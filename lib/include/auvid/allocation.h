@@ -82,18 +82,17 @@ typedef struct {
                               factor, or is not actuated; -1: it fits, or `hold` alone does not */
 } auvid_allocation_fit_t;
 
-#define auvid_allocation_init AUVID_SIZED1(auvid_allocation_init, AUVID_MAX_THRUSTERS)
+#define auvid_allocation_init AUVID_SIZED(auvid_allocation_init)
 
 #if AUVID_MAX_THRUSTERS >= 5
-#define auvid_allocation_girona500 AUVID_SIZED1(auvid_allocation_girona500, AUVID_MAX_THRUSTERS)
+#define auvid_allocation_girona500 AUVID_SIZED(auvid_allocation_girona500)
 /** Girona500's five thrusters: X = -(f0 + f1), Y = f4, Z = -(f2 + f3), M = 0.35 (f3 - f2),
  * N = 0.4 (f1 - f0); +-153.8 N; f = 153.8 n |n|, n = -1..1. Yaw has priority. */
 extern const auvid_allocation_config_t auvid_allocation_girona500;
 #endif
 
 #if AUVID_MAX_THRUSTERS >= 8
-#define auvid_allocation_bluerov2_heavy                                                            \
-    AUVID_SIZED1(auvid_allocation_bluerov2_heavy, AUVID_MAX_THRUSTERS)
+#define auvid_allocation_bluerov2_heavy AUVID_SIZED(auvid_allocation_bluerov2_heavy)
 /** BlueROV2 Heavy's eight T200 thrusters, after von Benzon et al. 2022 (fossen.h). Four are at
  * (+-0.156, +-0.111, 0.085) m and 45 degrees to x; the front ones push ahead and inwards, the rear
  * ones astern and inwards. Four are at (+-0.120, +-0.218, 0) m and push up, down, down, up. Order
@@ -103,7 +102,7 @@ extern const auvid_allocation_config_t auvid_allocation_girona500;
 extern const auvid_allocation_config_t auvid_allocation_bluerov2_heavy;
 #endif
 
-#define auvid_allocation_defaults AUVID_SIZED1(auvid_allocation_defaults, AUVID_MAX_THRUSTERS)
+#define auvid_allocation_defaults AUVID_SIZED(auvid_allocation_defaults)
 /** Fill *cfg with the defaults: no thruster, all forward gains 1, linear, priority of yaw.
  * @param cfg written whole; NULL is a no-op. */
 void auvid_allocation_defaults(auvid_allocation_config_t *cfg);
@@ -117,7 +116,7 @@ void auvid_allocation_defaults(auvid_allocation_config_t *cfg);
  */
 auvid_status_t auvid_allocation_init(auvid_allocation_t *a, const auvid_allocation_config_t *cfg);
 
-#define auvid_allocation_solve AUVID_SIZED1(auvid_allocation_solve, AUVID_MAX_THRUSTERS)
+#define auvid_allocation_solve AUVID_SIZED(auvid_allocation_solve)
 /**
  * Distribute a wrench over the thrusters.
  * @param wrench 6: requested wrench [N, Nm], |.| <= 1e9. A component in a DoF that is not in
@@ -130,7 +129,7 @@ auvid_status_t auvid_allocation_solve(const auvid_allocation_t *a,
                                       const auvid_real_t wrench[AUVID_DOF_COUNT],
                                       auvid_allocation_result_t *result);
 
-#define auvid_allocation_wrench AUVID_SIZED1(auvid_allocation_wrench, AUVID_MAX_THRUSTERS)
+#define auvid_allocation_wrench AUVID_SIZED(auvid_allocation_wrench)
 /**
  * Compute the wrench of given thruster forces, tau = T f.
  * @param force_N one per thruster [N]; may exceed the limits (measured forces).
@@ -140,7 +139,7 @@ auvid_status_t auvid_allocation_solve(const auvid_allocation_t *a,
 auvid_status_t auvid_allocation_wrench(const auvid_allocation_t *a, const auvid_real_t *force_N,
                                        auvid_real_t wrench[AUVID_DOF_COUNT]);
 
-#define auvid_allocation_command AUVID_SIZED1(auvid_allocation_command, AUVID_MAX_THRUSTERS)
+#define auvid_allocation_command AUVID_SIZED(auvid_allocation_command)
 /**
  * Compute the commands of the thrusters for given forces, the inverse of auvid_allocation_force.
  * @param force_N one per thruster [N].
@@ -150,7 +149,7 @@ auvid_status_t auvid_allocation_wrench(const auvid_allocation_t *a, const auvid_
 auvid_status_t auvid_allocation_command(const auvid_allocation_t *a, const auvid_real_t *force_N,
                                         auvid_real_t *command);
 
-#define auvid_allocation_force AUVID_SIZED1(auvid_allocation_force, AUVID_MAX_THRUSTERS)
+#define auvid_allocation_force AUVID_SIZED(auvid_allocation_force)
 /**
  * Compute the forces of the thrusters for given commands, by the law of each; limits are not
  * applied.
@@ -162,7 +161,7 @@ auvid_status_t auvid_allocation_command(const auvid_allocation_t *a, const auvid
 auvid_status_t auvid_allocation_force(const auvid_allocation_t *a, const auvid_real_t *command,
                                       auvid_real_t *force_N);
 
-#define auvid_allocation_capacity AUVID_SIZED1(auvid_allocation_capacity, AUVID_MAX_THRUSTERS)
+#define auvid_allocation_capacity AUVID_SIZED(auvid_allocation_capacity)
 /**
  * Compute the largest wrench in a single DoF within the limits of the thrusters.
  * @param dof      0..5.
@@ -174,7 +173,7 @@ auvid_status_t auvid_allocation_force(const auvid_allocation_t *a, const auvid_r
 auvid_status_t auvid_allocation_capacity(const auvid_allocation_t *a, auvid_dof_t dof,
                                          auvid_real_t *negative, auvid_real_t *positive);
 
-#define auvid_allocation_check AUVID_SIZED1(auvid_allocation_check, AUVID_MAX_THRUSTERS)
+#define auvid_allocation_check AUVID_SIZED(auvid_allocation_check)
 /**
  * Check that the thrusters can produce an excitation in all DoFs at the same time, with every
  * combination of signs, in addition to a constant wrench. For each thruster i,

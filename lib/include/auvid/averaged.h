@@ -43,7 +43,7 @@ typedef struct {
     auvid_real_t spread_s[2];     /* s of velocities and of angular rates [s] */
 } auvid_averaged_t;
 
-#define auvid_averaged_init AUVID_SIZED1(auvid_averaged_init, AUVID_MAX_PARAMETERS)
+#define auvid_averaged_init AUVID_SIZED(auvid_averaged_init)
 /** Makes a->vehicle, the averaged version of a model.
  * @param a out; unchanged if refused
  * @param vehicle the model to wrap, with regressor; must outlive *a; must not be &a->vehicle

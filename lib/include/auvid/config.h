@@ -11,6 +11,9 @@
  * which AUVID_BUILD points (vehicle.h).
  *
  * Values must be plain decimal integers (no parentheses, no arithmetic): they become part of names.
+ *
+ * Most programs set AUVID_MAX_PARAMETERS to the number of parameters of their model, and nothing
+ * else. AUVID_MAX_SETS, _COMMANDS and _POPULATION are for boards with little memory.
  */
 #ifndef AUVID_CONFIG_H
 #define AUVID_CONFIG_H
@@ -31,15 +34,9 @@
 /* AUVID_REAL_DOUBLE, when defined, makes auvid_real_t double instead of float (types.h). */
 
 /** Largest number of parameters of a vehicle model. Girona500 has 17: 13 of Eq. 12-15 and 4 biases.
- * 1..32. */
+ * BlueROV2 Heavy has 22. 1..32. */
 #ifndef AUVID_MAX_PARAMETERS
 #define AUVID_MAX_PARAMETERS 17
-#endif
-
-/** Largest population m of the controlled random search (m >= n + 1; the optimizer's default is
- * 4 n). 2..1024. */
-#ifndef AUVID_MAX_POPULATION
-#define AUVID_MAX_POPULATION 68
 #endif
 
 /** Largest number of data sets in the ring of the metric. 1..64. */
@@ -52,39 +49,10 @@
 #define AUVID_MAX_THRUSTERS 8
 #endif
 
-/** Number of thruster commands that are recorded with the wrench. Only models on the residual path
- * use them (vehicle.h). 0: no memory for that path. 0..16. */
-#ifndef AUVID_MAX_COMMANDS
-#define AUVID_MAX_COMMANDS 8
-#endif
-
-/** Numbers in one data set's R factors, all degrees of freedom together. A degree of freedom whose
- * equation has c parameters needs (c + 3)(c + 4) / 2. Girona500 with biases needs 210. 10..8192. */
-#ifndef AUVID_MAX_FACTOR
-#define AUVID_MAX_FACTOR 210
-#endif
-
-/** Columns of all equations together: the sum of c + 3 over the degrees of freedom (three columns
- * are for the wrench). Girona500 with biases needs 39. A model on the residual path needs 33 plus
- * three for each command. Range: 33 + 3 AUVID_MAX_COMMANDS..512, or 10..512 with
- * AUVID_MAX_COMMANDS 0. */
-#ifndef AUVID_MAX_COLUMNS
-#if AUVID_MAX_COMMANDS == 0
-#define AUVID_MAX_COLUMNS 39
-#else
-#define AUVID_MAX_COLUMNS 57
-#endif
-#endif
-
-/** Largest number of taps, in cells of the recorder, of the filter for rows and wrench. 3..255. */
+/** Largest number of taps, in cells of the recorder, of the filter for rows and wrench. The default
+ * half-width of 10 needs 43. 3..255. */
 #ifndef AUVID_MAX_TAPS
-#define AUVID_MAX_TAPS 51
-#endif
-
-/** Largest number of overlapping rows: the filter's taps divided by the cells between two rows,
- * rounded up. 1..64. */
-#ifndef AUVID_MAX_OVERLAP
-#define AUVID_MAX_OVERLAP 9
+#define AUVID_MAX_TAPS 43
 #endif
 
 /** Largest half-width of the stand-alone smoother, in samples. 1..127. */
@@ -102,11 +70,84 @@
 #define AUVID_MAX_SEGMENTS 16
 #endif
 
+/** Number of thruster commands that are recorded with the wrench; default one for each thruster.
+ * Only models on the residual path use them (vehicle.h). 0: no memory for that path. 0..16. */
+#ifndef AUVID_MAX_COMMANDS
+#define AUVID_MAX_COMMANDS AUVID_MAX_THRUSTERS
+#endif
+
+/* The following sizes are derived from those above. Define one only to save memory, or for a model
+ * that needs more. AUVID_TOKEN_x is the part of link-time names. */
+
+/** Largest population m of the controlled random search (m >= n + 1); default 4 n, which is also
+ * the optimizer's. 2..1024. */
+#ifndef AUVID_MAX_POPULATION
+#define AUVID_MAX_POPULATION (4 * AUVID_MAX_PARAMETERS)
+#define AUVID_TOKEN_POPULATION derived
+#else
+#define AUVID_TOKEN_POPULATION AUVID_MAX_POPULATION
+#endif
+
+/** Numbers in one data set's R factors, all degrees of freedom together. A degree of freedom whose
+ * equation has c free parameters needs (c + 3)(c + 4) / 2. The default has room for the models of
+ * auvid with so many parameters, all free: Girona500 (from 13 on; from 17 on with biases) or Fossen
+ * (from 22 on), and a wrapper's additional parameters in each of their equations. 10..8192. */
+#ifndef AUVID_MAX_FACTOR
+#if AUVID_MAX_PARAMETERS >= 22
+#define AUVID_MAX_FACTOR (3 * (AUVID_MAX_PARAMETERS * (AUVID_MAX_PARAMETERS - 22) + 123))
+#elif AUVID_MAX_PARAMETERS >= 17
+#define AUVID_MAX_FACTOR ((AUVID_MAX_PARAMETERS - 7) * (2 * AUVID_MAX_PARAMETERS - 13))
+#elif AUVID_MAX_PARAMETERS >= 13
+#define AUVID_MAX_FACTOR ((AUVID_MAX_PARAMETERS - 4) * (2 * AUVID_MAX_PARAMETERS - 7))
+#else
+#define AUVID_MAX_FACTOR 171
+#endif
+#define AUVID_TOKEN_FACTOR derived
+#else
+#define AUVID_TOKEN_FACTOR AUVID_MAX_FACTOR
+#endif
+
+/** Columns of all equations together: the sum of c + 3 over the degrees of freedom (three columns
+ * are for the wrench). The default is as that of AUVID_MAX_FACTOR. A model on the residual path
+ * needs 33 and three for each command. Range: 33 + 3 AUVID_MAX_COMMANDS..512, or 10..512 with
+ * AUVID_MAX_COMMANDS 0. */
+#ifndef AUVID_MAX_COLUMNS
+#if AUVID_MAX_PARAMETERS >= 22
+#define AUVID_EQUATION_COLUMNS (6 * AUVID_MAX_PARAMETERS - 69)
+#elif AUVID_MAX_PARAMETERS >= 17
+#define AUVID_EQUATION_COLUMNS (4 * AUVID_MAX_PARAMETERS - 29)
+#elif AUVID_MAX_PARAMETERS >= 13
+#define AUVID_EQUATION_COLUMNS (4 * AUVID_MAX_PARAMETERS - 17)
+#else
+#define AUVID_EQUATION_COLUMNS 35
+#endif
+#if AUVID_MAX_COMMANDS > 0 && 33 + 3 * AUVID_MAX_COMMANDS > AUVID_EQUATION_COLUMNS
+#define AUVID_MAX_COLUMNS (33 + 3 * AUVID_MAX_COMMANDS)
+#else
+#define AUVID_MAX_COLUMNS AUVID_EQUATION_COLUMNS
+#endif
+#define AUVID_TOKEN_COLUMNS derived
+#else
+#define AUVID_TOKEN_COLUMNS AUVID_MAX_COLUMNS
+#endif
+
+/** Largest number of overlapping rows: the filter's taps divided by the cells between two rows,
+ * rounded up; default for five cells. 1..64. */
+#ifndef AUVID_MAX_OVERLAP
+#define AUVID_MAX_OVERLAP ((AUVID_MAX_TAPS + 4) / 5)
+#define AUVID_TOKEN_OVERLAP derived
+#else
+#define AUVID_TOKEN_OVERLAP AUVID_MAX_OVERLAP
+#endif
+
 #if AUVID_MAX_PARAMETERS < 1 || AUVID_MAX_PARAMETERS > 32
 #error "auvid: AUVID_MAX_PARAMETERS must be 1..32"
 #endif
 #if AUVID_MAX_POPULATION < 2 || AUVID_MAX_POPULATION > 1024
 #error "auvid: AUVID_MAX_POPULATION must be 2..1024"
+#endif
+#if AUVID_MAX_POPULATION < AUVID_MAX_PARAMETERS + 1
+#error "auvid: AUVID_MAX_POPULATION must be at least AUVID_MAX_PARAMETERS + 1"
 #endif
 #if AUVID_MAX_SETS < 1 || AUVID_MAX_SETS > 64
 #error "auvid: AUVID_MAX_SETS must be 1..64"
@@ -145,30 +186,23 @@
 /** Length of arrays of commands, which must not be empty. */
 #define AUVID_COMMAND_SLOTS (AUVID_MAX_COMMANDS > 0 ? AUVID_MAX_COMMANDS : 1)
 
-/* The link-time name of a function contains the sizes on which its arguments depend.
- * tests/lint/sources.py reports a function whose name lacks one. AUVID_SIZED1(f, A) becomes f_f32_A
- * or f_f64_A, and so on. */
+/* The link-time name of a function contains the arithmetic and, if its arguments depend on them,
+ * the sizes; tests/lint/sources.py reports a function whose name lacks them. A derived size is in
+ * the name only where it is defined explicitly; otherwise it follows from the others. */
 #ifdef AUVID_REAL_DOUBLE
 #define AUVID_SIZED0(name) name##_f64
-#define AUVID_SIZED1_(name, a) name##_f64_##a
-#define AUVID_SIZED2_(name, a, b) name##_f64_##a##_##b
-#define AUVID_SIZED11_(name, a, b, c, d, e, f, g, h, i, j, k)                                      \
-    name##_f64_##a##_##b##_##c##_##d##_##e##_##f##_##g##_##h##_##i##_##j##_##k
 #else
+/** f becomes f_f32 or f_f64. */
 #define AUVID_SIZED0(name) name##_f32
-#define AUVID_SIZED1_(name, a) name##_f32_##a
-#define AUVID_SIZED2_(name, a, b) name##_f32_##a##_##b
-#define AUVID_SIZED11_(name, a, b, c, d, e, f, g, h, i, j, k)                                      \
-    name##_f32_##a##_##b##_##c##_##d##_##e##_##f##_##g##_##h##_##i##_##j##_##k
 #endif
-#define AUVID_SIZED1(name, a) AUVID_SIZED1_(name, a)
-#define AUVID_SIZED2(name, a, b) AUVID_SIZED2_(name, a, b)
-#define AUVID_SIZED_ALL11(name, a, b, c, d, e, f, g, h, i, j, k)                                   \
-    AUVID_SIZED11_(name, a, b, c, d, e, f, g, h, i, j, k)
-/** A name with all sizes, for structs that contain several modules. */
+#define AUVID_JOIN_(name, a, b, c, d, e, f, g, h, i, j, k, l)                                      \
+    name##_##a##_##b##_##c##_##d##_##e##_##f##_##g##_##h##_##i##_##j##_##k##_##l
+#define AUVID_JOIN(...) AUVID_JOIN_(__VA_ARGS__)
+/** The same with all sizes. */
 #define AUVID_SIZED(name)                                                                          \
-    AUVID_SIZED_ALL11(name, AUVID_MAX_PARAMETERS, AUVID_MAX_POPULATION, AUVID_MAX_SETS,            \
-                      AUVID_MAX_THRUSTERS, AUVID_MAX_FACTOR, AUVID_MAX_COLUMNS, AUVID_MAX_TAPS,    \
-                      AUVID_MAX_OVERLAP, AUVID_MAX_SEGMENTS, AUVID_MAX_SINES, AUVID_MAX_COMMANDS)
+    AUVID_JOIN(AUVID_SIZED0(name), AUVID_MAX_PARAMETERS, AUVID_MAX_SETS, AUVID_MAX_THRUSTERS,      \
+               AUVID_MAX_TAPS, AUVID_MAX_HALF_WIDTH, AUVID_MAX_SINES, AUVID_MAX_SEGMENTS,          \
+               AUVID_MAX_COMMANDS, AUVID_TOKEN_POPULATION, AUVID_TOKEN_FACTOR,                     \
+               AUVID_TOKEN_COLUMNS, AUVID_TOKEN_OVERLAP)
 
 #endif

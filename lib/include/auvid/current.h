@@ -62,7 +62,7 @@ typedef struct {
     auvid_parameter_t parameter[AUVID_MAX_PARAMETERS]; /**< parameters of `vehicle` */
 } auvid_current_t;
 
-#define auvid_current_init AUVID_SIZED1(auvid_current_init, AUVID_MAX_PARAMETERS)
+#define auvid_current_init AUVID_SIZED(auvid_current_init)
 /**
  * Makes the model of a hull in a current.
  * @param current out, completely written; unchanged if refused
@@ -74,7 +74,7 @@ typedef struct {
  */
 auvid_status_t auvid_current_init(auvid_current_t *current, const auvid_vehicle_t *hull, bool down);
 
-#define auvid_current_bounds AUVID_SIZED1(auvid_current_bounds, AUVID_MAX_PARAMETERS)
+#define auvid_current_bounds AUVID_SIZED(auvid_current_bounds)
 /**
  * Sets search bounds for the current and for the signs of the hull's parameters. Without the sign
  * bounds there is a second, worse optimum: drags that accelerate the vehicle, in a current opposite

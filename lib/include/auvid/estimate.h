@@ -219,7 +219,7 @@ auvid_status_t auvid_estimate_drag(const auvid_estimate_t *estimate, const auvid
  * the partner: auvid_confidence_note does. */
 const char *auvid_note_str(auvid_note_t note);
 
-#define auvid_confidence_note AUVID_SIZED1(auvid_confidence_note, AUVID_MAX_PARAMETERS)
+#define auvid_confidence_note AUVID_SIZED(auvid_confidence_note)
 /** Write the note of parameter i as auvid_note_str does, but with the name of its partner: "only a
  * combination with X_uu". Cost: O(size).
  * @param vehicle the model of the estimate
@@ -233,7 +233,7 @@ auvid_status_t auvid_confidence_note(const auvid_confidence_t *confidence,
 /** Share of rows lost to gaps from which auvid_confidence_missing reports it [%]. */
 #define AUVID_CONFIDENCE_LOST_PERCENT 20
 
-#define auvid_confidence_missing AUVID_SIZED1(auvid_confidence_missing, AUVID_MAX_PARAMETERS)
+#define auvid_confidence_missing AUVID_SIZED(auvid_confidence_missing)
 /** Write one sentence on the motion, or setting, that is missing: "yaw: not excited; apply steps
  * held 4-8 s and sines of 0.1-0.3 Hz". If at least AUVID_CONFIDENCE_LOST_PERCENT of the rows of a
  * DoF were lost to gaps, the last sentence gives the largest share and its DoF. Cost:

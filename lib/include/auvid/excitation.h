@@ -152,17 +152,14 @@ typedef struct {
     bool heaves;                                /**< some segment excites heave */
 } auvid_excitation_t;
 
-#define auvid_excitation_init                                                                      \
-    AUVID_SIZED2(auvid_excitation_init, AUVID_MAX_SEGMENTS, AUVID_MAX_SINES)
+#define auvid_excitation_init AUVID_SIZED(auvid_excitation_init)
 
-#define auvid_excitation_defaults                                                                  \
-    AUVID_SIZED2(auvid_excitation_defaults, AUVID_MAX_SEGMENTS, AUVID_MAX_SINES)
+#define auvid_excitation_defaults AUVID_SIZED(auvid_excitation_defaults)
 /** Fill *cfg with the defaults stated at its fields.
  * @param cfg written whole; NULL is a no-op. */
 void auvid_excitation_defaults(auvid_excitation_config_t *cfg);
 
-#define auvid_excitation_plan                                                                      \
-    AUVID_SIZED2(auvid_excitation_plan, AUVID_MAX_SEGMENTS, AUVID_MAX_SINES)
+#define auvid_excitation_plan AUVID_SIZED(auvid_excitation_plan)
 /**
  * Fill a sequence for identification: sets of set_s seconds, alternating random steps and a sum of
  * sines, independently per DoF, all degrees of freedom at the same time. Steps are held 4-8 s
@@ -186,8 +183,7 @@ auvid_status_t auvid_excitation_plan(auvid_excitation_config_t *cfg,
                                      const auvid_real_t amplitude[AUVID_DOF_COUNT],
                                      auvid_real_t set_s, uint32_t sets, uint64_t seed);
 
-#define auvid_excitation_schedule                                                                  \
-    AUVID_SIZED2(auvid_excitation_schedule, AUVID_MAX_SEGMENTS, AUVID_MAX_SINES)
+#define auvid_excitation_schedule AUVID_SIZED(auvid_excitation_schedule)
 /**
  * Fill a sequence like auvid_excitation_plan, with pauses and optionally one degree of freedom
  * after the other: first the steps of each DoF, then the sines of each DoF.
@@ -214,8 +210,7 @@ auvid_status_t auvid_excitation_schedule(auvid_excitation_config_t *cfg,
  */
 auvid_status_t auvid_excitation_init(auvid_excitation_t *e, const auvid_excitation_config_t *cfg);
 
-#define auvid_excitation_start                                                                     \
-    AUVID_SIZED2(auvid_excitation_start, AUVID_MAX_SEGMENTS, AUVID_MAX_SINES)
+#define auvid_excitation_start AUVID_SIZED(auvid_excitation_start)
 /**
  * Start the run with its first segment and the random choices of the seed. A run in progress is
  * restarted without a fade-out.
@@ -224,8 +219,7 @@ auvid_status_t auvid_excitation_init(auvid_excitation_t *e, const auvid_excitati
  */
 auvid_status_t auvid_excitation_start(auvid_excitation_t *e, uint64_t t_us);
 
-#define auvid_excitation_stop                                                                      \
-    AUVID_SIZED2(auvid_excitation_stop, AUVID_MAX_SEGMENTS, AUVID_MAX_SINES)
+#define auvid_excitation_stop AUVID_SIZED(auvid_excitation_stop)
 /**
  * Fade out over fade_s, then end the run. A no-op if idle or already stopping.
  * @param t_us start of the fade [us].
@@ -234,8 +228,7 @@ auvid_status_t auvid_excitation_start(auvid_excitation_t *e, uint64_t t_us);
  */
 auvid_status_t auvid_excitation_stop(auvid_excitation_t *e, uint64_t t_us);
 
-#define auvid_excitation_step                                                                      \
-    AUVID_SIZED2(auvid_excitation_step, AUVID_MAX_SEGMENTS, AUVID_MAX_SINES)
+#define auvid_excitation_step AUVID_SIZED(auvid_excitation_step)
 /**
  * Compute the wrench at t_us.
  * @param t_us   time [us], not before the last call's. The same time and displacement give the same
@@ -249,8 +242,7 @@ auvid_status_t auvid_excitation_stop(auvid_excitation_t *e, uint64_t t_us);
 auvid_status_t auvid_excitation_step(auvid_excitation_t *e, uint64_t t_us,
                                      auvid_real_t wrench[AUVID_DOF_COUNT]);
 
-#define auvid_excitation_set_displacement                                                          \
-    AUVID_SIZED2(auvid_excitation_set_displacement, AUVID_MAX_SEGMENTS, AUVID_MAX_SINES)
+#define auvid_excitation_set_displacement AUVID_SIZED(auvid_excitation_set_displacement)
 /**
  * Set the displacement for the next steps; it applies until it is set again.
  * @param displacement 6: surge, sway, heave: displacement since the start of the run, in current
@@ -261,14 +253,12 @@ auvid_status_t auvid_excitation_step(auvid_excitation_t *e, uint64_t t_us,
 auvid_status_t auvid_excitation_set_displacement(auvid_excitation_t *e,
                                                  const auvid_real_t displacement[AUVID_DOF_COUNT]);
 
-#define auvid_excitation_progress                                                                  \
-    AUVID_SIZED2(auvid_excitation_progress, AUVID_MAX_SEGMENTS, AUVID_MAX_SINES)
+#define auvid_excitation_progress AUVID_SIZED(auvid_excitation_progress)
 /** Return the completed fraction of the run at the last step, 0..1: 0 before the first start, 1
  * when finished. NULL gives 0. */
 auvid_real_t auvid_excitation_progress(const auvid_excitation_t *e);
 
-#define auvid_excitation_peak                                                                      \
-    AUVID_SIZED2(auvid_excitation_peak, AUVID_MAX_SEGMENTS, AUVID_MAX_SINES)
+#define auvid_excitation_peak AUVID_SIZED(auvid_excitation_peak)
 /**
  * Compute the largest |wrench| per DoF that the sequence can reach.
  * @param peak 6, written [N, Nm], >= 0.

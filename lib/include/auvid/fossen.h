@@ -20,9 +20,9 @@
  * The model exists if AUVID_MAX_PARAMETERS is at least 22. From 26 on it has the couplings of
  * forces and moments in M, from 32 on a constant force or moment in each degree of freedom. Models
  * that wrap it add parameters of their own: current.h 2 or 3, thrusters.h 4 for each group. The
- * sizes 24, 25 and 28 to 31 leave room for them; 32 does not. For the default free parameters,
- * AUVID_MAX_FACTOR must be at least AUVID_FOSSEN_FACTOR, and AUVID_MAX_COLUMNS at least
- * AUVID_FOSSEN_COLUMNS. An unused model is not linked.
+ * sizes 24, 25 and 28 to 31 leave room for them; 32 does not. The other sizes follow, with room for
+ * all parameters free: where memory is short, AUVID_MAX_FACTOR 322 and AUVID_MAX_COLUMNS 59 suffice
+ * for those that are free by default. An unused model is not linked.
  *
  * With p = q = 0, no couplings in M, and the centre of gravity vertically below the centre of
  * buoyancy, the equations of surge, sway, heave and yaw are those of Girona500 (vehicle.h).
@@ -93,9 +93,6 @@ typedef enum {
 /** Bits of the parameters that are free by default: the first 22 except x_G W - x_B B and
  * y_G W - y_B B. */
 #define AUVID_FOSSEN_FREE 0x3FFE7Fu
-/** Smallest AUVID_MAX_FACTOR and AUVID_MAX_COLUMNS with these parameters free (config.h). */
-#define AUVID_FOSSEN_FACTOR 322
-#define AUVID_FOSSEN_COLUMNS 59
 
 /** The model; constant and read-only. */
 extern const auvid_vehicle_t auvid_fossen;

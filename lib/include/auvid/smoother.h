@@ -55,9 +55,9 @@ typedef struct {
 } auvid_smoother_t;
 
 #define auvid_smoother_coefficients AUVID_SIZED0(auvid_smoother_coefficients)
-#define auvid_smoother_init AUVID_SIZED1(auvid_smoother_init, AUVID_MAX_HALF_WIDTH)
+#define auvid_smoother_init AUVID_SIZED(auvid_smoother_init)
 
-#define auvid_smoother_defaults AUVID_SIZED1(auvid_smoother_defaults, AUVID_MAX_HALF_WIDTH)
+#define auvid_smoother_defaults AUVID_SIZED(auvid_smoother_defaults)
 /** Sets *cfg to the defaults above, or to smaller ones if AUVID_MAX_HALF_WIDTH is smaller. NULL
  * is a no-op. */
 void auvid_smoother_defaults(auvid_smoother_config_t *cfg);
@@ -90,7 +90,7 @@ auvid_status_t auvid_smoother_coefficients(uint8_t half_width, uint8_t order, ui
  */
 auvid_status_t auvid_smoother_init(auvid_smoother_t *smoother, const auvid_smoother_config_t *cfg);
 
-#define auvid_smoother_reset AUVID_SIZED1(auvid_smoother_reset, AUVID_MAX_HALF_WIDTH)
+#define auvid_smoother_reset AUVID_SIZED(auvid_smoother_reset)
 /**
  * Discards all samples and starts a new record with the same configuration.
  *
@@ -98,7 +98,7 @@ auvid_status_t auvid_smoother_init(auvid_smoother_t *smoother, const auvid_smoot
  */
 auvid_status_t auvid_smoother_reset(auvid_smoother_t *smoother);
 
-#define auvid_smoother_push AUVID_SIZED1(auvid_smoother_push, AUVID_MAX_HALF_WIDTH)
+#define auvid_smoother_push AUVID_SIZED(auvid_smoother_push)
 /**
  * Appends the next sample. Outputs that were ready and not taken are lost.
  *
@@ -108,7 +108,7 @@ auvid_status_t auvid_smoother_reset(auvid_smoother_t *smoother);
  */
 auvid_status_t auvid_smoother_push(auvid_smoother_t *smoother, auvid_real_t x);
 
-#define auvid_smoother_take AUVID_SIZED1(auvid_smoother_take, AUVID_MAX_HALF_WIDTH)
+#define auvid_smoother_take AUVID_SIZED(auvid_smoother_take)
 /**
  * Takes one output, in the order of the samples.
  *
@@ -118,7 +118,7 @@ auvid_status_t auvid_smoother_push(auvid_smoother_t *smoother, auvid_real_t x);
  */
 auvid_status_t auvid_smoother_take(auvid_smoother_t *smoother, uint64_t *sample, auvid_real_t *y);
 
-#define auvid_smoother_end AUVID_SIZED1(auvid_smoother_end, AUVID_MAX_HALF_WIDTH)
+#define auvid_smoother_end AUVID_SIZED(auvid_smoother_end)
 /**
  * Ends the record and makes the last h outputs ready. Then only take and reset are accepted.
  *

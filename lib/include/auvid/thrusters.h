@@ -153,8 +153,7 @@ typedef struct {
     auvid_thrusters_state_t state; /**< state of the log */
 } auvid_thrusters_t;
 
-#define auvid_thrusters_defaults                                                                   \
-    AUVID_SIZED2(auvid_thrusters_defaults, AUVID_MAX_PARAMETERS, AUVID_MAX_COMMANDS)
+#define auvid_thrusters_defaults AUVID_SIZED(auvid_thrusters_defaults)
 /** Sets *cfg to the defaults. NULL is a no-op. */
 void auvid_thrusters_defaults(auvid_thrusters_config_t *cfg);
 

@@ -47,8 +47,7 @@ typedef struct {
     auvid_real_t predicted[AUVID_DOF_COUNT]; /**< simulated velocity at the last cell */
 } auvid_validation_t;
 
-#define auvid_validation_init                                                                      \
-    AUVID_SIZED2(auvid_validation_init, AUVID_MAX_PARAMETERS, AUVID_MAX_COMMANDS)
+#define auvid_validation_init AUVID_SIZED(auvid_validation_init)
 
 /** Start a comparison.
  * @param vehicle model with an acceleration; must outlive the comparison
@@ -69,19 +68,16 @@ auvid_status_t auvid_validation_init(auvid_validation_t *validation, const auvid
                                      const auvid_real_t *delay_s, uint32_t first_order_lag,
                                      auvid_real_t cell_s);
 
-#define auvid_validation_add                                                                       \
-    AUVID_SIZED2(auvid_validation_add, AUVID_MAX_PARAMETERS, AUVID_MAX_COMMANDS)
+#define auvid_validation_add AUVID_SIZED(auvid_validation_add)
 /** Compare the next cell. @return AUVID_OK; AUVID_ERR_NULL; AUVID_ERR_NOT_FINITE (the cell is
  * ignored and the record has a gap: call auvid_validation_gap). */
 auvid_status_t auvid_validation_add(auvid_validation_t *validation, const auvid_sample_t *sample);
 
-#define auvid_validation_gap                                                                       \
-    AUVID_SIZED2(auvid_validation_gap, AUVID_MAX_PARAMETERS, AUVID_MAX_COMMANDS)
+#define auvid_validation_gap AUVID_SIZED(auvid_validation_gap)
 /** Report a break in the record. NULL is a no-op. */
 void auvid_validation_gap(auvid_validation_t *validation);
 
-#define auvid_validation_r2                                                                        \
-    AUVID_SIZED2(auvid_validation_r2, AUVID_MAX_PARAMETERS, AUVID_MAX_COMMANDS)
+#define auvid_validation_r2 AUVID_SIZED(auvid_validation_r2)
 /** Compute R2 = 1 - sum (y - y_predicted)^2 / sum (y - mean y)^2 of each integrated DoF.
  * @param r2 [6] written; 0 for DoF that are not integrated
  * @return AUVID_OK; AUVID_ERR_NULL; AUVID_ERR_NO_DATA (fewer than two cells). */

@@ -142,7 +142,7 @@ auvid_status_t auvid_vehicle_check(const auvid_vehicle_t *vehicle);
  * @param missing bit i: nu[i] is not measured */
 uint8_t auvid_vehicle_unmeasured(const auvid_vehicle_t *vehicle, uint8_t missing);
 
-#define auvid_vehicle_residual AUVID_SIZED1(auvid_vehicle_residual, AUVID_MAX_COMMANDS)
+#define auvid_vehicle_residual AUVID_SIZED(auvid_vehicle_residual)
 /** Computes predicted minus applied wrench (Eq. 2, Eq. 11) with the residual, or else with the
  * regressor. For inner loops: the arguments are not checked. Cost: one call of the model.
  * @param sample motion and applied wrench
@@ -230,7 +230,7 @@ extern const auvid_vehicle_t auvid_girona500;
 extern const auvid_vehicle_t auvid_girona500_printed;
 /** Eq. 12-15 without the coupling terms of C(nu) nu: each DoF is independent. */
 extern const auvid_vehicle_t auvid_girona500_decoupled;
-#define auvid_girona500_paper AUVID_SIZED1(auvid_girona500_paper, AUVID_MAX_PARAMETERS)
+#define auvid_girona500_paper AUVID_SIZED(auvid_girona500_paper)
 /** The paper's 13 estimates (Section IV); the biases are 0. [AUVID_G500_COUNT] */
 extern const auvid_real_t auvid_girona500_paper[AUVID_G500_COUNT];
 #endif

@@ -86,18 +86,17 @@ typedef struct {
     bool reevaluating;            /**< S was complete before: its evaluation is an extra */
 } auvid_crs_t;
 
-#define auvid_crs_defaults                                                                         \
-    AUVID_SIZED2(auvid_crs_defaults, AUVID_MAX_PARAMETERS, AUVID_MAX_POPULATION)
+#define auvid_crs_defaults AUVID_SIZED(auvid_crs_defaults)
 /** Fill *cfg with the defaults for n parameters; the box, which has none, is set to zeros.
  * NULL is a no-op. Cost: a memset. */
 void auvid_crs_defaults(auvid_crs_config_t *cfg, uint8_t n);
 
-#define auvid_crs_check AUVID_SIZED2(auvid_crs_check, AUVID_MAX_PARAMETERS, AUVID_MAX_POPULATION)
+#define auvid_crs_check AUVID_SIZED(auvid_crs_check)
 /** Check a configuration without a state.
  * @return as auvid_crs_init. Cost: O(n). */
 auvid_status_t auvid_crs_check(const auvid_crs_config_t *cfg);
 
-#define auvid_crs_init AUVID_SIZED2(auvid_crs_init, AUVID_MAX_PARAMETERS, AUVID_MAX_POPULATION)
+#define auvid_crs_init AUVID_SIZED(auvid_crs_init)
 /**
  * Check and copy the configuration; draw the m points of S uniformly in the box (Algorithm 1,
  * line 3).
@@ -110,8 +109,7 @@ auvid_status_t auvid_crs_check(const auvid_crs_config_t *cfg);
  */
 auvid_status_t auvid_crs_init(auvid_crs_t *crs, const auvid_crs_config_t *cfg);
 
-#define auvid_crs_add_point                                                                        \
-    AUVID_SIZED2(auvid_crs_add_point, AUVID_MAX_PARAMETERS, AUVID_MAX_POPULATION)
+#define auvid_crs_add_point AUVID_SIZED(auvid_crs_add_point)
 /**
  * Put a known good point into the initial population. It replaces a random one.
  * @param theta  n values in the box [parameter's unit].
@@ -122,7 +120,7 @@ auvid_status_t auvid_crs_init(auvid_crs_t *crs, const auvid_crs_config_t *cfg);
  */
 auvid_status_t auvid_crs_add_point(auvid_crs_t *crs, const auvid_real_t *theta);
 
-#define auvid_crs_ask AUVID_SIZED2(auvid_crs_ask, AUVID_MAX_PARAMETERS, AUVID_MAX_POPULATION)
+#define auvid_crs_ask AUVID_SIZED(auvid_crs_ask)
 /**
  * Return the next point to evaluate (Algorithm 1, lines 4, 9-15). A second ask before tell returns
  * the same point and counts nothing.
@@ -136,7 +134,7 @@ auvid_status_t auvid_crs_add_point(auvid_crs_t *crs, const auvid_real_t *theta);
  */
 auvid_status_t auvid_crs_ask(auvid_crs_t *crs, auvid_real_t *theta);
 
-#define auvid_crs_tell AUVID_SIZED2(auvid_crs_tell, AUVID_MAX_PARAMETERS, AUVID_MAX_POPULATION)
+#define auvid_crs_tell AUVID_SIZED(auvid_crs_tell)
 /**
  * Supply the cost of the point last asked for (Algorithm 1, lines 5 and 17-20).
  * @param cost  any value, since a model may fail at a point; NaN, infinities and values beyond
@@ -146,8 +144,7 @@ auvid_status_t auvid_crs_ask(auvid_crs_t *crs, auvid_real_t *theta);
  */
 auvid_status_t auvid_crs_tell(auvid_crs_t *crs, auvid_real_t cost);
 
-#define auvid_crs_reevaluate                                                                       \
-    AUVID_SIZED2(auvid_crs_reevaluate, AUVID_MAX_PARAMETERS, AUVID_MAX_POPULATION)
+#define auvid_crs_reevaluate AUVID_SIZED(auvid_crs_reevaluate)
 /**
  * Mark all costs as stale, because the data have changed. The following asks return the points of S
  * again, the best first; then the search continues. The initial spread in phi is taken again. A
@@ -157,7 +154,7 @@ auvid_status_t auvid_crs_tell(auvid_crs_t *crs, auvid_real_t cost);
  */
 auvid_status_t auvid_crs_reevaluate(auvid_crs_t *crs);
 
-#define auvid_crs_best AUVID_SIZED2(auvid_crs_best, AUVID_MAX_PARAMETERS, AUVID_MAX_POPULATION)
+#define auvid_crs_best AUVID_SIZED(auvid_crs_best)
 /**
  * The best point of S among those of known cost.
  * @param cost  its cost; may be NULL. While S is evaluated again, the old cost of the old best

@@ -108,12 +108,12 @@ typedef struct {
     bool asked;            /**< a point was returned, its cost is not yet received */
 } auvid_line_search_t;
 
-#define auvid_line_search_defaults AUVID_SIZED1(auvid_line_search_defaults, AUVID_MAX_PARAMETERS)
+#define auvid_line_search_defaults AUVID_SIZED(auvid_line_search_defaults)
 /** Fill *cfg with the defaults for n parameters; box, scale and start are set to zeros.
  * NULL is a no-op. Cost: a memset. */
 void auvid_line_search_defaults(auvid_line_search_config_t *cfg, uint8_t n);
 
-#define auvid_line_search_init AUVID_SIZED1(auvid_line_search_init, AUVID_MAX_PARAMETERS)
+#define auvid_line_search_init AUVID_SIZED(auvid_line_search_init)
 /**
  * Check and copy the configuration; the search begins at cfg->start.
  * @param ls      state to start; need not be zeroed.
@@ -126,7 +126,7 @@ void auvid_line_search_defaults(auvid_line_search_config_t *cfg, uint8_t n);
 auvid_status_t auvid_line_search_init(auvid_line_search_t *ls,
                                       const auvid_line_search_config_t *cfg);
 
-#define auvid_line_search_ask AUVID_SIZED1(auvid_line_search_ask, AUVID_MAX_PARAMETERS)
+#define auvid_line_search_ask AUVID_SIZED(auvid_line_search_ask)
 /**
  * Return the next point to evaluate; the first is the start itself. A second ask before tell
  * returns the same point and counts nothing.
@@ -141,7 +141,7 @@ auvid_status_t auvid_line_search_init(auvid_line_search_t *ls,
  */
 auvid_status_t auvid_line_search_ask(auvid_line_search_t *ls, auvid_real_t *theta);
 
-#define auvid_line_search_tell AUVID_SIZED1(auvid_line_search_tell, AUVID_MAX_PARAMETERS)
+#define auvid_line_search_tell AUVID_SIZED(auvid_line_search_tell)
 /**
  * Supply the cost of the point last asked for (Algorithm 2, lines 7-21).
  * @param cost  any value; NaN, infinities and values beyond +-AUVID_LINE_SEARCH_COST_FAILED count
@@ -152,8 +152,7 @@ auvid_status_t auvid_line_search_ask(auvid_line_search_t *ls, auvid_real_t *thet
  */
 auvid_status_t auvid_line_search_tell(auvid_line_search_t *ls, auvid_real_t cost);
 
-#define auvid_line_search_reevaluate                                                               \
-    AUVID_SIZED1(auvid_line_search_reevaluate, AUVID_MAX_PARAMETERS)
+#define auvid_line_search_reevaluate AUVID_SIZED(auvid_line_search_reevaluate)
 /**
  * Mark the iterate's cost as stale, because the data have changed. The next ask returns the
  * iterate; then a sweep begins with all steps at least alpha0 / 10. A point without its cost is
@@ -162,7 +161,7 @@ auvid_status_t auvid_line_search_tell(auvid_line_search_t *ls, auvid_real_t cost
  */
 auvid_status_t auvid_line_search_reevaluate(auvid_line_search_t *ls);
 
-#define auvid_line_search_best AUVID_SIZED1(auvid_line_search_best, AUVID_MAX_PARAMETERS)
+#define auvid_line_search_best AUVID_SIZED(auvid_line_search_best)
 /**
  * The best point so far.
  * @param cost  its cost, after auvid_line_search_reevaluate the old one until tell; may be NULL.

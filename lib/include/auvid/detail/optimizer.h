@@ -74,14 +74,12 @@ typedef struct {
     uint8_t phase;                    /**< auvid_optimizer_phase_t */
 } auvid_optimizer_t;
 
-#define auvid_optimizer_defaults                                                                   \
-    AUVID_SIZED2(auvid_optimizer_defaults, AUVID_MAX_PARAMETERS, AUVID_MAX_POPULATION)
+#define auvid_optimizer_defaults AUVID_SIZED(auvid_optimizer_defaults)
 /** Fill *cfg with the defaults of both phases for n parameters; the box is set to zeros.
  * NULL is a no-op. Cost: a memset. */
 void auvid_optimizer_defaults(auvid_optimizer_config_t *cfg, uint8_t n);
 
-#define auvid_optimizer_init                                                                       \
-    AUVID_SIZED2(auvid_optimizer_init, AUVID_MAX_PARAMETERS, AUVID_MAX_POPULATION)
+#define auvid_optimizer_init AUVID_SIZED(auvid_optimizer_init)
 /**
  * Check and copy the configuration; draw the first population.
  * @param optimizer  state to start; need not be zeroed.
@@ -93,14 +91,12 @@ void auvid_optimizer_defaults(auvid_optimizer_config_t *cfg, uint8_t n);
 auvid_status_t auvid_optimizer_init(auvid_optimizer_t *optimizer,
                                     const auvid_optimizer_config_t *cfg);
 
-#define auvid_optimizer_add_point                                                                  \
-    AUVID_SIZED2(auvid_optimizer_add_point, AUVID_MAX_PARAMETERS, AUVID_MAX_POPULATION)
+#define auvid_optimizer_add_point AUVID_SIZED(auvid_optimizer_add_point)
 /** Put a known good point into the first population. Parameters of auvid_crs_add_point.
  * @return as auvid_crs_add_point. */
 auvid_status_t auvid_optimizer_add_point(auvid_optimizer_t *optimizer, const auvid_real_t *theta);
 
-#define auvid_optimizer_ask                                                                        \
-    AUVID_SIZED2(auvid_optimizer_ask, AUVID_MAX_PARAMETERS, AUVID_MAX_POPULATION)
+#define auvid_optimizer_ask AUVID_SIZED(auvid_optimizer_ask)
 /**
  * Return the next point to evaluate. A second ask before tell returns the same point.
  * @param theta  n values in the box, written only on AUVID_OK [parameter's unit].
@@ -114,8 +110,7 @@ auvid_status_t auvid_optimizer_add_point(auvid_optimizer_t *optimizer, const auv
  */
 auvid_status_t auvid_optimizer_ask(auvid_optimizer_t *optimizer, auvid_real_t *theta);
 
-#define auvid_optimizer_tell                                                                       \
-    AUVID_SIZED2(auvid_optimizer_tell, AUVID_MAX_PARAMETERS, AUVID_MAX_POPULATION)
+#define auvid_optimizer_tell AUVID_SIZED(auvid_optimizer_tell)
 /**
  * Supply the cost of the point last asked for.
  * @param cost  any value; NaN, infinities and values beyond +-AUVID_CRS_COST_FAILED count as
@@ -124,8 +119,7 @@ auvid_status_t auvid_optimizer_ask(auvid_optimizer_t *optimizer, auvid_real_t *t
  */
 auvid_status_t auvid_optimizer_tell(auvid_optimizer_t *optimizer, auvid_real_t cost);
 
-#define auvid_optimizer_reevaluate                                                                 \
-    AUVID_SIZED2(auvid_optimizer_reevaluate, AUVID_MAX_PARAMETERS, AUVID_MAX_POPULATION)
+#define auvid_optimizer_reevaluate AUVID_SIZED(auvid_optimizer_reevaluate)
 /**
  * Mark all costs as stale, because the data have changed. The global phase evaluates its population
  * again; the local phase evaluates its iterate and lengthens its steps. The active phase continues;
@@ -134,13 +128,11 @@ auvid_status_t auvid_optimizer_tell(auvid_optimizer_t *optimizer, auvid_real_t c
  */
 auvid_status_t auvid_optimizer_reevaluate(auvid_optimizer_t *optimizer);
 
-#define auvid_optimizer_phase                                                                      \
-    AUVID_SIZED2(auvid_optimizer_phase, AUVID_MAX_PARAMETERS, AUVID_MAX_POPULATION)
+#define auvid_optimizer_phase AUVID_SIZED(auvid_optimizer_phase)
 /** The search that is active; AUVID_OPTIMIZER_GLOBAL for NULL. */
 auvid_optimizer_phase_t auvid_optimizer_phase(const auvid_optimizer_t *optimizer);
 
-#define auvid_optimizer_best                                                                       \
-    AUVID_SIZED2(auvid_optimizer_best, AUVID_MAX_PARAMETERS, AUVID_MAX_POPULATION)
+#define auvid_optimizer_best AUVID_SIZED(auvid_optimizer_best)
 /**
  * The best point so far. Its cost rises only after auvid_optimizer_reevaluate.
  * @param cost  its cost; may be NULL.
@@ -155,8 +147,7 @@ typedef struct {
     uint32_t attempts;    /**< points made in both, also rejected ones and those without room */
 } auvid_optimizer_work_t;
 
-#define auvid_optimizer_work                                                                       \
-    AUVID_SIZED2(auvid_optimizer_work, AUVID_MAX_PARAMETERS, AUVID_MAX_POPULATION)
+#define auvid_optimizer_work AUVID_SIZED(auvid_optimizer_work)
 /** Work done since init; zeros for NULL. Cost: constant. */
 auvid_optimizer_work_t auvid_optimizer_work(const auvid_optimizer_t *optimizer);
 

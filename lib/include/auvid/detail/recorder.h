@@ -82,13 +82,13 @@ void auvid_recorder_defaults(auvid_recorder_config_t *cfg);
  * @return 500000..1000000 [us]. */
 uint32_t auvid_recorder_gap(uint32_t velocity_us);
 
-#define auvid_recorder_init AUVID_SIZED1(auvid_recorder_init, AUVID_MAX_COMMANDS)
+#define auvid_recorder_init AUVID_SIZED(auvid_recorder_init)
 /** Initialise an empty recorder.
  * @return AUVID_OK; AUVID_ERR_NULL; AUVID_ERR_RANGE if a field is outside its range. On an error
  *         *recorder is unchanged. */
 auvid_status_t auvid_recorder_init(auvid_recorder_t *recorder, const auvid_recorder_config_t *cfg);
 
-#define auvid_recorder_attitude AUVID_SIZED1(auvid_recorder_attitude, AUVID_MAX_COMMANDS)
+#define auvid_recorder_attitude AUVID_SIZED(auvid_recorder_attitude)
 /** Record attitude and rates.
  * @param t_us time of measurement [us]
  * @param attitude [3] phi theta psi [rad], psi unwrapped
@@ -100,7 +100,7 @@ auvid_status_t auvid_recorder_init(auvid_recorder_t *recorder, const auvid_recor
 auvid_status_t auvid_recorder_attitude(auvid_recorder_t *recorder, uint64_t t_us,
                                        const auvid_real_t *attitude, const auvid_real_t *rates);
 
-#define auvid_recorder_velocity AUVID_SIZED1(auvid_recorder_velocity, AUVID_MAX_COMMANDS)
+#define auvid_recorder_velocity AUVID_SIZED(auvid_recorder_velocity)
 /** Record the body velocity through the water.
  * @param t_us time of measurement [us]
  * @param velocity [3] u v w [m/s]
@@ -110,7 +110,7 @@ auvid_status_t auvid_recorder_attitude(auvid_recorder_t *recorder, uint64_t t_us
 auvid_status_t auvid_recorder_velocity(auvid_recorder_t *recorder, uint64_t t_us,
                                        const auvid_real_t *velocity, unsigned measured);
 
-#define auvid_recorder_motion AUVID_SIZED1(auvid_recorder_motion, AUVID_MAX_COMMANDS)
+#define auvid_recorder_motion AUVID_SIZED(auvid_recorder_motion)
 /** Record attitude and velocity of the same time.
  * @param t_us time of measurement [us]
  * @param attitude [3] phi theta psi [rad], psi unwrapped
@@ -119,7 +119,7 @@ auvid_status_t auvid_recorder_velocity(auvid_recorder_t *recorder, uint64_t t_us
 auvid_status_t auvid_recorder_motion(auvid_recorder_t *recorder, uint64_t t_us,
                                      const auvid_real_t *attitude, const auvid_real_t *nu);
 
-#define auvid_recorder_input AUVID_SIZED1(auvid_recorder_input, AUVID_MAX_COMMANDS)
+#define auvid_recorder_input AUVID_SIZED(auvid_recorder_input)
 /** Record the applied wrench from t_us on.
  * @param t_us time of the wrench [us]
  * @param tau [6] [N, Nm]: total of all sources, not only auvid's
@@ -128,7 +128,7 @@ auvid_status_t auvid_recorder_motion(auvid_recorder_t *recorder, uint64_t t_us,
 auvid_status_t auvid_recorder_input(auvid_recorder_t *recorder, uint64_t t_us,
                                     const auvid_real_t *tau, const auvid_real_t *command);
 
-#define auvid_recorder_pop AUVID_SIZED1(auvid_recorder_pop, AUVID_MAX_COMMANDS)
+#define auvid_recorder_pop AUVID_SIZED(auvid_recorder_pop)
 /** Read and remove the next complete cell. A cell is complete when all streams have passed the
  * second cell after it.
  * @param sample written whole on AUVID_OK, else untouched.
