@@ -40,25 +40,25 @@ static const row_t rows[] = {
     {"m 4n,  omega n,     bad,     literal", 52, 0, false, true, -1},
 };
 
-static void configure(auvid_optimizer_config_t *c, const row_t *row, const ls_problem_t *p,
-                      uint64_t seed)
+static void configure(auvid_search_config_t *c, auvid_real_t *scale, const row_t *row,
+                      const ls_problem_t *p, uint64_t seed)
 {
-    auvid_optimizer_defaults(c, LS_N);
-    c->crs.population = row->population;
-    c->crs.omega = row->omega;
-    c->crs.seed = seed + 1u;
+    auvid_search_defaults(c, LS_N);
+    c->population = row->population;
+    c->omega = row->omega;
+    c->seed = seed + 1u;
     if (row->omega > 0) { /* this one converges by its own criterion */
-        c->crs.epsilon = AUVID_C(1e-6);
-        c->crs.max_evaluations = 150u * row->population;
+        c->epsilon_crs = AUVID_C(1e-6);
+        c->max_evaluations_crs = 150u * row->population;
     }
-    c->line_search.paper = row->literal;
+    c->paper = row->literal;
     if (row->literal) {
-        c->line_search.epsilon = AUVID_C(1e-5);
+        c->epsilon_line = AUVID_C(1e-5);
     }
     for (int i = 0; i < LS_N; ++i) {
-        c->crs.lower[i] = AUVID_C(-1000.0);
-        c->crs.upper[i] = AUVID_C(1000.0);
-        c->scale[i] = row->column ? (auvid_real_t)(1.0 / p->column[i]) : 0;
+        c->lower[i] = AUVID_C(-1000.0);
+        c->upper[i] = AUVID_C(1000.0);
+        scale[i] = row->column ? (auvid_real_t)(1.0 / p->column[i]) : 0;
     }
 }
 
@@ -67,11 +67,11 @@ static auvid_optimizer_t optimizer;
 /* Returns the largest number of consecutive rejections. */
 static uint32_t solve(const row_t *row, ls_problem_t *p, uint64_t seed)
 {
-    auvid_optimizer_config_t cfg;
-    auvid_real_t theta[AUVID_MAX_PARAMETERS];
+    auvid_search_config_t cfg;
+    auvid_real_t theta[AUVID_MAX_PARAMETERS], scale[LS_N];
     uint32_t rejections = 0;
-    configure(&cfg, row, p, seed);
-    if (auvid_optimizer_init(&optimizer, &cfg) != AUVID_OK) {
+    configure(&cfg, scale, row, p, seed);
+    if (auvid_optimizer_init(&optimizer, &cfg, scale) != AUVID_OK) {
         fprintf(stderr, "%s: configuration refused\n", row->name);
         exit(1);
     }
@@ -85,15 +85,15 @@ static uint32_t solve(const row_t *row, ls_problem_t *p, uint64_t seed)
     }
     for (;;) {
         auvid_status_t status = auvid_optimizer_ask(&optimizer, theta);
+        if (optimizer.state < AUVID_OPTIMIZER_START && optimizer.crs.rejections > rejections) {
+            rejections = optimizer.crs.rejections;
+        }
         if (status == AUVID_OK) {
             float pi[LS_N];
             for (int i = 0; i < LS_N; ++i) {
                 pi[i] = (float)theta[i];
             }
             (void)auvid_optimizer_tell(&optimizer, (auvid_real_t)ls_problem_cost(p, pi));
-            if (auvid_optimizer_phase(&optimizer) == AUVID_OPTIMIZER_GLOBAL) {
-                rejections = optimizer.crs.max_rejections_seen;
-            }
         } else if (status != AUVID_PENDING) {
             return rejections;
         }
@@ -143,7 +143,7 @@ int main(int argc, char **argv)
             }
             good += deviation <= 0.01 && ls_problem_cost_double(&p, pi) <= 1e-3 * p.constant;
             worst = fmax(worst, deviation);
-            auvid_optimizer_work_t work = auvid_optimizer_work(&optimizer);
+            auvid_optimizer_work_t work = optimizer.work;
             x[s] = work.crs;
             local[s] = work.line_search;
             total[s] = x[s] + local[s];

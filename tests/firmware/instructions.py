@@ -31,7 +31,7 @@ def figures(name):
     def together(per, *functions):
         return sum(total[f"auvid_{f}"] for f in functions) / per
 
-    searches = calls["auvid_optimizer_begin"]
+    searches = calls["auvid_optimizer_init"]
     search = "optimizer_ask", "optimizer_tell", "metric_cost_begin", "metric_cost"
     # the identifier gives a depth to auvid_nav_update, which also takes the DVL
     kinds = [f"auvid_nav_update_{kind}" for kind in ("position", "velocity")]
@@ -49,9 +49,10 @@ def figures(name):
         "cost of a point, 240 rows": (rows["auvid_metric_cost"][1], None),
         "  without the user's model": (own, None),
         "CRS: a trial point, ask and tell": (
-            together(calls["auvid_crs_tell"], "crs_ask", "crs_tell"), None),
+            together(calls["auvid_crs_take"], "crs_next", "crs_take"), None),
         "line search: a point, ask and tell": (
-            together(calls["auvid_line_search_tell"], "line_search_ask", "line_search_tell"), None),
+            together(calls["auvid_line_search_take"], "line_search_next", "line_search_take"),
+            None),
         "a search: optimizer and costs": (together(searches, *search), None),
     }
     for function in sorted(DECLARED & run.keys()):

@@ -45,7 +45,7 @@ PUBLIC = {
     "models": "vehicle fossen current averaged thrusters",
     "navigation": "nav recorder",
     "metric": "metric_config metric confidence estimate validation",
-    "search": "crs line_search optimizer",
+    "search": "optimizer",
     "excitation": "excitation allocation guard",
     "identifier": "identifier actuation adaptive checkpoint prior",
     "can": "can can_messages",

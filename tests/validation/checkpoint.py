@@ -28,7 +28,7 @@ KEPT = tuple("actuation." + name for name in (
 MODEL = ("metric.cfg.free", "metric.cfg.fixed", "metric.cfg.sets", "metric.cfg.set_rows",
          "metric.layout.columns")
 # Members of unions are used in other phases of work than the rest.
-ASK, LINEARISE, CONFIDENCE, GLOBAL, LOCAL = 6, 9, 10, 0, 1
+ASK, LINEARISE, CONFIDENCE, GLOBAL, LOCAL = 6, 9, 10, 1, 6
 LIVE = (("confidence.", CONFIDENCE, GLOBAL), ("optimum.", LINEARISE, GLOBAL),
         ("optimizer.crs.", ASK, GLOBAL),
         ("optimizer.", ASK, LOCAL), ("", ASK, GLOBAL))
@@ -103,13 +103,8 @@ class Subject:
             self.id.confidence.n = 1
             return
         optimizer = self.id.optimizer
-        optimizer.phase = search
-        used = optimizer.crs if search == GLOBAL else optimizer.line_search
-        used.state, used.cfg.n, optimizer.local.n, optimizer.local.delta = 1, 2, 2, 2
-        if search == GLOBAL:
-            used.cfg.population = 3
-        else:
-            used.cfg.delta = 2
+        optimizer.state = search
+        optimizer.cfg.n, optimizer.cfg.population, optimizer.cfg.delta = 2, 3, 2
 
     def save(self):
         cursor, chunk = self.lib.auvid_checkpoint_t(), (ctypes.c_uint8 * ROOM)()

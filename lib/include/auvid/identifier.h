@@ -58,22 +58,6 @@ typedef enum {
     AUVID_VELOCITY_WATER = 1   /**< water lock only */
 } auvid_velocity_source_t;
 
-/** Where and how the optimizer searches. */
-typedef struct {
-    auvid_real_t lower[AUVID_MAX_PARAMETERS]; /**< the box [parameter's unit]; default
-                                                   -1000 */
-    auvid_real_t upper[AUVID_MAX_PARAMETERS]; /**< default 1000 */
-    auvid_real_t good[AUVID_MAX_PARAMETERS];  /**< a known good point */
-    bool has_good;                            /**< use `good`, clipped to the bounds; default
-                                                   false */
-    uint16_t population;  /**< m of Algorithm 1; 0: four times the number of parameters, at most
-                                AUVID_MAX_POPULATION */
-    auvid_real_t omega;   /**< of Algorithm 1; 0: 2, or the number of parameters if `paper` */
-    bool scale_by_bounds; /**< steps of the line search relative to the bounds, not to the data */
-    bool paper;           /**< Algorithms 1 and 2 to the letter; default false */
-    uint64_t seed;        /**< of the search; default 1 */
-} auvid_search_config_t;
-
 /** A listener that keeps a log of commands (thrusters.h). `command` and `set` are required. */
 typedef struct {
     /** A command is valid from t_us on; NULL: zeros. Called from step and applied. */
@@ -96,7 +80,7 @@ typedef struct auvid_identifier_config {
                                                   residual path with estimate_delay off, delay_s[0]
                                                   is the delay of all DoF */
     auvid_velocity_source_t velocity; /**< default AUVID_VELOCITY_GROUND */
-    auvid_search_config_t search;     /**< bounds, good point and options of the search */
+    auvid_search_config_t search;     /**< see types.h: bounds, good point, options; init sets n */
     auvid_real_t dry_mass_kg; /**< a smaller mass is implausible [kg], >= 0, below the upper bounds
                                    of all free masses; default 0: not known */
     auvid_uncertainty_t uncertainty;  /**< see estimate.h; default 0.05 of the thrust, 0.005 of
@@ -301,7 +285,7 @@ void auvid_identifier_defaults(auvid_identifier_config_t *cfg, const auvid_vehic
  * (the self-test failed); AUVID_ERR_NOT_FINITE (also of the good point and the uncertainty);
  * AUVID_ERR_RANGE (velocity: unknown; dry mass below zero; an uncertainty below zero or above 1);
  * AUVID_ERR_DRY_MASS (not below the upper bound of a free mass, which could not be plausible); for
- * the search over the free parameters the errors of auvid_crs_check; the errors of
+ * the search over the free parameters the errors of auvid_search_check; the errors of
  * auvid_vehicle_check, the errors of auvid_nav_init, the errors of auvid_recorder_init, the errors
  * of auvid_metric_init. */
 auvid_status_t auvid_identifier_init(auvid_identifier_t *id, const auvid_identifier_config_t *cfg);

@@ -155,6 +155,56 @@ typedef struct {
     uint8_t missing; /**< bit j: nu[j] and nu_dot[j] are not measured; 0: all are */
 } auvid_sample_t;
 
+/** The phases that a search consists of. */
+typedef enum {
+    AUVID_SEARCH_BOTH = 0,   /**< the local phase begins at the best point of the global one */
+    AUVID_SEARCH_GLOBAL = 1, /**< Algorithm 1 only */
+    AUVID_SEARCH_LOCAL = 2   /**< Algorithm 2 only, from `good`, or from the middle of the box */
+} auvid_search_phases_t;
+
+/**
+ * Where and how the optimizer searches (detail/optimizer.h): a global phase, Algorithm 1 of Karras
+ * et al. 2013, and a local one, Algorithm 2. The identifier's has an element for each parameter of
+ * the model, in the parameter's unit, and its `n` is not read. auvid_identifier_defaults fills it.
+ */
+typedef struct {
+    uint64_t seed; /**< of the random numbers; any value; default 1 */
+    auvid_real_t lower[AUVID_MAX_PARAMETERS]; /**< lower < upper, both of magnitude <= 1e18; default
+                                                   -1000 */
+    auvid_real_t upper[AUVID_MAX_PARAMETERS]; /**< default 1000 */
+    auvid_real_t good[AUVID_MAX_PARAMETERS];  /**< a known good point */
+    /* Algorithm 1 */
+    auvid_real_t epsilon_crs; /**< ends if J_max - J_min <= this [cost]; >= 0; default 1e-2 */
+    auvid_real_t reduction;   /**< ends also if J_max - J_min is at most this fraction of that of
+                                   the first population; 0 <= reduction < 1; default 0: only by
+                                   epsilon_crs, as in the paper */
+    auvid_real_t omega;       /**< factor of phi, 0..1e9; 0: 2, `paper` n. Larger (1e6 n) keeps the
+                                   population from collapsing, at more evaluations */
+    /* Algorithm 2; a step alpha moves a parameter by alpha times its unit */
+    auvid_real_t alpha0;       /**< first steps, > epsilon_line, <= 1e3; 0: 0.35, `paper` 0.05 */
+    auvid_real_t sigma;        /**< contraction, 0 < sigma < 1; 0: 0.09, `paper` 0.5. The last step
+                                    tried is this much longer than epsilon_line */
+    auvid_real_t delta;        /**< expansion, 1 < delta <= 100; default 2 */
+    auvid_real_t gamma;        /**< least decrease over alpha^2 [cost], 0 <= gamma < 1; default
+                                    1e-6 */
+    auvid_real_t epsilon_line; /**< ends if all steps <= this, 0 < epsilon_line <= 1e-3; 0: 3e-6,
+                                    `paper` 3e-5 (1e-5 is recommended) */
+    uint32_t max_evaluations_crs;  /**< cap on evaluations of the global phase; the first population
+                                        is always evaluated; 0: 40 m */
+    uint32_t max_evaluations_line; /**< cap on those of the local phase; 0: 1000 n */
+    uint32_t max_rejections;       /**< cap on consecutive trials outside the box; 0: 50 m */
+    uint16_t population; /**< m of Algorithm 1, n + 1..AUVID_MAX_POPULATION; 0: 4 n (at least n + 2,
+                              at most AUVID_MAX_POPULATION) */
+    uint8_t n;           /**< parameters, 1..AUVID_MAX_PARAMETERS */
+    uint8_t phases;      /**< auvid_search_phases_t; default AUVID_SEARCH_BOTH */
+    uint8_t restarts; /**< of the local phase, with alpha0 / 10, the first along the axes; default
+                              1 */
+    bool has_good;    /**< use `good`, clipped to the bounds; default false */
+    bool scale_by_bounds; /**< the identifier's units of the steps follow from the bounds, not from
+                               the data; default false */
+    bool paper;           /**< Algorithms 1 and 2 to the letter; default false */
+} auvid_search_config_t;
+
 /** Returns true if x is neither NaN nor infinite: not all bits of its exponent are set. Needs no
  * library. No accepted compiler flag breaks it. */
 static inline bool auvid_is_finite(auvid_real_t x)

@@ -67,7 +67,7 @@ static uint32_t checkpoint_parts(const auvid_identifier_t *id)
     if (id->phase == AUVID_WORK_CONFIDENCE) {
         parts |= PART_CONFIDENCE;
     } else if (id->searching) {
-        bool global = id->optimizer.phase == AUVID_OPTIMIZER_GLOBAL;
+        bool global = id->optimizer.state < AUVID_OPTIMIZER_START;
         parts |= global ? PART_GLOBAL : PART_LOCAL;
     } else if (id->phase == AUVID_WORK_LINEARISE) {
         parts |= PART_OPTIMUM;

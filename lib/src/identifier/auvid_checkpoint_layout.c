@@ -44,12 +44,11 @@
 typedef auvid_checkpoint_row_t row_t;
 
 static const row_t search[] = {
-    REALS(auvid_search_config_t, lower, good),
-    BYTE(auvid_search_config_t, has_good, has_good),
-    SPAN(auvid_search_config_t, uint16_t, population, population),
-    REALS(auvid_search_config_t, omega, omega),
-    BYTE(auvid_search_config_t, scale_by_bounds, paper),
     SPAN(auvid_search_config_t, uint64_t, seed, seed),
+    REALS(auvid_search_config_t, lower, epsilon_line),
+    SPAN(auvid_search_config_t, uint32_t, max_evaluations_crs, max_rejections),
+    SPAN(auvid_search_config_t, uint16_t, population, population),
+    BYTE(auvid_search_config_t, n, paper),
 };
 
 static const row_t velocity_sample[] = {
@@ -240,42 +239,24 @@ static const row_t validation[] = {
 };
 
 static const row_t crs[] = {
-    BYTE(auvid_crs_t, cfg.n, cfg.n),
-    SPAN(auvid_crs_t, uint16_t, cfg.population, cfg.population),
-    REALS(auvid_crs_t, cfg.epsilon, cfg.omega),
-    SPAN(auvid_crs_t, uint32_t, cfg.max_evaluations, cfg.max_rejections),
-    SPAN(auvid_crs_t, uint64_t, cfg.seed, cfg.seed),
-    REALS(auvid_crs_t, cfg.lower, cfg.upper),
-    REALS(auvid_crs_t, theta, cost),
-    SPAN(auvid_crs_t, uint16_t, order, order),
-    COSTS(auvid_crs_t, trial, trial),
-    REALS(auvid_crs_t, initial_spread, last_spread),
-    SPAN(auvid_crs_t, uint32_t, rng, max_rejections_seen),
-    SPAN(auvid_crs_t, uint16_t, filled, worst),
-    BYTE(auvid_crs_t, state, reevaluating),
-};
-
-static const row_t line_config[] = {
-    BYTE(auvid_line_search_config_t, n, paper),
-    REALS(auvid_line_search_config_t, alpha0, epsilon),
-    SPAN(auvid_line_search_config_t, uint32_t, max_evaluations, max_evaluations),
-    REALS(auvid_line_search_config_t, lower, start),
+    REALS(auvid_crs_t, theta, last_spread),
+    SPAN(auvid_crs_t, uint32_t, rng, rejections),
+    SPAN(auvid_crs_t, uint16_t, order, worst),
 };
 
 static const row_t line_search[] = {
-    STRUCT(auvid_line_search_t, cfg, TABLE_LINE_CONFIG),
     REALS(auvid_line_search_t, theta, cost_far),
-    SPAN(auvid_line_search_t, uint32_t, evaluations, attempts),
-    BYTE(auvid_line_search_t, direction, asked),
+    BYTE(auvid_line_search_t, direction, plain),
 };
 
 static const row_t optimizer[] = {
+    STRUCT(auvid_optimizer_t, cfg, TABLE_SEARCH),
+    REALS(auvid_optimizer_t, scale, scale),
+    COSTS(auvid_optimizer_t, trial, trial),
+    SPAN(auvid_optimizer_t, uint32_t, work, work),
+    BYTE(auvid_optimizer_t, state, asked),
     STRUCT_OF(auvid_optimizer_t, crs, TABLE_CRS, PART_GLOBAL),
     STRUCT_OF(auvid_optimizer_t, line_search, TABLE_LINE_SEARCH, PART_LOCAL),
-    STRUCT(auvid_optimizer_t, local, TABLE_LINE_CONFIG),
-    SOME(auvid_optimizer_t, auvid_real_t, cost, cost, PART_LOCAL, true),
-    SOME(auvid_optimizer_t, uint32_t, evaluations, attempts, PART_LOCAL, false),
-    BYTE(auvid_optimizer_t, phase, phase),
 };
 
 static const row_t optimum[] = {
@@ -362,7 +343,6 @@ const auvid_checkpoint_table_t auvid_checkpoint_table[TABLE_COUNT] = {
     [TABLE_SAMPLE] = TABLE(sample),
     [TABLE_VALIDATION] = TABLE(validation),
     [TABLE_CRS] = TABLE(crs),
-    [TABLE_LINE_CONFIG] = TABLE(line_config),
     [TABLE_LINE_SEARCH] = TABLE(line_search),
     [TABLE_OPTIMIZER] = TABLE(optimizer),
     [TABLE_OPTIMUM] = TABLE(optimum),

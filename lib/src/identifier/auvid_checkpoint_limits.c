@@ -5,7 +5,6 @@
  */
 #include "auvid_checkpoint_layout_internal.h"
 #include "../metric/auvid_confidence_notes_internal.h"
-#include "../search/auvid_crs_internal.h"
 #include "../search/auvid_line_search_directions_internal.h"
 #include "../base/auvid_math_internal.h"
 #include "../metric/auvid_metric_evaluator_internal.h"
@@ -29,11 +28,11 @@
 #define SAME(table, type, first, last)                                                             \
     LIMIT(table, true, type, first, last, AUVID_C(0.0), AUVID_C(0.0))
 
-/* Parameters, bounds, steps: their squares are finite. Costs (crs.h). Sums of squares of rows,
+/* Parameters, bounds, steps: their squares are finite. Costs. Sums of squares of rows,
  * which are within 1e15. Lengths and speeds. Counts of evaluations: they do not wrap around.
  * Delays: six of the longest cells. */
 #define VALUE(table, type, first, last) WITHIN(table, type, first, last, AUVID_C(1e18))
-#define COST(table, type, first, last) WITHIN(table, type, first, last, AUVID_CRS_COST_FAILED)
+#define COST(table, type, first, last) WITHIN(table, type, first, last, AUVID_COST_FAILED)
 #define SQUARES(table, type, first, last) UP_TO(table, type, first, last, AUVID_C(1e35))
 #define LENGTH(table, type, first, last) WITHIN(table, type, first, last, AUVID_C(1e9))
 #define EVALUATIONS(table, type, member) UP_TO(table, type, member, member, 1 << 30)
@@ -44,10 +43,17 @@ enum { MAX_ROWS = 60000 }; /* of all sets */
 
 const auvid_checkpoint_limit_t auvid_checkpoint_limit[] = {
     VALUE(TABLE_SEARCH, auvid_search_config_t, lower, good),
-    FLAG(TABLE_SEARCH, auvid_search_config_t, has_good, has_good),
-    UP_TO(TABLE_SEARCH, auvid_search_config_t, population, population, AUVID_MAX_POPULATION),
+    UP_TO(TABLE_SEARCH, auvid_search_config_t, epsilon_crs, epsilon_crs, AUVID_LARGEST),
+    FLAG(TABLE_SEARCH, auvid_search_config_t, reduction, reduction),
     UP_TO(TABLE_SEARCH, auvid_search_config_t, omega, omega, AUVID_C(1e9)),
-    FLAG(TABLE_SEARCH, auvid_search_config_t, scale_by_bounds, paper),
+    UP_TO(TABLE_SEARCH, auvid_search_config_t, alpha0, alpha0, 1000),
+    FLAG(TABLE_SEARCH, auvid_search_config_t, sigma, sigma),
+    RANGE(TABLE_SEARCH, auvid_search_config_t, delta, delta, AUVID_C(1.0), AUVID_C(100.0)),
+    FLAG(TABLE_SEARCH, auvid_search_config_t, gamma, epsilon_line),
+    UP_TO(TABLE_SEARCH, auvid_search_config_t, population, population, AUVID_MAX_POPULATION),
+    UP_TO(TABLE_SEARCH, auvid_search_config_t, n, n, AUVID_MAX_PARAMETERS),
+    UP_TO(TABLE_SEARCH, auvid_search_config_t, phases, phases, AUVID_SEARCH_LOCAL),
+    FLAG(TABLE_SEARCH, auvid_search_config_t, has_good, paper),
 
     LENGTH(TABLE_VELOCITY_SAMPLE, auvid_nav_velocity_sample_t, velocity, velocity),
     AXES(TABLE_VELOCITY_SAMPLE, auvid_nav_velocity_sample_t, measured),
@@ -206,39 +212,20 @@ const auvid_checkpoint_limit_t auvid_checkpoint_limit[] = {
     SQUARES(TABLE_VALIDATION, auvid_validation_t, m2, sse),
     LENGTH(TABLE_VALIDATION, auvid_validation_t, predicted, predicted),
 
-    RANGE(TABLE_CRS, auvid_crs_t, cfg.n, cfg.n, AUVID_C(1.0), AUVID_MAX_PARAMETERS),
-    RANGE(TABLE_CRS, auvid_crs_t, cfg.population, cfg.population, AUVID_C(2.0),
-          AUVID_MAX_POPULATION),
-    UP_TO(TABLE_CRS, auvid_crs_t, cfg.epsilon, cfg.epsilon, AUVID_LARGEST),
-    FLAG(TABLE_CRS, auvid_crs_t, cfg.reduction, cfg.reduction),
-    UP_TO(TABLE_CRS, auvid_crs_t, cfg.omega, cfg.omega, AUVID_C(1e9)),
-    VALUE(TABLE_CRS, auvid_crs_t, cfg.lower, cfg.upper),
     VALUE(TABLE_CRS, auvid_crs_t, theta, theta),
     COST(TABLE_CRS, auvid_crs_t, cost, cost),
     UP_TO(TABLE_CRS, auvid_crs_t, initial_spread, last_spread, AUVID_LARGEST),
-    EVALUATIONS(TABLE_CRS, auvid_crs_t, evaluations),
-    RANGE(TABLE_CRS, auvid_crs_t, state, state, (auvid_real_t)CRS_FRESH, CRS_CAPPED),
-    FLAG(TABLE_CRS, auvid_crs_t, asked, reevaluating),
-
-    RANGE(TABLE_LINE_CONFIG, auvid_line_search_config_t, n, n, AUVID_C(1.0), AUVID_MAX_PARAMETERS),
-    FLAG(TABLE_LINE_CONFIG, auvid_line_search_config_t, paper, paper),
-    UP_TO(TABLE_LINE_CONFIG, auvid_line_search_config_t, alpha0, alpha0, 1000),
-    FLAG(TABLE_LINE_CONFIG, auvid_line_search_config_t, sigma, sigma),
-    RANGE(TABLE_LINE_CONFIG, auvid_line_search_config_t, delta, delta, AUVID_C(1.0),
-          AUVID_C(100.0)),
-    FLAG(TABLE_LINE_CONFIG, auvid_line_search_config_t, gamma, epsilon),
-    VALUE(TABLE_LINE_CONFIG, auvid_line_search_config_t, lower, start),
 
     VALUE(TABLE_LINE_SEARCH, auvid_line_search_t, theta, previous),
-    EVALUATIONS(TABLE_LINE_SEARCH, auvid_line_search_t, evaluations),
-    UP_TO(TABLE_LINE_SEARCH, auvid_line_search_t, move, move, MOVE_PROBE),
-    RANGE(TABLE_LINE_SEARCH, auvid_line_search_t, state, state, (auvid_real_t)LINE_EVALUATE,
-          LINE_CAPPED),
-    FLAG(TABLE_LINE_SEARCH, auvid_line_search_t, plain, plain),
-    FLAG(TABLE_LINE_SEARCH, auvid_line_search_t, asked, asked),
     COST(TABLE_LINE_SEARCH, auvid_line_search_t, cost, previous_cost),
-    COST(TABLE_OPTIMIZER, auvid_optimizer_t, cost, cost),
-    UP_TO(TABLE_OPTIMIZER, auvid_optimizer_t, phase, phase, AUVID_OPTIMIZER_DONE),
+    UP_TO(TABLE_LINE_SEARCH, auvid_line_search_t, move, move, MOVE_PROBE),
+    FLAG(TABLE_LINE_SEARCH, auvid_line_search_t, plain, plain),
+
+    VALUE(TABLE_OPTIMIZER, auvid_optimizer_t, scale, scale),
+    EVALUATIONS(TABLE_OPTIMIZER, auvid_optimizer_t, work),
+    RANGE(TABLE_OPTIMIZER, auvid_optimizer_t, state, state, (auvid_real_t)AUVID_OPTIMIZER_FRESH,
+          AUVID_OPTIMIZER_STATE_COUNT - 1),
+    FLAG(TABLE_OPTIMIZER, auvid_optimizer_t, asked, asked),
 
     VALUE(TABLE_OPTIMUM, auvid_bounded_ls_t, lower, x),
     UP_TO(TABLE_OPTIMUM, auvid_bounded_ls_t, order, order, AUVID_MAX_PARAMETERS - 1),

@@ -8,7 +8,6 @@
 
 #include "auvid_checkpoint_layout_internal.h"
 #include "../metric/auvid_confidence_notes_internal.h"
-#include "../search/auvid_crs_internal.h"
 #include "auvid_identifier_internal.h"
 #include "../search/auvid_line_search_directions_internal.h"
 #include "../base/auvid_math_internal.h"
@@ -339,44 +338,40 @@ static bool checkpoint_is_inside(const view_t *v, size_t point, size_t lower, si
 
 static bool checkpoint_check_crs(const view_t *v)
 {
-    uint32_t n = WORD(optimizer.crs.cfg.n), m = WORD(optimizer.crs.cfg.population);
-    uint32_t filled = WORD(optimizer.crs.filled);
-    bool filling = WORD(optimizer.crs.state) <= CRS_FILL, good = n < m;
+    uint32_t n = WORD(optimizer.cfg.n), m = WORD(optimizer.cfg.population);
+    bool filling = WORD(optimizer.state) <= AUVID_OPTIMIZER_FILL;
+    bool good = n < m && filling == (WORD(optimizer.work.crs) < m);
     for (size_t k = 0; k < m; ++k) {
         good =
             good && checkpoint_word(v, MEMBER(optimizer.crs.order[0]) + k * sizeof(uint16_t)) < m;
     }
-    return good && (filling ? filled < m : filled == m && WORD(optimizer.crs.evaluations) > 0) &&
-           WORD(optimizer.crs.known) <= m && WORD(optimizer.crs.first) < m &&
-           WORD(optimizer.crs.best) < m && WORD(optimizer.crs.worst) < m &&
-           (!WORD(optimizer.crs.asked) ||
-            checkpoint_is_inside(v, MEMBER(optimizer.crs.trial), MEMBER(optimizer.crs.cfg.lower),
-                                 MEMBER(optimizer.crs.cfg.upper), n));
+    return good && WORD(optimizer.crs.known) <= m && WORD(optimizer.crs.best) < m &&
+           WORD(optimizer.crs.worst) < m;
 }
 
 static bool checkpoint_check_line_search(const view_t *v)
 {
-    uint32_t n = WORD(optimizer.line_search.cfg.n);
+    uint32_t n = WORD(optimizer.cfg.n);
     uint32_t direction = WORD(optimizer.line_search.direction);
     bool pattern = direction == 2u * n, probes = WORD(optimizer.line_search.move) == MOVE_PROBE;
     return direction <= 2u * n && WORD(optimizer.line_search.built) <= n &&
            WORD(optimizer.line_search.probe) < (probes ? direction / 2u : n) &&
            (!pattern || (WORD(optimizer.line_search.move) < MOVE_AXIS &&
                          !(auvid_abs(checkpoint_real_at(
-                               v, MEMBER(optimizer.line_search.axis_step))) > AUVID_C(0.0)))) &&
-           (!WORD(optimizer.line_search.asked) ||
-            checkpoint_is_inside(v, MEMBER(optimizer.line_search.trial),
-                                 MEMBER(optimizer.line_search.cfg.lower),
-                                 MEMBER(optimizer.line_search.cfg.upper), n));
+                               v, MEMBER(optimizer.line_search.axis_step))) > AUVID_C(0.0))));
 }
 
 static bool checkpoint_check_search(const view_t *v)
 {
     bool global = (v->sizes->parts & PART_GLOBAL) != 0;
     uint32_t delay = auvid_metric_stores_rows(&v->id->metric) && WORD(metric.cfg.estimate_delay);
-    uint32_t n = global ? WORD(optimizer.crs.cfg.n) : WORD(optimizer.line_search.cfg.n);
-    return n == checkpoint_count_bits(WORD(active)) + delay && n == WORD(optimizer.local.n) &&
-           (global ? checkpoint_check_crs(v) : checkpoint_check_line_search(v));
+    uint32_t n = WORD(optimizer.cfg.n);
+    return n == checkpoint_count_bits(WORD(active)) + delay &&
+           global == (WORD(optimizer.state) < AUVID_OPTIMIZER_START) &&
+           (global ? checkpoint_check_crs(v) : checkpoint_check_line_search(v)) &&
+           (!WORD(optimizer.asked) ||
+            checkpoint_is_inside(v, MEMBER(optimizer.trial), MEMBER(optimizer.cfg.lower),
+                                 MEMBER(optimizer.cfg.upper), n));
 }
 
 /* The partner named by a finding is one of the model's parameters. */
@@ -462,9 +457,7 @@ static bool checkpoint_search_matches_phase(const view_t *v)
         return false;
     }
     if (searching) {
-        bool global = work == PART_GLOBAL;
-        return (must || measures) && (global || work == PART_LOCAL) &&
-               global == (WORD(optimizer.phase) == AUVID_OPTIMIZER_GLOBAL) &&
+        return (must || measures) && (work == PART_GLOBAL || work == PART_LOCAL) &&
                checkpoint_check_search(v);
     }
     if (phase == AUVID_WORK_CONFIDENCE) {

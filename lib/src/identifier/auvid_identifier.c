@@ -13,7 +13,7 @@
 #include "../models/auvid_vehicle_internal.h"
 #include "../navigation/auvid_nav_internal.h"
 #include "../navigation/auvid_recorder_internal.h"
-#include "../search/auvid_crs_internal.h"
+#include "../search/auvid_search_internal.h"
 
 void auvid_identifier_defaults(auvid_identifier_config_t *cfg, const auvid_vehicle_t *vehicle)
 {
@@ -27,71 +27,67 @@ void auvid_identifier_defaults(auvid_identifier_config_t *cfg, const auvid_vehic
     auvid_metric_defaults(&cfg->metric, vehicle);
     auvid_clear(cfg->metric.tau_max, AUVID_DOF_COUNT);
     cfg->metric.velocity_us = AUVID_VELOCITY_OBSERVED;
-    for (int i = 0; i < AUVID_MAX_PARAMETERS; ++i) {
-        cfg->search.lower[i] = AUVID_C(-1000.0);
-        cfg->search.upper[i] = AUVID_C(1000.0);
-    }
-    cfg->search.seed = 1;
+    auvid_search_defaults(&cfg->search, 0);
     cfg->uncertainty.thrust_scale = AUVID_C(0.05);
     cfg->uncertainty.dvl_scale = AUVID_C(0.005);
     cfg->uncertainty.delay_s = AUVID_C(0.1);
 }
 
-/* Collect the bounds of the free parameters in *search, and their numbers in of[]; the delay is one
- * more of them if it is searched too. */
-static auvid_status_t identifier_collect_search(const auvid_identifier_config_t *cfg,
-                                                auvid_crs_config_t *search, uint8_t *of,
-                                                auvid_refusal_t *why)
+void auvid_identifier_select(auvid_search_config_t *search, uint32_t active, uint8_t *of)
 {
-    const auvid_vehicle_t *vehicle = cfg->vehicle;
-    uint32_t free = cfg->metric.free == 0 ? UINT32_MAX : cfg->metric.free;
-    bool delay = auvid_path_stores_rows(vehicle->path) && cfg->metric.estimate_delay; /* searched */
-    uint8_t n = 0;
-    for (int i = 0; i < vehicle->parameters; ++i) {
-        if (free >> i & 1u) {
-            auvid_real_t good = cfg->search.good[i], upper = cfg->search.upper[i];
-            bool mass = vehicle->parameter[i].kind == AUVID_PARAMETER_MASS;
-            if (cfg->search.has_good && !auvid_is_finite(good)) {
-                (void)auvid_refuse(why, AUVID_ERR_NOT_FINITE, "good", good, upper);
-                return auvid_refuse_element(why, AUVID_ERR_NOT_FINITE, i);
-            }
-            if (mass && cfg->dry_mass_kg > AUVID_C(0.0) && upper <= cfg->dry_mass_kg) {
-                (void)auvid_refuse(why, AUVID_ERR_DRY_MASS, "dry_mass_kg", cfg->dry_mass_kg, upper);
-                (void)auvid_refuse_part(why, AUVID_ERR_DRY_MASS, "");
-                return auvid_refuse_element(why, AUVID_ERR_DRY_MASS, i);
-            }
-            search->lower[n] = cfg->search.lower[i];
-            search->upper[n] = upper;
-            of[n++] = (uint8_t)i;
+    search->n = 0;
+    for (uint8_t i = 0; i < AUVID_MAX_PARAMETERS; ++i) {
+        if (active >> i & 1u) {
+            search->lower[search->n] = search->lower[i];
+            search->upper[search->n] = search->upper[i];
+            search->good[search->n] = search->good[i];
+            of[search->n++] = i;
         }
     }
-    if (n == 0 || n + delay > AUVID_MAX_PARAMETERS) {
-        (void)auvid_refuse(why, AUVID_ERR_PARAMETERS, "free", (auvid_real_t)(n + delay),
-                           (auvid_real_t)(n == 0 ? 1 : AUVID_MAX_PARAMETERS));
-        return auvid_refuse_part(why, AUVID_ERR_PARAMETERS, "metric");
+}
+
+static auvid_status_t identifier_check_dry_mass(const auvid_identifier_config_t *cfg, uint32_t free,
+                                                auvid_refusal_t *why)
+{
+    for (int i = 0; i < cfg->vehicle->parameters; ++i) {
+        auvid_real_t upper = cfg->search.upper[i], dry = cfg->dry_mass_kg;
+        bool mass = cfg->vehicle->parameter[i].kind == AUVID_PARAMETER_MASS;
+        if ((free >> i & 1u) && mass && dry > AUVID_C(0.0) && upper <= dry) {
+            (void)auvid_refuse(why, AUVID_ERR_DRY_MASS, "dry_mass_kg", dry, upper);
+            return auvid_refuse_element(why, AUVID_ERR_DRY_MASS, i);
+        }
     }
-    if (delay) {
-        search->upper[n] = AUVID_C(1.0);
-    }
-    search->n = (uint8_t)(n + delay);
     return AUVID_OK;
 }
 
-/* Check the search over all free parameters. A search over fewer of them is valid too. */
+/* Check the search over all free parameters, and the delay if it is searched too. A search over
+ * fewer of them is valid too. */
 static auvid_status_t identifier_check_search(const auvid_identifier_config_t *cfg,
                                               auvid_refusal_t *why)
 {
-    auvid_crs_config_t search;
+    const auvid_vehicle_t *vehicle = cfg->vehicle;
+    const uint32_t all = UINT32_MAX >> (32 - vehicle->parameters);
+    const uint32_t free = cfg->metric.free == 0 ? all : cfg->metric.free & all;
+    const int delay = auvid_path_stores_rows(vehicle->path) && cfg->metric.estimate_delay;
+    auvid_search_config_t search = cfg->search;
     uint8_t of[AUVID_MAX_PARAMETERS];
-    auvid_crs_defaults(&search, 0);
-    auvid_status_t status = identifier_collect_search(cfg, &search, of, why);
-    search.population = cfg->search.population;
-    search.omega = cfg->search.omega;
-    if (status >= 0) {
-        status = auvid_crs_check_fields(&search, why);
-        if (status < 0 && why->element >= 0) {
-            why->element = of[why->element];
-        }
+    auvid_identifier_select(&search, free, of);
+    if (search.n == 0 || search.n + delay > AUVID_MAX_PARAMETERS) {
+        (void)auvid_refuse(why, AUVID_ERR_PARAMETERS, "free", (auvid_real_t)(search.n + delay),
+                           (auvid_real_t)(search.n == 0 ? 1 : AUVID_MAX_PARAMETERS));
+        return auvid_refuse_part(why, AUVID_ERR_PARAMETERS, "metric");
+    }
+    auvid_status_t status = identifier_check_dry_mass(cfg, free, why);
+    if (status < 0) {
+        return auvid_refuse_part(why, status, "");
+    }
+    if (delay) {
+        search.lower[search.n] = search.good[search.n] = AUVID_C(0.0);
+        search.upper[search.n++] = AUVID_C(1.0);
+    }
+    status = auvid_search_check_fields(&search, why);
+    if (status < 0 && why->element >= 0) {
+        why->element = of[why->element];
     }
     return auvid_refuse_part(why, status, "search");
 }

@@ -27,6 +27,10 @@ static inline const auvid_listener_t *identifier_listener(const auvid_identifier
     return AUVID_MAX_COMMANDS > 0 ? id->listener : NULL;
 }
 
+/** Move what `search` says of the parameters in `active` to the front: bounds and good values. Sets
+ * n; of[] receives their numbers in the model. */
+void auvid_identifier_select(auvid_search_config_t *search, uint32_t active, uint8_t *of);
+
 /** Has init succeeded? The functions must not run on an uninitialised identifier. */
 static inline bool identifier_is_ready(const auvid_identifier_t *id)
 {

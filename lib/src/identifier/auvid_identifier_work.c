@@ -15,7 +15,6 @@
 #include "auvid_identifier_internal.h"
 #include "../base/auvid_math_internal.h"
 #include "../metric/auvid_metric_evaluator_internal.h"
-#include "../search/auvid_optimizer_internal.h"
 
 /* Is the delay one of the parameters of the search? Then it is the last one. */
 static bool identifier_searches_delay(const auvid_identifier_t *id)
@@ -23,73 +22,36 @@ static bool identifier_searches_delay(const auvid_identifier_t *id)
     return auvid_metric_stores_rows(&id->metric) && id->metric.cfg.estimate_delay;
 }
 
-/* Add a point to the optimizer: the active parameters of pi, clipped to the box. It overwrites the
- * scale, which the optimizer has copied. */
-static void identifier_add_point(auvid_identifier_t *id, auvid_optimizer_config_t *cfg,
-                                 const auvid_real_t *pi, auvid_real_t delay_s)
-{
-    auvid_real_t *theta = cfg->scale;
-    int n = cfg->crs.n - (identifier_searches_delay(id) ? 1 : 0);
-    for (int i = 0; i < n; ++i) {
-        theta[i] = auvid_clamp(pi[id->parameter_of[i]], cfg->crs.lower[i], cfg->crs.upper[i]);
-    }
-    if (identifier_searches_delay(id)) {
-        theta[n] = delay_s;
-    }
-    (void)auvid_optimizer_add_point(&id->optimizer, theta);
-}
-
-/* Configure the search over the active parameters: box, scale and options. */
-static void identifier_make_search_config(auvid_identifier_t *id, auvid_optimizer_config_t *search)
-{
-    const auvid_search_config_t *cfg = &id->search;
-    auvid_real_t *scale =
-        search->scale; /* in place: the i-th parameter is the i-th or a later one */
-    uint8_t n = 0;
-    id->active = auvid_metric_searched(&id->metric);
-    for (uint8_t i = 0; i < identifier_vehicle(id)->parameters; ++i) {
-        if (id->active >> i & 1u) {
-            id->parameter_of[n++] = i;
-        }
-    }
-    auvid_optimizer_defaults(search, (uint8_t)(n + identifier_searches_delay(id)));
-    auvid_metric_scale(&id->metric, scale);
-    for (int i = 0; i < n; ++i) {
-        int p = id->parameter_of[i];
-        auvid_real_t half = AUVID_C(0.5) * (cfg->upper[p] - cfg->lower[p]);
-        search->crs.lower[i] = cfg->lower[p];
-        search->crs.upper[i] = cfg->upper[p];
-        scale[i] = cfg->scale_by_bounds ? AUVID_C(0.0) : auvid_min(scale[p], half);
-    }
-    memset(scale + n, 0, (size_t)(AUVID_MAX_PARAMETERS - n) * sizeof *scale);
-    if (identifier_searches_delay(id)) {
-        search->crs.upper[n] = auvid_metric_longest_delay(&id->metric);
-    }
-    if (cfg->population > 0) {
-        search->crs.population = cfg->population;
-    }
-    if (cfg->omega > AUVID_C(0.0)) {
-        search->crs.omega = cfg->omega;
-    }
-    search->crs.seed = cfg->seed + id->searches;
-    search->line_search.paper = cfg->paper;
-}
-
 static auvid_status_t identifier_begin_search(auvid_identifier_t *id)
 {
-    auvid_optimizer_config_t search;
-    identifier_make_search_config(id, &search);
-    auvid_status_t status = auvid_optimizer_begin(&id->optimizer, &search);
+    auvid_search_config_t *search = &id->optimizer.cfg;
+    auvid_real_t scale[AUVID_MAX_PARAMETERS], last[AUVID_MAX_PARAMETERS];
+    id->active = auvid_metric_searched(&id->metric);
+    *search = id->search;
+    search->seed += id->searches;
+    auvid_identifier_select(search, id->active, id->parameter_of);
+    auvid_metric_scale(&id->metric, scale);
+    for (int i = 0; i < search->n; ++i) { /* in place: the i-th is the i-th or a later one */
+        auvid_real_t half = AUVID_C(0.5) * (search->upper[i] - search->lower[i]);
+        int p = id->parameter_of[i];
+        scale[i] = auvid_min(scale[p], half);
+        last[i] = id->estimate.pi[p];
+    }
+    if (identifier_searches_delay(id)) {
+        int n = search->n++;
+        search->lower[n] = scale[n] = AUVID_C(0.0);
+        search->upper[n] = auvid_metric_longest_delay(&id->metric);
+        search->good[n] = id->metric.cfg.delay_s[0];
+        last[n] = auvid_identifier_common_delay(&id->estimate);
+    }
+    auvid_status_t status =
+        auvid_optimizer_init(&id->optimizer, search, search->scale_by_bounds ? NULL : scale);
     if (status < 0) {
         return status;
     }
     ++id->searches;
-    if (id->search.has_good) {
-        identifier_add_point(id, &search, id->search.good, id->metric.cfg.delay_s[0]);
-    }
     if (id->estimate.number > 0 && !id->cold_start) {
-        identifier_add_point(id, &search, id->estimate.pi,
-                             auvid_identifier_common_delay(&id->estimate));
+        (void)auvid_optimizer_add_point(&id->optimizer, last);
     }
     id->cold_start = false;
     return AUVID_OK;
@@ -98,14 +60,12 @@ static auvid_status_t identifier_begin_search(auvid_identifier_t *id)
 /* All parameters of the model from those of the optimizer; the others have their fixed value. */
 static void identifier_expand(auvid_identifier_t *id, const auvid_real_t *theta)
 {
-    int k = 0;
+    const int n = id->optimizer.cfg.n - identifier_searches_delay(id);
     memcpy(id->candidate, id->metric.cfg.fixed, sizeof id->candidate);
-    for (int i = 0; i < identifier_vehicle(id)->parameters; ++i) {
-        if (id->active >> i & 1u) {
-            id->candidate[i] = theta[k++];
-        }
+    for (int i = 0; i < n; ++i) {
+        id->candidate[id->parameter_of[i]] = theta[i];
     }
-    id->delay_s = identifier_searches_delay(id) ? theta[k] : id->metric.cfg.delay_s[0];
+    id->delay_s = identifier_searches_delay(id) ? theta[n] : id->metric.cfg.delay_s[0];
 }
 
 /* Begin to measure the result's residuals, on the remaining sets. */
@@ -125,8 +85,8 @@ static AUVID_NOINLINE void identifier_ask(auvid_identifier_t *id)
         id->phase = AUVID_WORK_COST;
     } else if (status != AUVID_PENDING) {
         identifier_expand(id, auvid_optimizer_best(&id->optimizer, &id->cost));
-        id->searched = auvid_optimizer_work(&id->optimizer);
-        id->not_converged = status != AUVID_FINISHED || !(id->cost < AUVID_CRS_COST_FAILED);
+        id->searched = id->optimizer.work;
+        id->not_converged = status != AUVID_FINISHED || !(id->cost < AUVID_COST_FAILED);
         identifier_begin_measure(id);
     }
 }

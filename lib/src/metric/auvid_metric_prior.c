@@ -14,7 +14,7 @@
 /* The prior is discarded above this F. A wrong discard costs little: a cold start. */
 #define METRIC_LIMIT AUVID_C(6.0)
 
-/* Larger values are not accepted as parameters (crs.h). */
+/* Larger values are not accepted as parameters (detail/optimizer.h). */
 #define LARGEST_VALUE AUVID_C(1e18)
 /* Standard errors and variance inflations are below this and above its inverse. */
 #define LARGEST_ERROR AUVID_C(2e30)

@@ -1,17 +1,19 @@
 /**
  * @file auvid_crs_internal.h
- * Private: the states of a global search.
+ * Private: the global phase of the optimizer, Algorithm 1.
  */
 #ifndef AUVID_CRS_INTERNAL_H
 #define AUVID_CRS_INTERNAL_H
 
-#include "auvid/detail/crs.h"
+#include "auvid/detail/optimizer.h"
 
-/** auvid_crs_t.state */
-enum { CRS_NONE = 0, CRS_FRESH, CRS_FILL, CRS_SEARCH, CRS_FINISHED, CRS_CAPPED };
+/** Draw the first population; o->cfg is valid, the rest of *o is zero. */
+void auvid_crs_begin(auvid_optimizer_t *o);
 
-/** auvid_crs_check of a configuration that is not NULL. *why names what is refused; NULL: not
- * wanted. */
-auvid_status_t auvid_crs_check_fields(const auvid_crs_config_t *cfg, auvid_refusal_t *why);
+/** Make the next point, in o->trial. @return as auvid_optimizer_ask, if no other phase follows. */
+auvid_status_t auvid_crs_next(auvid_optimizer_t *o);
+
+/** Take the finite cost of o->trial. */
+void auvid_crs_take(auvid_optimizer_t *o, auvid_real_t cost);
 
 #endif

@@ -17,34 +17,26 @@
 /* A larger part of d_k per unit of e_i is rounding. */
 #define PART_MAX AUVID_C(1e6)
 
-bool auvid_line_search_inside(const auvid_line_search_config_t *c, const auvid_real_t *theta)
-{
-    for (size_t i = 0; i < c->n; ++i) {
-        if (!(theta[i] >= c->lower[i] && theta[i] <= c->upper[i])) {
-            return false;
-        }
-    }
-    return true;
-}
-
 /* Component of d_i along parameter k <= i [parameter's unit]. */
-static auvid_real_t line_search_component(const auvid_line_search_t *ls, size_t i, size_t k)
+static auvid_real_t line_search_component(const auvid_optimizer_t *o, size_t i, size_t k)
 {
-    const auvid_real_t unit = ls->cfg.scale[k];
+    const auvid_line_search_t *ls = &o->line_search;
+    const auvid_real_t unit = o->scale[k];
     return k == i ? unit : unit * ls->shear[AUVID_SHEAR(i) + k];
 }
 
 /* trial = base + axis_step e_i + t d_probe, or with -t. Returns false if neither is in the box. */
-static bool line_search_place_probe(auvid_line_search_t *ls)
+static bool line_search_place_probe(auvid_optimizer_t *o)
 {
-    const size_t i = line_search_parameter(ls);
+    auvid_line_search_t *ls = &o->line_search;
+    const size_t i = line_search_parameter(o);
     for (int side = 0; side < 2; ++side) {
-        memcpy(ls->trial, ls->base, i * sizeof *ls->trial);
-        ls->trial[i] = ls->base[i] + ls->axis_step * ls->cfg.scale[i];
+        memcpy(o->trial, ls->base, i * sizeof *o->trial);
+        o->trial[i] = ls->base[i] + ls->axis_step * o->scale[i];
         for (size_t k = 0; k <= ls->probe; ++k) {
-            ls->trial[k] += ls->t * line_search_component(ls, ls->probe, k);
+            o->trial[k] += ls->t * line_search_component(o, ls->probe, k);
         }
-        if (auvid_line_search_inside(&ls->cfg, ls->trial)) {
+        if (auvid_search_inside(&o->cfg, o->trial)) {
             return true;
         }
         ls->t = -ls->t;
@@ -53,16 +45,17 @@ static bool line_search_place_probe(auvid_line_search_t *ls)
 }
 
 /* trial = base + t d_i; the box limits t. Returns false if the trial equals the iterate. */
-static bool line_search_place_along(auvid_line_search_t *ls)
+static bool line_search_place_along(auvid_optimizer_t *o)
 {
-    const auvid_line_search_config_t *c = &ls->cfg;
-    const size_t i = line_search_parameter(ls), first = line_search_is_paper(c) ? i : 0;
-    const auvid_real_t sign = line_search_sign(ls);
+    auvid_line_search_t *ls = &o->line_search;
+    const auvid_search_config_t *c = &o->cfg;
+    const size_t i = line_search_parameter(o), first = c->paper ? i : 0;
+    const auvid_real_t sign = line_search_sign(o);
     auvid_real_t d = AUVID_C(0.0), to = AUVID_C(0.0), t = ls->t;
     size_t bound = AUVID_MAX_PARAMETERS;
     bool moved = false;
     for (size_t k = first; k <= i; ++k) {
-        d = sign * line_search_component(ls, i, k);
+        d = sign * line_search_component(o, i, k);
         const auvid_real_t x = ls->base[k] + t * d;
         if (!(x >= c->lower[k] && x <= c->upper[k])) {
             bound = k;
@@ -71,41 +64,44 @@ static bool line_search_place_along(auvid_line_search_t *ls)
         }
     }
     for (size_t k = first; k <= i; ++k) {
-        const auvid_real_t x = ls->base[k] + t * (sign * line_search_component(ls, i, k));
-        ls->trial[k] = k == bound ? to : auvid_clamp(x, c->lower[k], c->upper[k]);
-        moved = moved || ls->trial[k] < ls->theta[k] || ls->trial[k] > ls->theta[k];
+        const auvid_real_t x = ls->base[k] + t * (sign * line_search_component(o, i, k));
+        o->trial[k] = k == bound ? to : auvid_clamp(x, c->lower[k], c->upper[k]);
+        moved = moved || o->trial[k] < ls->theta[k] || o->trial[k] > ls->theta[k];
     }
-    ls->t = line_search_is_paper(c) ? (ls->trial[i] - ls->base[i]) / d : t;
+    ls->t = c->paper ? (o->trial[i] - ls->base[i]) / d : t;
     return moved;
 }
 
 /* The same with d the displacement of the sweep. */
-static bool line_search_place_pattern(auvid_line_search_t *ls)
+static bool line_search_place_pattern(auvid_optimizer_t *o)
 {
-    const auvid_line_search_config_t *c = &ls->cfg;
+    auvid_line_search_t *ls = &o->line_search;
+    const auvid_search_config_t *c = &o->cfg;
     bool moved = false;
     for (size_t k = 0; k < c->n; ++k) {
         const auvid_real_t x = ls->base[k] + ls->t * (ls->base[k] - ls->previous[k]);
-        ls->trial[k] = auvid_clamp(x, c->lower[k], c->upper[k]);
-        moved = moved || ls->trial[k] < ls->theta[k] || ls->trial[k] > ls->theta[k];
+        o->trial[k] = auvid_clamp(x, c->lower[k], c->upper[k]);
+        moved = moved || o->trial[k] < ls->theta[k] || o->trial[k] > ls->theta[k];
     }
     return moved;
 }
 
-bool auvid_line_search_place(auvid_line_search_t *ls)
+bool auvid_line_search_place(auvid_optimizer_t *o)
 {
+    auvid_line_search_t *ls = &o->line_search;
     if (ls->move == MOVE_PROBE) {
-        return line_search_place_probe(ls);
+        return line_search_place_probe(o);
     }
-    return line_search_is_pattern(ls) ? line_search_place_pattern(ls) : line_search_place_along(ls);
+    return line_search_is_pattern(o) ? line_search_place_pattern(o) : line_search_place_along(o);
 }
 
-void auvid_line_search_release(auvid_line_search_t *ls)
+void auvid_line_search_release(auvid_optimizer_t *o)
 {
-    const auvid_line_search_config_t *c = &ls->cfg;
-    const size_t i = line_search_parameter(ls);
+    auvid_line_search_t *ls = &o->line_search;
+    const auvid_search_config_t *c = &o->cfg;
+    const size_t i = line_search_parameter(o);
     for (size_t k = 0; k < i && i < AUVID_MAX_PARAMETERS; ++k) {
-        const auvid_real_t d = line_search_sign(ls) * line_search_component(ls, i, k);
+        const auvid_real_t d = line_search_sign(o) * line_search_component(o, i, k);
         const auvid_real_t x = ls->base[k] + c->sigma * ls->t * d;
         if (!(x >= c->lower[k] && x <= c->upper[k])) {
             ls->shear[AUVID_SHEAR(i) + k] = AUVID_C(0.0);
@@ -115,23 +111,24 @@ void auvid_line_search_release(auvid_line_search_t *ls)
 }
 
 /* From the slope of the chord to a point of the line and the curvature in between. */
-void auvid_line_search_note_slope(auvid_line_search_t *ls)
+void auvid_line_search_note_slope(auvid_optimizer_t *o)
 {
-    const size_t i = line_search_parameter(ls);
+    auvid_line_search_t *ls = &o->line_search;
+    const size_t i = line_search_parameter(o);
     const auvid_real_t c = ls->curvature[i], t = ls->t_near;
-    if (auvid_abs(t) > AUVID_C(0.0) && c > AUVID_C(0.0) &&
-        ls->cost_near < AUVID_LINE_SEARCH_COST_FAILED) {
+    if (auvid_abs(t) > AUVID_C(0.0) && c > AUVID_C(0.0) && ls->cost_near < AUVID_COST_FAILED) {
         const auvid_real_t chord = (ls->cost_near - ls->base_cost) / t;
-        ls->slope[i] = line_search_sign(ls) * (chord + c * (AUVID_C(2.0) * ls->t_best - t));
+        ls->slope[i] = line_search_sign(o) * (chord + c * (AUVID_C(2.0) * ls->t_best - t));
     }
 }
 
-bool auvid_line_search_probe(auvid_line_search_t *ls, size_t k)
+bool auvid_line_search_probe(auvid_optimizer_t *o, size_t k)
 {
-    while (k < line_search_parameter(ls) && !(ls->curvature[k] > AUVID_C(0.0))) {
+    auvid_line_search_t *ls = &o->line_search;
+    while (k < line_search_parameter(o) && !(ls->curvature[k] > AUVID_C(0.0))) {
         ++k;
     }
-    if (k == line_search_parameter(ls)) {
+    if (k == line_search_parameter(o)) {
         return false;
     }
     ls->probe = (uint8_t)k;
@@ -140,13 +137,14 @@ bool auvid_line_search_probe(auvid_line_search_t *ls, size_t k)
     return true;
 }
 
-void auvid_line_search_learn(auvid_line_search_t *ls, auvid_real_t cost)
+void auvid_line_search_learn(auvid_optimizer_t *o, auvid_real_t cost)
 {
-    const size_t i = line_search_parameter(ls), k = ls->probe;
+    auvid_line_search_t *ls = &o->line_search;
+    const size_t i = line_search_parameter(o), k = ls->probe;
     const auvid_real_t c = ls->curvature[k];
     const auvid_real_t slope = (cost - ls->axis_cost) / ls->t - c * ls->t - ls->slope[k];
     const auvid_real_t part = AUVID_C(-0.5) * slope / (c * ls->axis_step);
-    if (cost < AUVID_LINE_SEARCH_COST_FAILED && auvid_abs(part) <= PART_MAX) {
+    if (cost < AUVID_COST_FAILED && auvid_abs(part) <= PART_MAX) {
         auvid_real_t *u = ls->shear + AUVID_SHEAR(i), *v = ls->shear + AUVID_SHEAR(k);
         for (size_t j = 0; j < k; ++j) {
             u[j] = auvid_clamp(u[j] + part * v[j], -PART_MAX, PART_MAX);

@@ -7,153 +7,124 @@
 #include <string.h>
 
 #include "../base/auvid_math_internal.h"
-#include "auvid_optimizer_internal.h"
+#include "auvid_crs_internal.h"
+#include "auvid_line_search_internal.h"
+#include "auvid_search_internal.h"
 
-/* The global phase only has to find the region, so a small phi makes it fast. It takes 45 % of the
- * evaluations of omega = n to a spread of 1e-2. For functions with many minima it finds the lowest
- * at least as often. */
-#define OMEGA AUVID_C(2.0)
-#define REDUCTION AUVID_C(0.05)
-
-void auvid_optimizer_defaults(auvid_optimizer_config_t *cfg, uint8_t n)
+static bool optimizer_is_global(const auvid_optimizer_t *o)
 {
-    if (cfg == NULL) {
-        return;
-    }
-    memset(cfg, 0, sizeof *cfg);
-    auvid_crs_defaults(&cfg->crs, n);
-    auvid_line_search_defaults(&cfg->line_search, n);
+    return o->state < AUVID_OPTIMIZER_START;
 }
 
-auvid_status_t auvid_optimizer_init(auvid_optimizer_t *optimizer,
-                                    const auvid_optimizer_config_t *cfg)
+auvid_status_t auvid_optimizer_init(auvid_optimizer_t *o, const auvid_search_config_t *cfg,
+                                    const auvid_real_t *scale)
 {
-    if (optimizer == NULL || cfg == NULL) {
+    if (o == NULL || cfg == NULL) {
         return AUVID_ERR_NULL;
     }
-    auvid_optimizer_config_t copy = *cfg;
-    return auvid_optimizer_begin(optimizer, &copy);
+    auvid_status_t status = auvid_search_check(cfg);
+    for (size_t i = 0; status >= 0 && scale != NULL && i < cfg->n; ++i) {
+        if (!(scale[i] >= AUVID_C(0.0) && scale[i] <= SEARCH_BOUND_MAX)) {
+            status = auvid_is_finite(scale[i]) ? AUVID_ERR_RANGE : AUVID_ERR_NOT_FINITE;
+        }
+    }
+    if (status < 0) {
+        return status;
+    }
+    memmove(&o->cfg, cfg, sizeof o->cfg);
+    memset((unsigned char *)o + sizeof o->cfg, 0, sizeof *o - sizeof o->cfg);
+    auvid_search_config_t *c = &o->cfg;
+    auvid_search_resolve(c);
+    for (size_t i = 0; i < c->n; ++i) {
+        auvid_real_t low = c->lower[i], high = c->upper[i];
+        bool given = scale != NULL && scale[i] > AUVID_C(0.0);
+        o->scale[i] = given ? scale[i] : (high - low) * AUVID_C(0.5);
+        o->trial[i] =
+            auvid_clamp(c->has_good ? c->good[i] : (low + high) * AUVID_C(0.5), low, high);
+    }
+    if (c->phases == AUVID_SEARCH_LOCAL) {
+        auvid_line_search_begin(o, AUVID_C(0.0));
+        return AUVID_OK;
+    }
+    auvid_crs_begin(o);
+    return c->has_good ? auvid_optimizer_add_point(o, c->good) : AUVID_OK;
 }
 
-auvid_status_t auvid_optimizer_begin(auvid_optimizer_t *optimizer, auvid_optimizer_config_t *cfg)
+auvid_status_t auvid_optimizer_add_point(auvid_optimizer_t *o, const auvid_real_t *theta)
 {
-    auvid_status_t status = auvid_crs_check(&cfg->crs);
-    if (status != AUVID_OK) {
-        return status;
+    if (o == NULL || theta == NULL) {
+        return AUVID_ERR_NULL;
     }
-    auvid_line_search_config_t *local = &cfg->line_search;
-    local->n = cfg->crs.n;
-    memcpy(local->lower, cfg->crs.lower, sizeof local->lower);
-    memcpy(local->upper, cfg->crs.upper, sizeof local->upper);
-    memcpy(local->scale, cfg->scale, sizeof local->scale);
-    memcpy(local->start, cfg->crs.lower, sizeof local->start); /* until a better one is known */
-    status = auvid_line_search_init(&optimizer->line_search, local); /* only to check it */
-    if (status != AUVID_OK) {
-        return status;
+    if (o->state != AUVID_OPTIMIZER_FRESH) {
+        return AUVID_ERR_STATE;
     }
-    optimizer->local = *local;
-    optimizer->phase = AUVID_OPTIMIZER_GLOBAL;
-    status = auvid_crs_init(&optimizer->crs, &cfg->crs);
-    if (!local->paper && !(cfg->crs.omega > AUVID_C(0.0))) {
-        optimizer->crs.cfg.omega = OMEGA;
-        optimizer->crs.cfg.reduction = auvid_max(cfg->crs.reduction, REDUCTION);
+    if (o->crs.known == o->cfg.population) {
+        return AUVID_ERR_POPULATION;
+    }
+    if (!auvid_all_finite(theta, o->cfg.n)) {
+        return AUVID_ERR_NOT_FINITE;
+    }
+    auvid_real_t *point = o->crs.theta[o->crs.known++];
+    for (size_t i = 0; i < o->cfg.n; ++i) {
+        point[i] = auvid_clamp(theta[i], o->cfg.lower[i], o->cfg.upper[i]);
+    }
+    return AUVID_OK;
+}
+
+auvid_status_t auvid_optimizer_ask(auvid_optimizer_t *o, auvid_real_t *theta)
+{
+    auvid_status_t status = AUVID_OK;
+    if (o == NULL || theta == NULL) {
+        return AUVID_ERR_NULL;
+    }
+    if (o->state == AUVID_OPTIMIZER_NONE) {
+        return AUVID_ERR_STATE;
+    }
+    if (!o->asked && optimizer_is_global(o)) {
+        status = auvid_crs_next(o);
+        if (o->state > AUVID_OPTIMIZER_GLOBAL && o->cfg.phases == AUVID_SEARCH_BOTH) {
+            memcpy(o->trial, o->crs.theta[o->crs.best], sizeof o->trial);
+            auvid_line_search_begin(o, o->crs.cost[o->crs.best]);
+        }
+    }
+    if (!o->asked && !optimizer_is_global(o)) {
+        status = auvid_line_search_next(o);
+    }
+    if (status == AUVID_OK) {
+        o->asked = true;
+        memcpy(theta, o->trial, o->cfg.n * sizeof *theta);
     }
     return status;
 }
 
-auvid_status_t auvid_optimizer_add_point(auvid_optimizer_t *optimizer, const auvid_real_t *theta)
+auvid_status_t auvid_optimizer_tell(auvid_optimizer_t *o, auvid_real_t cost)
 {
-    return optimizer == NULL ? AUVID_ERR_NULL : auvid_crs_add_point(&optimizer->crs, theta);
-}
-
-static auvid_status_t optimizer_ask_local(auvid_optimizer_t *optimizer, auvid_real_t *theta)
-{
-    auvid_status_t status = auvid_line_search_ask(&optimizer->line_search, theta);
-    if (status == AUVID_FINISHED || status == AUVID_EVALUATION_LIMIT) {
-        optimizer->phase = AUVID_OPTIMIZER_DONE;
-    }
-    return status;
-}
-
-auvid_status_t auvid_optimizer_ask(auvid_optimizer_t *optimizer, auvid_real_t *theta)
-{
-    if (optimizer == NULL || theta == NULL) {
+    if (o == NULL) {
         return AUVID_ERR_NULL;
     }
-    if (optimizer->phase != AUVID_OPTIMIZER_GLOBAL) {
-        return optimizer_ask_local(optimizer, theta);
+    if (!o->asked) {
+        return AUVID_ERR_STATE;
     }
-    auvid_status_t status = auvid_crs_ask(&optimizer->crs, theta);
-    if (status != AUVID_FINISHED && status != AUVID_EVALUATION_LIMIT) {
-        return status;
+    if (!(cost >= -AUVID_COST_FAILED && cost <= AUVID_COST_FAILED)) {
+        cost = AUVID_COST_FAILED;
     }
-    /* In both cases S is complete, so there is a best point in the box. */
-    optimizer->evaluations = optimizer->crs.evaluations;
-    optimizer->attempts = optimizer->crs.attempts;
-    memcpy(optimizer->local.start, auvid_crs_best(&optimizer->crs, &optimizer->cost),
-           optimizer->local.n * sizeof *theta);
-    status = auvid_line_search_init(&optimizer->line_search, &optimizer->local);
-    if (status != AUVID_OK) {
-        return AUVID_ERR_RANGE; /* damaged since init: the best point of the global phase stays */
+    o->asked = false;
+    if (optimizer_is_global(o)) {
+        auvid_crs_take(o, cost);
+    } else {
+        auvid_line_search_take(o, cost);
     }
-    optimizer->phase = AUVID_OPTIMIZER_LOCAL;
-    return optimizer_ask_local(optimizer, theta);
+    return AUVID_OK;
 }
 
-auvid_status_t auvid_optimizer_tell(auvid_optimizer_t *optimizer, auvid_real_t cost)
+const auvid_real_t *auvid_optimizer_best(const auvid_optimizer_t *o, auvid_real_t *cost)
 {
-    if (optimizer == NULL) {
-        return AUVID_ERR_NULL;
-    }
-    return optimizer->phase == AUVID_OPTIMIZER_GLOBAL
-               ? auvid_crs_tell(&optimizer->crs, cost)
-               : auvid_line_search_tell(&optimizer->line_search, cost);
-}
-
-auvid_status_t auvid_optimizer_reevaluate(auvid_optimizer_t *optimizer)
-{
-    if (optimizer == NULL) {
-        return AUVID_ERR_NULL;
-    }
-    if (optimizer->phase == AUVID_OPTIMIZER_GLOBAL) {
-        return auvid_crs_reevaluate(&optimizer->crs);
-    }
-    optimizer->phase = AUVID_OPTIMIZER_LOCAL;
-    return auvid_line_search_reevaluate(&optimizer->line_search);
-}
-
-auvid_optimizer_phase_t auvid_optimizer_phase(const auvid_optimizer_t *optimizer)
-{
-    return optimizer == NULL ? AUVID_OPTIMIZER_GLOBAL : (auvid_optimizer_phase_t)optimizer->phase;
-}
-
-const auvid_real_t *auvid_optimizer_best(const auvid_optimizer_t *optimizer, auvid_real_t *cost)
-{
-    if (optimizer == NULL) {
+    if (o == NULL || o->work.crs + o->work.line_search == 0) {
         return NULL;
     }
-    if (optimizer->phase == AUVID_OPTIMIZER_GLOBAL) {
-        return auvid_crs_best(&optimizer->crs, cost);
-    }
-    if (optimizer->line_search.evaluations > 0) {
-        return auvid_line_search_best(&optimizer->line_search, cost);
-    }
+    bool global = optimizer_is_global(o);
     if (cost != NULL) {
-        *cost = optimizer->cost;
+        *cost = global ? o->crs.cost[o->crs.best] : o->line_search.cost;
     }
-    return optimizer->local.start;
-}
-
-auvid_optimizer_work_t auvid_optimizer_work(const auvid_optimizer_t *optimizer)
-{
-    auvid_optimizer_work_t work = {0, 0, 0};
-    if (optimizer != NULL && optimizer->phase == AUVID_OPTIMIZER_GLOBAL) {
-        work.crs = optimizer->crs.evaluations;
-        work.attempts = optimizer->crs.attempts;
-    } else if (optimizer != NULL) {
-        work.crs = optimizer->evaluations;
-        work.line_search = optimizer->line_search.evaluations;
-        work.attempts = optimizer->attempts + optimizer->line_search.attempts;
-    }
-    return work;
+    return global ? o->crs.theta[o->crs.best] : o->line_search.theta;
 }

@@ -575,16 +575,16 @@ static void test_a_probe_along_a_direction_not_before_its_own_is_refused(void)
 {
     const auvid_line_search_t *search = &good.optimizer.line_search;
     move_to_phase(AUVID_WORK_COST);
-    for (int k = 0; k < 100000 && !(good.optimizer.phase == AUVID_OPTIMIZER_LOCAL &&
-                                    search->move == MOVE_PROBE && search->asked);
+    for (int k = 0; k < 100000 && !(good.optimizer.state == AUVID_OPTIMIZER_LOCAL &&
+                                    search->move == MOVE_PROBE && good.optimizer.asked);
          ++k) {
         (void)auvid_identifier_work(&good, 1);
     }
     TEST_ASSERT_EQUAL(MOVE_PROBE, search->move);
-    TEST_ASSERT_TRUE(search->asked);
+    TEST_ASSERT_TRUE(good.optimizer.asked);
     TEST_ASSERT_TRUE(search->probe < search->direction / 2);
     IMPOSSIBLE(optimizer.line_search.probe = (uint8_t)(search->direction / 2));
-    IMPOSSIBLE(optimizer.line_search.probe = (uint8_t)(search->cfg.n - 1));
+    IMPOSSIBLE(optimizer.line_search.probe = (uint8_t)(good.optimizer.cfg.n - 1));
     IMPOSSIBLE(optimizer.line_search.direction = 0);
     check_good();
 }

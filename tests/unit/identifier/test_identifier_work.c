@@ -24,8 +24,8 @@ void tearDown(void)
 {
 }
 
-/* Upper bound of the units of a search: the caps of crs.h (40 m evaluations, and 50 m trials
- * outside the box before each) and of line_search.h (1000 n evaluations; trials without room are
+/* Upper bound of the units of a search: the caps of types.h (40 m evaluations, 50 m trials outside
+ * the box before each, and 1000 n evaluations; trials without room are
  * bounded), `rows` units for an evaluation, three passes of the merge, and the measurement. */
 static uint32_t units_at_most(uint32_t n, uint32_t m, uint32_t rows)
 {
@@ -147,7 +147,7 @@ static void test_rows_and_trial_points_are_counted(void)
         TEST_ASSERT_EQUAL_UINT32(1, chain.id.work_last);
         ++units;
     }
-    auvid_optimizer_work_t done = auvid_optimizer_work(&chain.id.optimizer);
+    auvid_optimizer_work_t done = chain.id.optimizer.work;
     TEST_ASSERT_EQUAL_UINT32(rows_of_girona500() * (done.crs + done.line_search) + done.attempts +
                                  1, /* to find that the search has ended */
                              units);
@@ -308,10 +308,10 @@ static void test_the_search_is_the_one_configured(void)
     cfg.id.search.scale_by_bounds = true;
     record(1);
     ask_first();
-    TEST_ASSERT_EQUAL_UINT16(20, chain.id.optimizer.crs.cfg.population);
-    TEST_ASSERT_TRUE(chain.id.optimizer.crs.cfg.omega == 500);
-    TEST_ASSERT_TRUE(chain.id.optimizer.local.paper);
-    TEST_ASSERT_TRUE(chain.id.optimizer.local.scale[0] == 0); /* half the width of the box */
+    TEST_ASSERT_EQUAL_UINT16(20, chain.id.optimizer.cfg.population);
+    TEST_ASSERT_TRUE(chain.id.optimizer.cfg.omega == 500);
+    TEST_ASSERT_TRUE(chain.id.optimizer.cfg.paper);
+    TEST_ASSERT_TRUE(chain.id.optimizer.scale[0] == 1000); /* half the width of the box */
 }
 
 /* ---- sets that change during a search ---- */
@@ -414,8 +414,8 @@ typedef enum { IN_MERGE, IN_FILL, IN_GLOBAL, IN_LOCAL, IN_MEASURE, ENDED, CATCHE
 static bool is_there(catch_t where)
 {
     const auvid_identifier_t *id = &chain.id;
-    auvid_optimizer_work_t done = auvid_optimizer_work(&id->optimizer);
-    bool local = auvid_optimizer_phase(&id->optimizer) == AUVID_OPTIMIZER_LOCAL;
+    auvid_optimizer_work_t done = id->optimizer.work;
+    bool local = id->optimizer.state >= AUVID_OPTIMIZER_START;
     switch (where) {
     case IN_MERGE:
         return id->phase == AUVID_WORK_MERGE;

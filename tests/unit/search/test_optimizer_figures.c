@@ -34,22 +34,22 @@ typedef enum { NOTHING, GOOD, BAD } known_t;
 
 static double solve(ls_problem_t *p, uint64_t seed, bool column, bool literal, known_t known)
 {
-    auvid_optimizer_config_t cfg;
-    auvid_real_t theta[AUVID_MAX_PARAMETERS], last = AUVID_LARGEST, best = 0;
+    auvid_search_config_t cfg;
+    auvid_real_t theta[AUVID_MAX_PARAMETERS], scale[LS_N], last = AUVID_LARGEST, best = 0;
     p->evaluations = 0;
-    auvid_optimizer_defaults(&cfg, LS_N);
-    cfg.crs.seed = seed + 1u;
-    cfg.line_search.paper = literal;
-    cfg.line_search.epsilon = literal ? AUVID_C(1e-5) : cfg.line_search.epsilon;
+    auvid_search_defaults(&cfg, LS_N);
+    cfg.seed = seed + 1u;
+    cfg.paper = literal;
+    cfg.epsilon_line = literal ? AUVID_C(1e-5) : cfg.epsilon_line;
     for (int i = 0; i < LS_N; ++i) {
         double off = 0.3 * sin(1.0 + 7.0 * (double)seed + 3.0 * i);
-        cfg.crs.lower[i] = -1000;
-        cfg.crs.upper[i] = 1000;
-        cfg.scale[i] = column ? (auvid_real_t)(1.0 / p->column[i]) : 0;
+        cfg.lower[i] = -1000;
+        cfg.upper[i] = 1000;
+        scale[i] = column ? (auvid_real_t)(1.0 / p->column[i]) : 0;
         theta[i] = known == GOOD ? (auvid_real_t)fmin(1000.0, p->optimum[i] * (1.0 + off))
                                  : (auvid_real_t)copysign(1000.0, -p->optimum[i]);
     }
-    TEST_ASSERT_EQUAL_INT(AUVID_OK, auvid_optimizer_init(&optimizer, &cfg));
+    TEST_ASSERT_EQUAL_INT(AUVID_OK, auvid_optimizer_init(&optimizer, &cfg, scale));
     if (known != NOTHING) {
         TEST_ASSERT_EQUAL_INT(AUVID_OK, auvid_optimizer_add_point(&optimizer, theta));
     }
@@ -65,8 +65,8 @@ static double solve(ls_problem_t *p, uint64_t seed, bool column, bool literal, k
             auvid_optimizer_best(&optimizer, &best);
             TEST_ASSERT_TRUE(best <= last);
             last = best;
-            if (auvid_optimizer_phase(&optimizer) == AUVID_OPTIMIZER_GLOBAL) {
-                TEST_ASSERT_TRUE(optimizer.crs.max_rejections_seen < 50u * 4u * LS_N);
+            if (optimizer.state < AUVID_OPTIMIZER_START) {
+                TEST_ASSERT_TRUE(optimizer.crs.rejections < 50u * 4u * LS_N);
             }
         } else if (status != AUVID_PENDING) {
             TEST_ASSERT_EQUAL_INT(AUVID_FINISHED, status);
@@ -76,7 +76,7 @@ static double solve(ls_problem_t *p, uint64_t seed, bool column, bool literal, k
     for (int i = 0; i < 2 * LS_N; ++i) {
         TEST_ASSERT_TRUE(optimizer.line_search.alpha[i] <= AUVID_C(1e-3));
     }
-    auvid_optimizer_work_t work = auvid_optimizer_work(&optimizer);
+    auvid_optimizer_work_t work = optimizer.work;
     TEST_ASSERT_TRUE((unsigned long)work.crs + work.line_search == p->evaluations);
     return (double)p->evaluations;
 }

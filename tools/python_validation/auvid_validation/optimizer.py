@@ -77,19 +77,20 @@ def price(family, n, seed):
     omega 1e3. None if it did not end at the optimum."""
     from auvid_validation.optimizer_functions import BOX, FAMILIES
     lib = load("large")
-    config, crs, theta = lib.auvid_crs_config_t(), lib.auvid_crs_t(), lib.zeros(17)
-    lib.auvid_crs_defaults(config, n)
-    config.population, config.omega, config.epsilon = 25 * n, 1e3, 1e-6
-    config.seed, config.max_evaluations = seed + 1, 100_000
+    config, crs, theta = lib.auvid_search_config_t(), lib.auvid_optimizer_t(), lib.zeros(17)
+    lib.auvid_search_defaults(config, n)
+    config.phases = lib.AUVID_SEARCH_GLOBAL
+    config.population, config.omega, config.epsilon_crs = 25 * n, 1e3, 1e-6
+    config.seed, config.max_evaluations_crs = seed + 1, 100_000
     config.lower[:n], config.upper[:n] = [-BOX] * n, [BOX] * n
-    assert lib.auvid_crs_init(crs, config) == 0
+    assert lib.auvid_optimizer_init(crs, config, None) == 0
     best = np.inf
-    while (status := lib.auvid_crs_ask(crs, theta)) in (lib.AUVID_OK, lib.AUVID_PENDING):
+    while (status := lib.auvid_optimizer_ask(crs, theta)) in (lib.AUVID_OK, lib.AUVID_PENDING):
         if status == lib.AUVID_OK:
             value = FAMILIES[family](theta[:n])
             best = min(best, value)
-            lib.auvid_crs_tell(crs, value)
-    return int(crs.evaluations) if best <= FUNCTION_TARGET else None
+            lib.auvid_optimizer_tell(crs, value)
+    return int(crs.work.crs) if best <= FUNCTION_TARGET else None
 
 
 def tasks(runs):

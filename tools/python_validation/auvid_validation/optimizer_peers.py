@@ -23,18 +23,18 @@ def auvid(lib, literal=False, per_parameter=0, omega=0.0):
     """auvid with its defaults. literal: Algorithm 2 to the letter; points per parameter and omega
     of the global search."""
     def search(f, box, seed):
-        n, config = len(box), lib.auvid_optimizer_config_t()
-        optimizer, theta = lib.auvid_optimizer_t(), lib.zeros(17)
-        lib.auvid_optimizer_defaults(config, n)
+        n, config = len(box), lib.auvid_search_config_t()
+        optimizer, theta, scale = lib.auvid_optimizer_t(), lib.zeros(17), lib.zeros(17)
+        lib.auvid_search_defaults(config, n)
         # The box is already in units of x: steps of one unit.
-        config.crs.lower[:n], config.crs.upper[:n] = (-box).tolist(), box.tolist()
-        config.scale[:n] = [1.0] * n
-        config.crs.seed, config.crs.omega = seed, omega
-        config.crs.population = per_parameter * n
-        config.line_search.paper = literal
+        config.lower[:n], config.upper[:n] = (-box).tolist(), box.tolist()
+        scale[:n] = 1.0
+        config.seed, config.omega = seed, omega
+        config.population = per_parameter * n
+        config.paper = literal
         if literal:
-            config.line_search.epsilon = 1e-5
-        assert lib.auvid_optimizer_init(optimizer, config) == 0
+            config.epsilon_line = 1e-5
+        assert lib.auvid_optimizer_init(optimizer, config, scale) == 0
         while True:
             status = lib.auvid_optimizer_ask(optimizer, theta)
             if status == lib.AUVID_OK:

@@ -75,7 +75,7 @@ def search(world):
     while lib.auvid_identifier_work(id_, 60) == lib.AUVID_PENDING:
         if id_.phase not in (lib.AUVID_WORK_ASK, lib.AUVID_WORK_COST):
             continue
-        work = lib.auvid_optimizer_work(id_.optimizer)
+        work = id_.optimizer.work
         if work.crs + work.line_search == last or \
                 not lib.auvid_optimizer_best(id_.optimizer, cost):
             continue

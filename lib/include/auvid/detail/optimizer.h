@@ -10,8 +10,8 @@
  *
  * Who calls it, when: the identifier, between ticks; or the user, with another cost:
  *
- *     auvid_optimizer_defaults(&cfg, 13);          then set the box
- *     auvid_optimizer_init(&optimizer, &cfg);
+ *     auvid_search_defaults(&cfg, 13);             then set the box
+ *     auvid_optimizer_init(&optimizer, &cfg, NULL);
  *     for (;;) {
  *         status = auvid_optimizer_ask(&optimizer, theta);
  *         if (status == AUVID_OK) {
@@ -21,124 +21,63 @@
  *         }
  *     }
  *
- * Cost: one ask makes at most one trial (crs.h, line_search.h). Memory: 5.5 KiB by default, for
- * the larger of the two. Evaluations until it ends, for 13 parameters of a Girona500, box
- * [-1000, 1000], float32, 1000 simulated records: median 466, p95 492; with line_search.paper 5070.
- * All results are within 1 % of the least-squares parameters
- * (tests/unit/search/test_optimizer_figures.c, tests/bench).
+ * Cost: one ask makes at most one trial. For n = 13, m = 52 a trial of the global phase is 1.8k
+ * instructions on a Cortex-M4F (-O2); tell adds 0.5-0.7k if it is accepted, else 0.1k. In the local
+ * phase ask takes 490 (at most 900), tell 390 (1400). Memory: 5.4 KiB by default, for the larger of
+ * the two. Evaluations until it ends, for 13 parameters of a Girona500, box [-1000, 1000], float32,
+ * 1000 simulated records: median 466, p95 492; with `paper` 5070. All results are within 1 % of the
+ * least-squares parameters (tests/unit/search/test_optimizer_figures.c, tests/bench).
  *
- * Scale the cost so that J(0) ~ 1, and omit constant terms: epsilon of the global phase is
- * absolute, and in float32 a constant hides the differences.
+ * Scale the cost so that J(0) ~ 1, and omit constant terms: epsilon_crs is absolute, gamma defines
+ * what counts as a gain, and in float32 a constant hides the differences.
  *
  * Sources: Section III-C of Karras et al., IROS 2013; Leonetti et al. 2012 for the composition.
- * Deviations: those of crs.h and line_search.h. The local phase begins at the best point even if
- * the global phase reached its limit. If crs.omega is 0, the global phase is short, omega = 2 and
- * crs.reduction >= 0.05, because it only has to find the region. Not with line_search.paper.
+ * Algorithm 1 after Brachetti, De Felice Ciccoli, Di Pillo, Lucidi, J. Global Optimization 10
+ * (1997). Algorithm 2 after Lucidi, Sciandrone, Computational Optimization and Applications 21
+ * (2002): steps are cut at the box, and any better point may replace the iterate without harm to
+ * the convergence theory. Conjugate directions: Smith 1962, Powell, The Computer Journal 7 (1964).
+ *
+ * Deviations from the paper; `paper` switches off the first two:
+ * - the global phase is short, omega = 2 and reduction >= 0.05, unless omega is given: it only has
+ *   to find the region;
+ * - the local phase searches along conjugate directions, with pattern steps and parabolas
+ *   (auvid_line_search.c). A recorded 13-parameter problem takes 290 evaluations instead of 4550;
+ * - the box is also searched from points that are known to be good;
+ * - both phases have caps on evaluations, the global one also on consecutive trials outside the box
+ *   (the paper's loops are unbounded; with m = n + 1, or an optimum in a corner, they do not end);
+ * - the local phase restarts with a tenth of alpha0: in float32 it may end too early;
+ * - phi is at least AUVID_EPSILON (J_max - J_min), so that no weight divides by zero, and its ratio
+ *   (J_max - J_min) / (J0_max - J0_min) is below 1000; J0 is of points that did not fail;
+ * - a population whose spread is below the resolution of the arithmetic has converged. A cost that
+ *   is not finite, or above AUVID_COST_FAILED, counts as AUVID_COST_FAILED.
  */
 #ifndef AUVID_OPTIMIZER_H
 #define AUVID_OPTIMIZER_H
 
-#include "auvid/detail/crs.h"
-#include "auvid/detail/line_search.h"
+#include "auvid/types.h"
 
 #ifdef __cplusplus
 extern "C" {
 #endif
 
-/** The search that is active. */
+/** The cost of a point at which the model failed. Larger costs, infinities and NaN count as this
+ * one. It is so small that no product with it overflows. */
+#define AUVID_COST_FAILED AUVID_C(1e24)
+
+/** Progress of a search. What stands before AUVID_OPTIMIZER_START is the global phase. */
 typedef enum {
-    AUVID_OPTIMIZER_GLOBAL = 0, /**< controlled random search */
-    AUVID_OPTIMIZER_LOCAL = 1,  /**< line search */
-    AUVID_OPTIMIZER_DONE = 2    /**< ended; auvid_optimizer_reevaluate continues from here */
-} auvid_optimizer_phase_t;
-
-/** Configuration; copied at init. */
-typedef struct {
-    auvid_crs_config_t crs; /**< global phase; its n, lower, upper define the problem; omega 0:
-                                 see above */
-    auvid_line_search_config_t line_search;   /**< local phase; its n, lower, upper, scale and start
-                                                 are not read */
-    auvid_real_t scale[AUVID_MAX_PARAMETERS]; /**< unit of the local steps [parameter's unit], > 0;
-                                                   0 (default): half the width of the box */
-} auvid_optimizer_config_t;
-
-/** State; private except through the accessors. Only this module writes it. */
-typedef struct {
-    union { /* one after the other: the global phase leaves its best point, counts and the box */
-        auvid_crs_t crs;
-        auvid_line_search_t line_search;
-    };
-    auvid_line_search_config_t local; /* of the local phase; its start: the global phase's best */
-    auvid_real_t cost;                /* of that point */
-    uint32_t evaluations, attempts;   /* of the global phase, once it has ended */
-    uint8_t phase;                    /**< auvid_optimizer_phase_t */
-} auvid_optimizer_t;
-
-#define auvid_optimizer_defaults AUVID_SIZED(auvid_optimizer_defaults)
-/** Fill *cfg with the defaults of both phases for n parameters; the box is set to zeros.
- * NULL is a no-op. Cost: a memset. */
-void auvid_optimizer_defaults(auvid_optimizer_config_t *cfg, uint8_t n);
-
-#define auvid_optimizer_init AUVID_SIZED(auvid_optimizer_init)
-/**
- * Check and copy the configuration; draw the first population.
- * @param optimizer  state to start; need not be zeroed.
- * @param cfg     copied.
- * @return AUVID_OK; the errors of auvid_crs_init, the errors of auvid_line_search_init, in that
- *         order. After an error *optimizer is unchanged.
- * Cost: that of auvid_crs_init. Stack: 0.9 KiB.
- */
-auvid_status_t auvid_optimizer_init(auvid_optimizer_t *optimizer,
-                                    const auvid_optimizer_config_t *cfg);
-
-#define auvid_optimizer_add_point AUVID_SIZED(auvid_optimizer_add_point)
-/** Put a known good point into the first population. Parameters of auvid_crs_add_point.
- * @return as auvid_crs_add_point. */
-auvid_status_t auvid_optimizer_add_point(auvid_optimizer_t *optimizer, const auvid_real_t *theta);
-
-#define auvid_optimizer_ask AUVID_SIZED(auvid_optimizer_ask)
-/**
- * Return the next point to evaluate. A second ask before tell returns the same point.
- * @param theta  n values in the box, written only on AUVID_OK [parameter's unit].
- * @return AUVID_OK: evaluate theta, then tell;
- *         AUVID_PENDING: work was done, but there is no point yet: ask again;
- *         AUVID_FINISHED: converged;
- *         AUVID_EVALUATION_LIMIT: the local phase was ended by its cap on evaluations;
- *         AUVID_ERR_NULL; AUVID_ERR_STATE (not initialised); AUVID_ERR_RANGE: memory is damaged,
- *         the search is over, and the best point is that of the global phase.
- * Cost: at most one trial point.
- */
-auvid_status_t auvid_optimizer_ask(auvid_optimizer_t *optimizer, auvid_real_t *theta);
-
-#define auvid_optimizer_tell AUVID_SIZED(auvid_optimizer_tell)
-/**
- * Supply the cost of the point last asked for.
- * @param cost  any value; NaN, infinities and values beyond +-AUVID_CRS_COST_FAILED count as
- *              AUVID_CRS_COST_FAILED.
- * @return AUVID_OK; AUVID_ERR_NULL; AUVID_ERR_STATE (nothing was asked for).
- */
-auvid_status_t auvid_optimizer_tell(auvid_optimizer_t *optimizer, auvid_real_t cost);
-
-#define auvid_optimizer_reevaluate AUVID_SIZED(auvid_optimizer_reevaluate)
-/**
- * Mark all costs as stale, because the data have changed. The global phase evaluates its population
- * again; the local phase evaluates its iterate and lengthens its steps. The active phase continues;
- * a local phase that had ended is resumed.
- * @return AUVID_OK; AUVID_ERR_NULL; AUVID_ERR_STATE (not initialised). Cost: O(n).
- */
-auvid_status_t auvid_optimizer_reevaluate(auvid_optimizer_t *optimizer);
-
-#define auvid_optimizer_phase AUVID_SIZED(auvid_optimizer_phase)
-/** The search that is active; AUVID_OPTIMIZER_GLOBAL for NULL. */
-auvid_optimizer_phase_t auvid_optimizer_phase(const auvid_optimizer_t *optimizer);
-
-#define auvid_optimizer_best AUVID_SIZED(auvid_optimizer_best)
-/**
- * The best point so far. Its cost rises only after auvid_optimizer_reevaluate.
- * @param cost  its cost; may be NULL.
- * @return n values, owned by *optimizer, valid until the next call; NULL if no cost is known.
- */
-const auvid_real_t *auvid_optimizer_best(const auvid_optimizer_t *optimizer, auvid_real_t *cost);
+    AUVID_OPTIMIZER_NONE = 0,         /**< not initialised */
+    AUVID_OPTIMIZER_FRESH,            /**< the first population is drawn */
+    AUVID_OPTIMIZER_FILL,             /**< its points are evaluated */
+    AUVID_OPTIMIZER_GLOBAL,           /**< controlled random search */
+    AUVID_OPTIMIZER_GLOBAL_CONVERGED, /**< ended by its spread */
+    AUVID_OPTIMIZER_GLOBAL_CAPPED,    /**< ended by a cap, or no point has a cost */
+    AUVID_OPTIMIZER_START,            /**< the starting point of the line search is evaluated */
+    AUVID_OPTIMIZER_LOCAL,            /**< line search */
+    AUVID_OPTIMIZER_LOCAL_CONVERGED,  /**< all steps are short, restarts included */
+    AUVID_OPTIMIZER_LOCAL_CAPPED,     /**< ended by the cap on evaluations */
+    AUVID_OPTIMIZER_STATE_COUNT
+} auvid_optimizer_state_t;
 
 /** Work done so far. */
 typedef struct {
@@ -147,9 +86,133 @@ typedef struct {
     uint32_t attempts;    /**< points made in both, also rejected ones and those without room */
 } auvid_optimizer_work_t;
 
-#define auvid_optimizer_work AUVID_SIZED(auvid_optimizer_work)
-/** Work done since init; zeros for NULL. Cost: constant. */
-auvid_optimizer_work_t auvid_optimizer_work(const auvid_optimizer_t *optimizer);
+/** State of the global phase: the population S of m points. */
+typedef struct {
+    auvid_real_t theta[AUVID_MAX_POPULATION][AUVID_MAX_PARAMETERS]; /**< S [parameter's unit] */
+    auvid_real_t cost[AUVID_MAX_POPULATION]; /**< J of each point, once evaluated */
+    auvid_real_t initial_spread;          /**< J0_max - J0_min over the points that did not fail */
+    auvid_real_t last_spread;             /**< J_max - J_min at which the search ends */
+    uint32_t rng[4];                      /**< state of the random numbers */
+    uint32_t rejections;                  /**< consecutive trials outside the box, now */
+    uint16_t order[AUVID_MAX_POPULATION]; /**< a permutation of 0..m-1; draws shuffle it */
+    uint16_t known;                       /**< points added by auvid_optimizer_add_point, 0..m */
+    uint16_t best, worst;                 /**< indices of theta_min and theta_max */
+} auvid_crs_t;
+
+/** State of the local phase. */
+typedef struct {
+    auvid_real_t theta[AUVID_MAX_PARAMETERS];     /**< the best point, x [parameter's unit] */
+    auvid_real_t base[AUVID_MAX_PARAMETERS];      /**< y_i, where the current line starts */
+    auvid_real_t previous[AUVID_MAX_PARAMETERS];  /**< theta^k, where the current sweep started */
+    auvid_real_t alpha[2 * AUVID_MAX_PARAMETERS]; /**< steps by direction [scale] */
+    auvid_real_t curvature[AUVID_MAX_PARAMETERS]; /**< half second derivative along d_i
+                                                       [cost/scale^2]; <= 0: not known */
+    auvid_real_t slope[AUVID_MAX_PARAMETERS];     /**< along d_i, at the end of its line */
+    /** d_i = e_i + sum of shear[i (i - 1) / 2 + k] e_k, k < i [scale] */
+    auvid_real_t shear[AUVID_MAX_PARAMETERS * (AUVID_MAX_PARAMETERS - 1) / 2 + 1];
+    auvid_real_t axis_cost, axis_step; /**< cost of base + axis_step e_i, where d_i is made */
+    auvid_real_t cost, base_cost, previous_cost; /**< of theta, base, previous */
+    auvid_real_t t;                              /**< step of the trial along the line [scale] */
+    auvid_real_t t_best;                         /**< step accepted last, 0: none */
+    auvid_real_t t_near, cost_near;              /**< the line's last point */
+    auvid_real_t t_far, cost_far;                /**< the point before that; t_far 0: none */
+    uint8_t direction;                           /**< 0..2n-1; 2n: the pattern step */
+    uint8_t built;                               /**< d_i with i < built have been made conjugate */
+    uint8_t probe;                               /**< k of the d_k that is probed */
+    uint8_t move;                                /**< private enum: purpose of the trial */
+    uint8_t restarts_left;                       /**< 0..restarts */
+    bool plain;                                  /**< no d_i has been made in this sweep */
+    uint8_t unused[2];
+} auvid_line_search_t;
+
+/** State; private except through the accessors. Only this module writes it. */
+typedef struct {
+    auvid_search_config_t cfg; /**< as given, zeros replaced by their values. May be filled in here
+                                    for init */
+    auvid_real_t scale[AUVID_MAX_PARAMETERS]; /**< unit of the steps [parameter's unit] */
+    auvid_real_t trial[AUVID_MAX_PARAMETERS]; /**< the point last asked for */
+    auvid_optimizer_work_t work;              /**< since init */
+    uint8_t state;                            /**< auvid_optimizer_state_t */
+    bool asked; /**< a point was returned, its cost is not yet received */
+    uint8_t unused[2];
+    union { /* one after the other: the global phase leaves its best point and its cost */
+        auvid_crs_t crs;
+        auvid_line_search_t line_search;
+    };
+} auvid_optimizer_t;
+
+#define auvid_search_defaults AUVID_SIZED(auvid_search_defaults)
+/** Fill *cfg with the defaults for n parameters. NULL is a no-op. Cost: O(AUVID_MAX_PARAMETERS). */
+void auvid_search_defaults(auvid_search_config_t *cfg, uint8_t n);
+
+#define auvid_search_check AUVID_SIZED(auvid_search_check)
+/** Check a configuration.
+ * @return AUVID_OK; AUVID_ERR_NULL; AUVID_ERR_PARAMETERS (n); AUVID_ERR_POPULATION (m);
+ *         AUVID_ERR_NOT_FINITE (any real that is used); AUVID_ERR_BOUNDS (lower >= upper);
+ *         AUVID_ERR_RANGE (another field out of range). Cost: O(n). */
+auvid_status_t auvid_search_check(const auvid_search_config_t *cfg);
+
+#define auvid_optimizer_init AUVID_SIZED(auvid_optimizer_init)
+/**
+ * Check and copy the configuration; draw the m points of S uniformly in the box (Algorithm 1,
+ * line 3), or begin the local phase.
+ * @param optimizer  state to start; need not be zeroed.
+ * @param cfg    copied; may be optimizer->cfg.
+ * @param scale  n units of the local steps [parameter's unit], >= 0, <= 1e18: a step alpha moves
+ *               parameter i by alpha scale[i]. One choice is the inverse norm of the parameter's
+ *               column in a least-squares problem. 0, and all of them if NULL: half the width of
+ *               the box.
+ * @return AUVID_OK; AUVID_ERR_NULL (but scale); the errors of auvid_search_check;
+ *         AUVID_ERR_NOT_FINITE, AUVID_ERR_RANGE (scale). After an error *optimizer is unchanged.
+ * Cost: m n random numbers, ~60k instructions for n = 13, m = 52 on a Cortex-M4F. Once.
+ */
+auvid_status_t auvid_optimizer_init(auvid_optimizer_t *optimizer, const auvid_search_config_t *cfg,
+                                    const auvid_real_t *scale);
+
+#define auvid_optimizer_add_point AUVID_SIZED(auvid_optimizer_add_point)
+/**
+ * Put a known good point into the first population, clipped to the box. It replaces a random one. A
+ * bad point does no harm: it is one of m.
+ * @param theta  n values [parameter's unit].
+ * @return AUVID_OK; AUVID_ERR_NULL; AUVID_ERR_STATE (not initialised, a point was already asked
+ *         for, or there is no global phase); AUVID_ERR_POPULATION (all m are known points);
+ *         AUVID_ERR_NOT_FINITE. Cost: n copies.
+ */
+auvid_status_t auvid_optimizer_add_point(auvid_optimizer_t *optimizer, const auvid_real_t *theta);
+
+#define auvid_optimizer_ask AUVID_SIZED(auvid_optimizer_ask)
+/**
+ * Return the next point to evaluate (Algorithm 1, lines 4, 9-15; Algorithm 2, lines 3-6). A second
+ * ask before tell returns the same point and counts nothing.
+ * @param theta  n values in the box, written only on AUVID_OK [parameter's unit].
+ * @return AUVID_OK: evaluate theta, then tell;
+ *         AUVID_PENDING: a trial was outside the box, or a step had no room: ask again. It counts
+ *         as work;
+ *         AUVID_FINISHED: converged;
+ *         AUVID_EVALUATION_LIMIT: the last phase was ended by a cap;
+ *         AUVID_ERR_NULL; AUVID_ERR_STATE (not initialised).
+ * Cost: at most one trial point. Stack: ~0.3 KiB.
+ */
+auvid_status_t auvid_optimizer_ask(auvid_optimizer_t *optimizer, auvid_real_t *theta);
+
+#define auvid_optimizer_tell AUVID_SIZED(auvid_optimizer_tell)
+/**
+ * Supply the cost of the point last asked for (Algorithm 1, lines 5, 17-20; Algorithm 2, 7-21).
+ * @param cost  any value, since a model may fail at a point; NaN, infinities and values beyond
+ *              +-AUVID_COST_FAILED count as AUVID_COST_FAILED.
+ * @return AUVID_OK; AUVID_ERR_NULL; AUVID_ERR_STATE (nothing was asked for).
+ * Cost: n copies and m comparisons, or 3 n copies, n multiply-adds and 2n comparisons; n^2 / 2
+ * stores when the directions are reset.
+ */
+auvid_status_t auvid_optimizer_tell(auvid_optimizer_t *optimizer, auvid_real_t cost);
+
+#define auvid_optimizer_best AUVID_SIZED(auvid_optimizer_best)
+/**
+ * The best point so far.
+ * @param cost  its cost; may be NULL.
+ * @return n values, owned by *optimizer, valid until the next call; NULL if no cost is known.
+ */
+const auvid_real_t *auvid_optimizer_best(const auvid_optimizer_t *optimizer, auvid_real_t *cost);
 
 /** Linear least squares within bounds. Private. */
 typedef struct {

@@ -1,0 +1,154 @@
+/*
+ * The configuration of a search: defaults, checks, and what zeros stand for.
+ */
+#include "auvid_search_internal.h"
+
+#include <string.h>
+
+#include "../base/auvid_math_internal.h"
+#include "../base/auvid_refusal_internal.h"
+
+#define OMEGA_MAX AUVID_C(1e9)
+/* The global phase only has to find the region, so a small phi makes it fast. It takes 45 % of the
+ * evaluations of omega = n to a spread of 1e-2. For functions with many minima it finds the lowest
+ * at least as often. */
+#define OMEGA AUVID_C(2.0)
+#define REDUCTION AUVID_C(0.05)
+
+void auvid_search_defaults(auvid_search_config_t *cfg, uint8_t n)
+{
+    if (cfg == NULL) {
+        return;
+    }
+    memset(cfg, 0, sizeof *cfg);
+    for (size_t i = 0; i < AUVID_MAX_PARAMETERS; ++i) {
+        cfg->lower[i] = AUVID_C(-1000.0);
+        cfg->upper[i] = AUVID_C(1000.0);
+    }
+    cfg->seed = 1u;
+    cfg->epsilon_crs = AUVID_C(1e-2);
+    cfg->delta = AUVID_C(2.0);
+    cfg->gamma = AUVID_C(1e-6);
+    cfg->n = n;
+    cfg->restarts = 1;
+}
+
+/* alpha0, sigma, epsilon_line: as given, or what zero stands for. */
+static void search_steps(const auvid_search_config_t *c, auvid_real_t step[3])
+{
+    static const auvid_real_t defaults[2][3] = {{AUVID_C(0.35), AUVID_C(0.09), AUVID_C(3e-6)},
+                                                {AUVID_C(0.05), AUVID_C(0.5), AUVID_C(3e-5)}};
+    const auvid_real_t given[3] = {c->alpha0, c->sigma, c->epsilon_line};
+    for (size_t i = 0; i < 3; ++i) {
+        step[i] = given[i] > AUVID_C(0.0) ? given[i] : defaults[c->paper][i];
+    }
+}
+
+static uint32_t search_population(const auvid_search_config_t *c)
+{
+    uint32_t n = c->n, m = 4u * n > n + 2u ? 4u * n : n + 2u;
+    m = m < AUVID_MAX_POPULATION ? m : AUVID_MAX_POPULATION;
+    return c->population != 0 ? c->population : m;
+}
+
+void auvid_search_resolve(auvid_search_config_t *c)
+{
+    auvid_real_t step[3];
+    search_steps(c, step);
+    c->population = (uint16_t)search_population(c);
+    if (!(c->omega > AUVID_C(0.0))) {
+        c->omega = c->paper ? (auvid_real_t)c->n : OMEGA;
+        c->reduction = c->paper ? c->reduction : auvid_max(c->reduction, REDUCTION);
+    }
+    c->alpha0 = step[0];
+    c->sigma = step[1];
+    c->epsilon_line = step[2];
+    if (c->max_evaluations_crs == 0) {
+        c->max_evaluations_crs = 40u * c->population;
+    }
+    if (c->max_evaluations_line == 0) {
+        c->max_evaluations_line = 1000u * c->n;
+    }
+    if (c->max_rejections == 0) {
+        c->max_rejections = 50u * c->population;
+    }
+}
+
+/* Bounds and known good value of parameter i. */
+static auvid_status_t search_check_parameter(const auvid_search_config_t *c, int i,
+                                             auvid_refusal_t *why)
+{
+    const auvid_real_t good = c->has_good ? c->good[i] : AUVID_C(0.0);
+    const struct {
+        const char *name;
+        auvid_real_t value, limit;
+    } x[] = {{"lower", c->lower[i], -SEARCH_BOUND_MAX},
+             {"upper", c->upper[i], SEARCH_BOUND_MAX},
+             {"good", good, c->upper[i]}};
+    for (int k = 0; k < 3; ++k) {
+        bool finite = auvid_is_finite(x[k].value);
+        if (!finite || (k < 2 && auvid_abs(x[k].value) > SEARCH_BOUND_MAX)) {
+            return auvid_refuse(why, finite ? AUVID_ERR_RANGE : AUVID_ERR_NOT_FINITE, x[k].name,
+                                x[k].value, x[k].limit);
+        }
+    }
+    return c->lower[i] < c->upper[i]
+               ? AUVID_OK
+               : auvid_refuse(why, AUVID_ERR_BOUNDS, "lower", c->lower[i], c->upper[i]);
+}
+
+auvid_status_t auvid_search_check_fields(const auvid_search_config_t *c, auvid_refusal_t *why)
+{
+#define BELOW_1 (AUVID_C(1.0) - AUVID_EPSILON / 2)
+#define REAL_IN(name, low, high) REALS_IN(auvid_search_config_t, name, 1, low, high)
+    static const auvid_field_t fields[] = {
+        REAL_IN(epsilon_crs, AUVID_C(0.0), AUVID_LARGEST),
+        REAL_IN(omega, AUVID_C(0.0), OMEGA_MAX),
+        REAL_IN(reduction, AUVID_C(0.0), BELOW_1),
+        REAL_IN(alpha0, AUVID_C(0.0), AUVID_C(1e3)),
+        REAL_IN(sigma, AUVID_C(0.0), BELOW_1),
+        REALS_ABOVE(auvid_search_config_t, delta, 1, AUVID_C(1.0), AUVID_C(100.0)),
+        REAL_IN(gamma, AUVID_C(0.0), BELOW_1),
+        REAL_IN(epsilon_line, AUVID_C(0.0), AUVID_C(1e-3)),
+        WHOLE_IN(auvid_search_config_t, phases, 1, AUVID_SEARCH_BOTH, AUVID_SEARCH_LOCAL),
+    };
+    auvid_real_t step[3];
+    if (c->n < 1 || c->n > AUVID_MAX_PARAMETERS) {
+        return auvid_refuse(why, AUVID_ERR_PARAMETERS, "n", (auvid_real_t)c->n,
+                            (auvid_real_t)(c->n < 1 ? 1 : AUVID_MAX_PARAMETERS));
+    }
+    const uint32_t m = search_population(c);
+    if (m < c->n + 1u || m > AUVID_MAX_POPULATION) {
+        return auvid_refuse(
+            why, AUVID_ERR_POPULATION, "population", (auvid_real_t)m,
+            (auvid_real_t)(m > AUVID_MAX_POPULATION ? AUVID_MAX_POPULATION : c->n + 1));
+    }
+    for (int i = 0; i < c->n; ++i) {
+        auvid_status_t status = search_check_parameter(c, i, why);
+        if (status < 0) {
+            return auvid_refuse_element(why, status, i);
+        }
+    }
+    auvid_status_t status = auvid_check_fields(c, fields, sizeof fields / sizeof fields[0], why);
+    if (status < 0) {
+        return status;
+    }
+    search_steps(c, step);
+    return step[0] > step[2] ? AUVID_OK
+                             : auvid_refuse(why, AUVID_ERR_RANGE, "alpha0", step[0], step[2]);
+}
+
+auvid_status_t auvid_search_check(const auvid_search_config_t *cfg)
+{
+    return cfg == NULL ? AUVID_ERR_NULL : auvid_search_check_fields(cfg, NULL);
+}
+
+bool auvid_search_inside(const auvid_search_config_t *c, const auvid_real_t *theta)
+{
+    for (size_t i = 0; i < c->n; ++i) {
+        if (!(theta[i] >= c->lower[i] && theta[i] <= c->upper[i])) {
+            return false;
+        }
+    }
+    return true;
+}
