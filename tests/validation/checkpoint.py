@@ -4,9 +4,9 @@
 usage: checkpoint.py LIBRARY.so
 Names and offsets come from the library's debugging information. Each member (of an array the first
 and the last element) is changed in a live identifier. The change must alter the checkpoint.
-Restored into an untouched identifier, the checkpoint must bring the change, or be refused as
-impossible.
-Pointers must not be in the checkpoint.
+Restored into an untouched identifier, the checkpoint must bring the change, or be refused: as
+impossible, or as one of another model or configuration. One with a real that is not a number must
+be refused, except where a model may fail. Pointers must not be in the checkpoint.
 Prints a line "not ok" for each missing member, or one line "ok".
 """
 import ctypes
@@ -14,19 +14,21 @@ import sys
 
 from auvid_validation.dwarf import Binding
 
-# Unused between calls: unions whose other member is saved; the configuration, which init copies.
+# Unused between calls: unions whose other member is saved; the configuration, which init copies;
+# what follows from it.
 DEAD = ("cfg.", "refusal.", "actuation.refusal.", "metric.evaluator.regressor",
-        "confidence.regressor")
-# Bytes that only fill a gap.
-PADDING = ".unused["
+        "confidence.regressor", "metric.layout.", "metric.cfg.velocity_us", "default_scale")
+# Costs and residuals, infinite or not a number where a model fails.
+MAY_FAIL = ("predicted", "metric.evaluator.window", "metric.evaluator.sum",
+            "metric.evaluator.compensation", "metric.evaluator.squares",
+            "metric.evaluator.band_sse", "metric.evaluator.z", "metric.result.cost",
+            "metric.result.sse", "metric.result.predicted", "metric.result.change",
+            "optimizer.trial")
 # Members that decide on forces stay those of init.
 KEPT = tuple("actuation." + name for name in (
     "excitation.cfg.", "excitation.duration_us", "excitation.pause_us", "excitation.fade_us",
     "excitation.sequence_us", "excitation.run_us", "excitation.heaves",
     "guard.cfg.", "guard.ready")) + ("adaptive.excursion_limit",)
-# Members of the model and its storage: a change may make the identifier refuse the checkpoint.
-MODEL = ("metric.cfg.free", "metric.cfg.fixed", "metric.cfg.sets", "metric.cfg.set_rows",
-         "metric.layout.columns")
 # Members of unions are used in other phases of work than the rest.
 ASK, LINEARISE, CONFIDENCE, GLOBAL, LOCAL = 6, 9, 10, 1, 6
 LIVE = (("confidence.", CONFIDENCE, GLOBAL), ("optimum.", LINEARISE, GLOBAL),
@@ -37,11 +39,12 @@ FOLLOWED = ("metric.cfg.vehicle", "metric.cfg.rows", "actuation", "prediction",
             "prediction.vehicle", "actuation.shape", "actuation.shape_context")
 SET_ROWS = 2
 ROOM = 1 << 18
-IMPOSSIBLE = -6
+REFUSED = -6, -10, -16, -27  # impossible; of other storage, another model, another configuration
+POINTERS = ctypes._Pointer, ctypes._CFuncPtr, ctypes.c_void_p, ctypes.c_char_p
 
 
 def leaves(kind, path="", at=0):
-    """(path, offset, is it a pointer?) of all scalars, of arrays' first and last elements."""
+    """(path, offset, type) of all scalars, of arrays' first and last elements."""
     if issubclass(kind, (ctypes.Structure, ctypes.Union)):
         for name, inner in kind._fields_:
             more = "" if name in getattr(kind, "_anonymous_", ()) else "." + name
@@ -51,9 +54,7 @@ def leaves(kind, path="", at=0):
             size = ctypes.sizeof(kind._type_)
             yield from leaves(kind._type_, f"{path}[{i}]", at + i * size)
     else:
-        pointer = issubclass(kind, (ctypes._Pointer, ctypes._CFuncPtr, ctypes.c_void_p,
-                                    ctypes.c_char_p))
-        yield path.lstrip("."), at, pointer
+        yield path.lstrip("."), at, kind
 
 
 class Subject:
@@ -118,24 +119,34 @@ class Subject:
             self.id, (ctypes.c_uint8 * len(saved)).from_buffer_copy(saved), len(saved))
 
 
-def wrong(subject, whole, path, at, pointer):
+def wrong(subject, whole, path, at, kind):
     """The fault of the member at this offset of `whole`, or None."""
     before = bytes(whole)
     memory = (ctypes.c_uint8 * ctypes.sizeof(whole)).from_buffer(whole)
     plain = subject.save()
-    memory[at] ^= 1
-    changed = memory[at]
-    saved = subject.save()
-    ctypes.memmove(memory, before, len(before))
-    if pointer:
+
+    def saved_with(change):
+        memory[at:at + len(change)] = change
+        saved = subject.save()
+        ctypes.memmove(memory, before, len(before))
+        return saved
+
+    changed = memory[at] ^ 1
+    saved = saved_with([changed])
+    if issubclass(kind, POINTERS):
         return None if saved == plain else "is a pointer, but it is in the checkpoint"
     if saved == plain:
         return "is not in the checkpoint: see lib/src/identifier/auvid_checkpoint_layout.c"
     status = subject.restore(saved)
     brought = memory[at] == changed
     ctypes.memmove(memory, before, len(before))
-    refused = status == IMPOSSIBLE or (status != 0 and path.split("[")[0] in MODEL)
-    return None if refused or (status == 0 and brought) else f"is not restored ({status!r})"
+    if not (status == 0 and brought) and status not in REFUSED:
+        return f"is not restored ({status!r})"
+    if issubclass(kind, (ctypes.c_float, ctypes.c_double)) and not path.startswith(MAY_FAIL):
+        status = subject.restore(saved_with([0xFF] * ctypes.sizeof(kind)))
+        ctypes.memmove(memory, before, len(before))
+        return None if status in REFUSED else "is restored though it is not a number"
+    return None
 
 
 def main():
@@ -143,14 +154,14 @@ def main():
     for whole, name in ((subject.id, ""), (subject.actuation, "actuation"),
                         (subject.adaptive, "adaptive"), (subject.prediction, "prediction"),
                         (subject.rows, "rows")):
-        for path, at, pointer in leaves(type(whole), name):
-            if path.startswith(DEAD + KEPT) or path in FOLLOWED or PADDING in path:
+        for path, at, kind in leaves(type(whole), name):
+            if path.startswith(DEAD + KEPT) or path in FOLLOWED:
                 continue
             _, phase, search = next(live for live in LIVE if path.startswith(live[0]))
             subject.pose(phase, search)
             assert subject.restore(subject.save()) == 0
             looked += 1
-            if what := wrong(subject, whole, path, at, pointer):
+            if what := wrong(subject, whole, path, at, kind):
                 bad.append(f"not ok - {sys.argv[1]}: {path} {what}")
     print("\n".join(bad or [f"ok - {sys.argv[1]}: {looked} members checked"]))
 

@@ -55,11 +55,13 @@ typedef struct auvid_actuation {
                                                         sequence in each tick (adaptive.h); NULL:
                                                         play it as it is */
     void *shape_context;
+    /* state: from here on, see checkpoint.h */
     auvid_guard_seen_t altitude; /* last sample taken */
     auvid_real_t altitude_m;
     auvid_real_t home[AUVID_DOF_COUNT]; /* position and attitude where the excitation began */
     bool starting;                      /* the excitation begins with the next step */
     bool saturated;                     /* the excitation's own allocation, in the last step */
+    uint8_t reserved[AUVID_GAP(8, 7 * sizeof(auvid_real_t) + 2)];
 } auvid_actuation_t;
 
 #define auvid_actuation_defaults AUVID_SIZED(auvid_actuation_defaults)

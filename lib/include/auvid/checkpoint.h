@@ -2,15 +2,17 @@
  * @file checkpoint.h
  * Save and restore the complete identifier, so that it continues after a restart bit for bit.
  *
- * A checkpoint is a stream of bytes without pointers: little-endian, IEEE 754, widths independent
- * of the compiler. It holds the configuration, the record, the data sets, the search at any point,
- * and the state of navigation, excitation and guard. The part of the configuration that decides on
- * forces is not restored; it stays that of init. If only the parameters of the last dive are
- * needed, the prior record (prior.h) of 236 bytes suffices.
+ * A checkpoint is the memory of the state: the record, the data sets, the search at any point,
+ * navigation, excitation and guard. The state has no pointers, enumerations or gaps, so the bytes
+ * are the same on every little-endian machine; there is no checkpoint on others. The configuration
+ * is not part of it: the restored identifier must have the same one. What decides on forces (the
+ * plan of the excitation, the thrusters, the guard's limits) may differ and stays that of init. If
+ * only the parameters of the last dive are needed, the prior record (prior.h) of 236 bytes
+ * suffices.
  *
- * It is written in chunks of any size, so that no write to flash delays a tick. The identifier must
- * not change during that time. Save when nothing steps any more, or save a copy: one tick makes it,
- * later ticks write it:
+ * It is written in chunks of any size, straight from the identifier, which must not change during
+ * that time. Save when nothing steps any more. During a dive save a copy: one tick makes it, later
+ * ticks write it:
  *
  *     static auvid_identifier_t copy;                 in one tick, after work:
  *     copy = id;
@@ -43,7 +45,7 @@ extern "C" {
 #endif
 
 /** Bytes before and after the saved data. */
-enum { AUVID_CHECKPOINT_HEAD = 24, AUVID_CHECKPOINT_TAIL = 4 };
+enum { AUVID_CHECKPOINT_HEAD = 28, AUVID_CHECKPOINT_TAIL = 4 };
 
 /** Upper bound of the size with `rows` rows of storage: (sets + 1) set_rows for a model without
  * regressor, else 0. */
@@ -84,8 +86,9 @@ auvid_status_t auvid_checkpoint_next(auvid_checkpoint_t *cursor, uint8_t *chunk,
  *
  * Restoring never acts. A guard that was ARMED, EXCITING or SETTLING becomes DISARMED, and the
  * sequence stops; a guard that was ABORTED stays so. The identifier keeps its pointers (model,
- * storage, attached validation) and what decides on forces: the plan of the excitation, the
- * thrusters and the guard's limits are those of init. The rest of the configuration is as saved.
+ * storage, attached validation) and its configuration, which must be that of the saved one, except
+ * for the plan of the excitation and the guard's limits. Thrusters that set metric.tau_max (0 in
+ * the configuration) must give as much as the saved ones.
  *
  * The checksum detects damage; it does not prove that auvid wrote the data. So each number is
  * checked against its range, and related numbers against each other. An accepted checkpoint keeps
@@ -97,7 +100,7 @@ auvid_status_t auvid_checkpoint_next(auvid_checkpoint_t *cursor, uint8_t *chunk,
  * acting half, or adaptive excitation); AUVID_ERR_CHECKSUM (damaged, truncated, or no checkpoint);
  * AUVID_ERR_SIZE (of a library of another version or of other sizes, or of another number of rows
  * of storage); AUVID_ERR_MODEL (of another model, of other free parameters, or of other fixed
- * values); AUVID_ERR_RANGE (undamaged, but not written by auvid: a number is not finite, out of its
+ * values); AUVID_ERR_CONFIGURATION (the rest of the configuration differs); AUVID_ERR_RANGE (undamaged, but not written by auvid: a number is not finite, out of its
  * range, or contradicts another). A rejected checkpoint changes nothing. */
 auvid_status_t auvid_checkpoint_restore(auvid_identifier_t *id, const uint8_t *checkpoint,
                                         uint32_t bytes);

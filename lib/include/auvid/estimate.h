@@ -95,33 +95,28 @@ typedef struct {
                                                    impossible value [partner's unit]; _THRUST_SCALE:
                                                    the largest thrust_scale with which the parameter
                                                    is identifiable */
-    uint32_t identifiable;                    /**< bit i: parameter i is identifiable */
-    uint32_t implausible;                     /**< bit i: parameter i is impossible (then no
-                                                   parameter of its equation is identifiable), or
-                                                   has AUVID_NOTE_IMPLAUSIBLE */
-    uint8_t note[AUVID_MAX_PARAMETERS];       /**< auvid_note_t */
-    uint8_t partner[AUVID_MAX_PARAMETERS];    /**< see auvid_note_t; 0 for other notes */
-    uint8_t sets; /**< number of data sets whose scatter the errors contain: those of the estimate
-                       that were still in the ring when its search ended */
-    uint8_t lost[AUVID_DOF_COUNT]; /**< rows of these sets lost to gaps in the record, or in a
-                                        velocity that the DoF's equation reads [%]; 0 for DoF that
-                                        are not excited */
     /** effective noise: rms of white noise that gives the same standard errors [N, Nm];
      * 0: DoF not excited */
     auvid_real_t effective_noise[AUVID_DOF_COUNT];
     auvid_real_t residual_rms[AUVID_DOF_COUNT]; /**< rms residual, bands weighted [N, Nm] */
     auvid_uncertainty_t uncertainty;            /**< as passed to auvid_confidence_begin */
+    uint32_t identifiable;                      /**< bit i: parameter i is identifiable */
+    uint32_t implausible;                       /**< bit i: parameter i is impossible (then no
+                                                     parameter of its equation is identifiable), or
+                                                     has AUVID_NOTE_IMPLAUSIBLE */
+    uint8_t note[AUVID_MAX_PARAMETERS];         /**< auvid_note_t */
+    uint8_t partner[AUVID_MAX_PARAMETERS];      /**< see auvid_note_t; 0 for other notes */
+    uint8_t sets; /**< number of data sets whose scatter the errors contain: those of the estimate
+                       that were still in the ring when its search ended */
+    uint8_t lost[AUVID_DOF_COUNT]; /**< rows of these sets lost to gaps in the record, or in a
+                                        velocity that the DoF's equation reads [%]; 0 for DoF that
+                                        are not excited */
+    uint8_t reserved[AUVID_GAP(sizeof(auvid_real_t), 2 * AUVID_MAX_PARAMETERS + 7)];
 } auvid_confidence_t;
 
 /** Result of a search. */
 typedef struct {
-    uint32_t number;     /**< from 1, incremented with each estimate */
-    uint64_t t_us;       /**< last tick before it was ready */
-    uint32_t sets;       /**< data sets completed when its search was prepared */
-    uint32_t identified; /**< bit i: parameter i was free and its DoF excited. The others have their
-                              fixed value, or the one that fits the excited DoF best
-                              (auvid_metric_searched) */
-    uint8_t excited;     /**< bit j: DoF j was excited */
+    uint64_t t_us;                         /**< last tick before it was ready */
     auvid_real_t pi[AUVID_MAX_PARAMETERS]; /**< parameters, in the model's order */
     /** Covariance of the n parameters if thrust and DVL scale are exact. Packed rows of the upper
      * triangle, the first of n entries; 0 if not known. For the total covariance, add the products
@@ -132,10 +127,17 @@ typedef struct {
     auvid_real_t cost;                      /**< J, Eq. 11, in the metric's units */
     auvid_real_t delay_s[AUVID_DOF_COUNT];  /**< between wrench and response; negative: the wrench's
                                                 time stamps are late */
-    uint8_t first_order_lag; /**< bit j: DoF j's delay is that of a first-order lag, not a shift */
     auvid_real_t r2_force[AUVID_DOF_COUNT]; /**< of the smoothed wrench; see auvid_metric_r2 */
-    uint32_t evaluations_crs;               /**< cost evaluations of this search, global phase */
-    uint32_t evaluations_line;              /**< local phase */
+    auvid_confidence_t confidence;          /**< its uncertainty; see auvid_confidence_t */
+    uint32_t number;                        /**< from 1, incremented with each estimate */
+    uint32_t sets;                          /**< data sets completed when its search was prepared */
+    uint32_t identified; /**< bit i: parameter i was free and its DoF excited. The others have their
+                              fixed value, or the one that fits the excited DoF best
+                              (auvid_metric_searched) */
+    uint32_t evaluations_crs;  /**< cost evaluations of this search, global phase */
+    uint32_t evaluations_line; /**< local phase */
+    uint8_t excited;           /**< bit j: DoF j was excited */
+    uint8_t first_order_lag; /**< bit j: DoF j's delay is that of a first-order lag, not a shift */
     /** The search has not converged: a cap ended the local phase, or no point had a finite cost.
      * Regressor path also: the cost exceeds the minimum within the bounds by more than a
      * thousandth of it (including the part that no parameters explain). There nothing
@@ -144,7 +146,9 @@ typedef struct {
     bool not_converged;
     bool accepted; /**< it predicted a set that it had not seen, about as well as the last accepted
                         estimate, or better */
-    auvid_confidence_t confidence; /**< its uncertainty; see auvid_confidence_t */
+    uint8_t reserved[AUVID_GAP(8, sizeof(auvid_confidence_t) +
+                                      (AUVID_MAX_PARAMETERS + AUVID_COVARIANCE + 25) *
+                                          sizeof(auvid_real_t))];
 } auvid_estimate_t;
 
 /** Drag force at a speed. */
@@ -166,11 +170,6 @@ typedef struct {
 
 /** How well the last estimate predicted the newest set, before that set was used. */
 typedef struct {
-    uint32_t set;      /**< number of the set, from 1; 0: none was validated yet */
-    uint32_t estimate; /**< number of the estimate that predicted it */
-    uint8_t excited;   /**< bit j: DoF j was excited in it and in the estimate's data */
-    uint8_t changed;   /**< bit j: the vehicle has changed, most clearly in this DoF; 0: no change,
-                            or too few sets for a test */
     auvid_real_t variance_ratio[AUVID_DOF_COUNT]; /**< mean square of the force residual over that
                             of the estimate's own data; about 1, more while there are few sets */
     auvid_real_t change[AUVID_DOF_COUNT]; /**< evidence for other parameters in this DoF: Chow's F
@@ -180,8 +179,14 @@ typedef struct {
                             five */
     auvid_real_t r2_velocity[AUVID_DOF_COUNT]; /**< of the velocity simulated through the set, from
                             the time of the estimate on; see validation.h */
-    uint8_t simulated;                         /**< bit j: r2_velocity[j] is valid; 0 unless
+    uint32_t set;      /**< number of the set, from 1; 0: none was validated yet */
+    uint32_t estimate; /**< number of the estimate that predicted it */
+    uint8_t excited;   /**< bit j: DoF j was excited in it and in the estimate's data */
+    uint8_t changed;   /**< bit j: the vehicle has changed, most clearly in this DoF; 0: no change,
+                            or too few sets for a test */
+    uint8_t simulated; /**< bit j: r2_velocity[j] is valid; 0 unless
                             auvid_identifier_attach_prediction was called */
+    uint8_t reserved[sizeof(auvid_real_t) - 3];
 } auvid_change_test_t;
 
 #define auvid_estimate_covariance AUVID_SIZED(auvid_estimate_covariance)

@@ -116,40 +116,43 @@ typedef struct {
 
 /** State of one degree of freedom. Written only by auvid_excitation_step. */
 typedef struct {
-    uint32_t rng[4];       /**< state of the random generator */
+    auvid_real_t level;  /**< STEPS: level, -1..1 of the amplitude */
+    auvid_real_t before; /**< STEPS: initial value of the fade to the level */
+    auvid_real_t scale;  /**< SINES: 1 / peak of the sum */
+    auvid_real_t frequency_hz[AUVID_MAX_SINES]; /**< SINES [Hz] */
+    auvid_real_t cycles[AUVID_MAX_SINES];       /**< SINES: phases at the start, 0..1 cycles */
+    uint32_t rng[4];                            /**< state of the random generator */
     uint32_t hold_from_us; /**< STEPS: start of this hold, from the segment's start [us] */
     uint32_t hold_to_us;   /**< STEPS: its end [us] */
     uint32_t hold_us;      /**< STEPS: drawn length [us] */
     uint32_t repetition;   /**< current repetition of the sequence */
-    auvid_real_t level;    /**< STEPS: level, -1..1 of the amplitude */
-    auvid_real_t before;   /**< STEPS: initial value of the fade to the level */
-    auvid_real_t scale;    /**< SINES: 1 / peak of the sum */
-    auvid_real_t frequency_hz[AUVID_MAX_SINES]; /**< SINES [Hz] */
-    auvid_real_t cycles[AUVID_MAX_SINES];       /**< SINES: phases at the start, 0..1 cycles */
-    uint8_t segment;                            /**< index + 1 of the current one; 0: none */
-    bool second;                                /**< STEPS: second of a pair */
-    bool negative;                              /**< STEPS: last drawn sign */
+    uint8_t segment;       /**< index + 1 of the current one; 0: none */
+    bool second;           /**< STEPS: second of a pair */
+    bool negative;         /**< STEPS: last drawn sign */
+    uint8_t reserved[sizeof(auvid_real_t) - 3];
 } auvid_excitation_channel_t;
 
 /** State. The caller owns it; all fields are written by the functions below. */
 typedef struct {
     auvid_excitation_config_t cfg;
-    auvid_excitation_channel_t channel[AUVID_DOF_COUNT];
-    uint32_t duration_us[AUVID_MAX_SEGMENTS];   /**< length of each segment [us] */
-    uint32_t pause_us[AUVID_MAX_SEGMENTS];      /**< and of the pause before it [us] */
-    auvid_real_t displacement[AUVID_DOF_COUNT]; /**< last one set [m, rad]; zero at start */
-    uint32_t fade_us;                           /**< fade of the run [us] */
-    uint32_t repetition;                        /**< current repetition of the sequence, from 0 */
-    uint64_t repeated_us;                       /**< its beginning from start [us] */
-    uint64_t sequence_us;                       /**< length of the sequence [us] */
-    uint64_t run_us;                            /**< length of the run [us] */
+    uint64_t sequence_us;                     /**< length of the sequence [us] */
+    uint64_t run_us;                          /**< length of the run [us] */
+    uint32_t duration_us[AUVID_MAX_SEGMENTS]; /**< length of each segment [us] */
+    uint32_t pause_us[AUVID_MAX_SEGMENTS];    /**< and of the pause before it [us] */
+    uint32_t fade_us;                         /**< fade of the run [us] */
+    bool heaves;                              /**< some segment excites heave */
+    /* state: from here on, see checkpoint.h */
+    uint64_t repeated_us;                       /**< beginning of `repetition` from start [us] */
     uint64_t start_us;                          /**< time of start */
     uint64_t last_us;                           /**< time of the last start, step or stop */
     uint64_t stop_us;                           /**< time of stop */
-    bool running;                               /**< started and not finished */
-    bool stopping;                              /**< stop was called in this run */
-    bool finished;                              /**< a run has ended and no new one has started */
-    bool heaves;                                /**< some segment excites heave */
+    auvid_real_t displacement[AUVID_DOF_COUNT]; /**< last one set [m, rad]; zero at start */
+    auvid_excitation_channel_t channel[AUVID_DOF_COUNT];
+    uint32_t repetition; /**< current repetition of the sequence, from 0 */
+    bool running;        /**< started and not finished */
+    bool stopping;       /**< stop was called in this run */
+    bool finished;       /**< a run has ended and no new one has started */
+    uint8_t reserved[1];
 } auvid_excitation_t;
 
 #define auvid_excitation_init AUVID_SIZED(auvid_excitation_init)

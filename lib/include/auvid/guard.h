@@ -160,6 +160,7 @@ typedef struct {
 typedef struct {
     uint64_t t_us; /**< [us]; a time ahead of the tick counts as an age of the same length */
     bool known;    /**< t_us is valid */
+    uint8_t reserved[7];
 } auvid_guard_seen_t;
 
 /** Input of a step. Written by the caller. A value that is not finite breaks its limit if that is
@@ -179,33 +180,35 @@ typedef struct {
 
 /** A breach. */
 typedef struct {
-    auvid_guard_cause_t cause;
+    uint64_t t_us;      /**< time of the step that detected it [us] */
     auvid_real_t value; /**< measured, in the unit of the cause. AUVID_LARGEST: age of a source that
                              never had a sample, or unknown speed or distance */
     auvid_real_t limit; /**< the limit, in the same unit */
-    uint64_t t_us;      /**< time of the step that detected it [us] */
+    uint8_t cause;      /**< auvid_guard_cause_t */
+    uint8_t reserved[7];
 } auvid_guard_trip_t;
 
-/** The guard. Only the functions below write it; the first three fields may be read. */
+/** The guard. Only the functions below write it; `state`, `trip` and `refused` may be read. */
 typedef struct {
-    auvid_guard_state_t state;
+    auvid_guard_config_t cfg;
+    bool ready; /* initialised */
+    /* state: from here on, see checkpoint.h */
+    uint64_t t_us;              /* last step, or arm */
+    uint64_t excite_us;         /* time of excite */
+    uint64_t settling_us;       /* start of SETTLING */
+    uint64_t at_rest_us;        /* start of being at rest */
+    uint64_t saturated_us;      /* start of saturation */
+    uint64_t heartbeat_us;      /* last heartbeat */
     auvid_guard_trip_t trip;    /**< why it is ABORTED; else all zero */
     auvid_guard_trip_t refused; /**< why the last arm returned STALE or LIMIT; all zero after a
                                      successful one */
-
-    auvid_guard_config_t cfg;
-    uint64_t t_us;           /* last step, or arm */
-    uint64_t excite_us;      /* time of excite */
-    uint64_t settling_us;    /* start of SETTLING */
-    uint64_t at_rest_us;     /* start of being at rest */
-    uint64_t saturated_us;   /* start of saturation */
-    uint64_t heartbeat_us;   /* last heartbeat */
-    auvid_real_t home[2];    /* north and east at arming */
-    bool stepped;            /* a step since arm */
-    bool at_rest, saturated; /* the times above are valid */
-    bool altitude_known;     /* an altitude was fresh since arm */
-    bool depth_known;        /* the same for a depth */
-    bool ready;              /* initialised */
+    auvid_real_t home[2];       /* north and east at arming */
+    uint8_t state;              /**< auvid_guard_state_t */
+    bool stepped;               /* a step since arm */
+    bool at_rest, saturated;    /* the times above are valid */
+    bool altitude_known;        /* an altitude was fresh since arm */
+    bool depth_known;           /* the same for a depth */
+    uint8_t reserved[2];
 } auvid_guard_t;
 
 #define auvid_guard_defaults AUVID_SIZED0(auvid_guard_defaults)

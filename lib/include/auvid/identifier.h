@@ -216,46 +216,48 @@ typedef enum {
 /** The identifier. Its modules are public to read; only the functions write. */
 typedef struct auvid_identifier {
     auvid_search_config_t search; /**< as configured; the modules hold the rest */
-    auvid_velocity_source_t velocity;
     auvid_real_t dry_mass_kg;
     auvid_uncertainty_t uncertainty;
-    auvid_nav_t nav;
-    auvid_recorder_t recorder;
-    auvid_metric_t metric;
-    struct auvid_actuation *actuation;  /**< the acting half (actuation.h); NULL: passive */
-    auvid_estimate_t estimate;          /* the last result: read auvid_identifier_estimate */
-    auvid_estimate_t accepted_estimate; /* the last accepted one */
-    auvid_change_test_t change_test;    /**< of the newest set */
-    auvid_validation_t *prediction;     /* of the set being recorded, by the last estimate; NULL:
-                                           none */
-    auvid_real_t predicted;             /* cost of the last estimate on the new set */
-    auvid_validation_t *validation;     /* receives every cell, if attached */
+    uint8_t velocity;                  /**< auvid_velocity_source_t */
+    uint8_t default_scale;             /* bit j: metric.cfg.tau_max[j] is auvid's choice */
+    struct auvid_actuation *actuation; /**< the acting half (actuation.h); NULL: passive */
+    auvid_validation_t *prediction;    /* of the set being recorded, by the last estimate; NULL:
+                                          none */
+    auvid_validation_t *validation;    /* receives every cell, if attached */
     const struct auvid_simulate_functions *simulate; /* for these two; NULL: neither was attached */
     const auvid_listener_t *listener;                /* as configured */
     void *listener_context;
-    uint64_t t_us;                              /* last tick */
-    uint32_t last_sample;                       /* sequence of the last velocity recorded */
-    uint32_t events;                            /* since the last step */
-    uint32_t searches;                          /**< begun so far */
-    uint32_t sets;                              /* completed when the current sets were taken up */
-    uint32_t work_last;                         /**< units used by the last call of work */
-    uint32_t max_work;                          /**< most units used by any call of work so far */
-    uint8_t phase;                              /**< auvid_work_phase_t */
-    uint8_t parameter_of[AUVID_MAX_PARAMETERS]; /* parameter number of the optimizer's i-th */
-    uint32_t active;                            /* parameters in the present search */
+    auvid_nav_t nav;
+    auvid_recorder_t recorder;
+    auvid_metric_t metric;
+    /* state: from here on, see checkpoint.h */
+    uint64_t t_us;                                /* last tick */
+    auvid_guard_seen_t applied;                   /* last wrench recorded */
+    auvid_estimate_t estimate;                    /* the last result: read
+                                                     auvid_identifier_estimate */
+    auvid_estimate_t accepted_estimate;           /* the last accepted one */
+    auvid_change_test_t change_test;              /**< of the newest set */
+    auvid_real_t predicted;                       /* cost of the last estimate on the new set */
     auvid_real_t candidate[AUVID_MAX_PARAMETERS]; /* all parameters of the point under evaluation */
     auvid_real_t delay_s;                         /* its delay, if the search includes it */
+    auvid_real_t cost;                            /* of the result of the search that has ended */
+    auvid_optimizer_work_t searched;              /* of that search */
+    uint32_t active;                              /* parameters in the present search */
+    uint32_t last_sample;                         /* sequence of the last velocity recorded */
+    uint32_t events;                              /* since the last step */
+    uint32_t searches;                            /**< begun so far */
+    uint32_t sets;      /* completed when the current sets were taken up */
+    uint32_t work_last; /**< units used by the last call of work */
+    uint32_t max_work;  /**< most units used by any call of work so far */
+    uint8_t phase;      /**< auvid_work_phase_t */
+    uint8_t spent;      /* >= 1: all is merged; units spent of the search's start cost */
+    uint8_t untested;   /* completed sets still to be validated before the merge */
     bool started;
-    auvid_guard_seen_t applied;      /* last wrench recorded */
-    auvid_optimizer_work_t searched; /* of the search that has ended */
-    auvid_real_t cost;               /* of its result */
-    uint8_t spent;         /* >= 1: all is merged; units spent of the search's start cost */
-    uint8_t untested;      /* completed sets still to be validated before the merge */
-    uint8_t default_scale; /* bit j: metric.cfg.tau_max[j] is auvid's choice */
     bool set_pending, searching, not_converged;
     bool straddles_change; /* the set before may be from before and after a change */
     bool cold_start;       /* search without the last estimate */
-    union {                /* one after the other: the search is over when its result is assessed */
+    uint8_t parameter_of[AUVID_MAX_PARAMETERS]; /* parameter number of the optimizer's i-th */
+    union { /* one after the other: the search is over when its result is assessed */
         auvid_identifier_config_t cfg; /**< may be filled here for init; undefined afterwards */
         auvid_refusal_t refusal;       /**< what init was refused for, until the next init */
         auvid_optimizer_t optimizer;

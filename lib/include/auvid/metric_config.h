@@ -28,8 +28,13 @@ typedef struct {
 
 typedef struct {
     const auvid_vehicle_t *vehicle; /**< required; must outlive the metric */
-    uint32_t free; /**< bit i: parameter i is estimated; others stay at `fixed`. 0: all free;
-                        default the vehicle's own choice */
+    auvid_row_t *rows;    /**< residual path: storage for (sets + 1) set_rows rows, owned by the
+                            caller, must outlive the metric; NULL otherwise */
+    uint32_t velocity_us; /**< time between velocity samples [us], interpolated in between; 0: a
+                               sample in every cell; ..1e6, default 200000 (DVL at 5 Hz). In the
+                               identifier also AUVID_VELOCITY_OBSERVED (default): the median of the
+                               first seven intervals; a rate that changes later is not noticed.
+                               In the residual path only thrusters.h reads it */
     auvid_real_t fixed[AUVID_MAX_PARAMETERS]; /**< values of the others, and of free ones while
                                 their DoF is not excited; 0 of a free one: not known, see
                                 auvid_metric_searched. Default 0 */
@@ -45,24 +50,6 @@ typedef struct {
     /** a DoF is excited if the rms of its wrench about its mean exceeds this part of tau_max; 0..1,
      * default 0.02 */
     auvid_real_t excitation_threshold;
-    uint32_t cell_us;      /**< the recorder's cell [us]; default 100000 */
-    uint32_t velocity_us;  /**< time between velocity samples [us], interpolated in between; 0: a
-                               sample in every cell; ..1e6, default 200000 (DVL at 5 Hz). In the
-                               identifier also AUVID_VELOCITY_OBSERVED (default): the median of the
-                               first seven intervals; a rate that changes later is not noticed.
-                               In the residual path only thrusters.h reads it */
-    uint16_t row_cells;    /**< cells between rows; >= 1, default 5 */
-    uint16_t set_rows;     /**< rows in a set; >= 1, default 60 (30 s);
-                              sets * set_rows <= 60000 */
-    uint8_t sets;          /**< sets in the ring, 1..AUVID_MAX_SETS; default all */
-    uint8_t half_width[2]; /**< Savitzky-Golay half-width [cells] for forces [0] and for moments
-                                [1]; default 10, 7. Not used in the residual path */
-    uint8_t lag[2]; /**< distance in rows of the two rows of a sum or difference, for forces [0] and
-                         for moments [1]; 1..AUVID_METRIC_LAGS, default 2, 1 */
-    uint8_t order;  /**< order of the polynomial, default 2 */
-    uint8_t passes; /**< number of applications of the smoother, 1 or 2;
-                         default 2 */
-    bool estimate_delay;                   /**< default true */
     auvid_real_t delay_s[AUVID_DOF_COUNT]; /**< delay of the wrench if it is not estimated [s]; a
                                                 shift, -2..6 cells, default 0. Not read in the
                                                 residual path: the delay is a parameter of each
@@ -70,10 +57,23 @@ typedef struct {
     auvid_real_t delay_sigma_s; /**< standard deviation of the delay [s], 0..1; > 0: negative delays
                                      are also estimated; default 0. The identifier overwrites it
                                      with its uncertainty.delay_s */
+    uint32_t free;      /**< bit i: parameter i is estimated; others stay at `fixed`. 0: all free;
+                        default the vehicle's own choice */
+    uint32_t cell_us;   /**< the recorder's cell [us]; default 100000 */
+    uint16_t row_cells; /**< cells between rows; >= 1, default 5 */
+    uint16_t set_rows;  /**< rows in a set; >= 1, default 60 (30 s);
+                              sets * set_rows <= 60000 */
+    uint8_t sets;       /**< sets in the ring, 1..AUVID_MAX_SETS; default all */
+    uint8_t half_width[2]; /**< Savitzky-Golay half-width [cells] for forces [0] and for moments
+                                [1]; default 10, 7. Not used in the residual path */
+    uint8_t lag[2]; /**< distance in rows of the two rows of a sum or difference, for forces [0] and
+                         for moments [1]; 1..AUVID_METRIC_LAGS, default 2, 1 */
+    uint8_t order;  /**< order of the polynomial, default 2 */
+    uint8_t passes; /**< number of applications of the smoother, 1 or 2;
+                         default 2 */
+    bool estimate_delay;     /**< default true */
     uint8_t first_order_lag; /**< bit j: delay_s of DoF j is that of a first-order lag, not a shift;
                                   default 0 */
-    auvid_row_t *rows;       /**< residual path: storage for (sets + 1) set_rows rows, owned by the
-                            caller, must outlive the metric; NULL otherwise */
 } auvid_metric_config_t;
 
 #ifdef __cplusplus

@@ -129,28 +129,31 @@ typedef struct {
 } auvid_nav_config_t;
 
 /** Statistics of one sensor. Written by the filter, read by anyone. Each call that does not return
- * AUVID_ERR_NULL or AUVID_ERR_STATE increments exactly one of the first six counters; a held sample
- * is counted when it is used. The 16-bit counters saturate. */
+ * AUVID_ERR_NULL or AUVID_ERR_STATE increments exactly one of the counters `accepted` to
+ * `not_finite`; a held sample is counted when it is used. The 16-bit counters saturate. */
 typedef struct {
-    uint64_t seen_us;    /**< time of the last sample tested by the gate, accepted or not [us] */
-    uint64_t good_us;    /**< time of the last accepted sample [us] */
-    uint32_t accepted;   /**< AUVID_OK and AUVID_PENDING (of a fix stored for the median) */
-    uint16_t unused;     /**< AUVID_UNUSED */
-    uint16_t gated;      /**< AUVID_GATED */
-    uint16_t stale;      /**< AUVID_ERR_STALE, AUVID_ERR_TIME_SAME, AUVID_ERR_TIME_BACK */
-    uint16_t invalid;    /**< AUVID_ERR_RANGE */
-    uint16_t not_finite; /**< AUVID_ERR_NOT_FINITE */
-    uint16_t resets;     /**< re-initialisations after max_consecutive_rejections */
-    uint16_t consecutive_rejections; /**< current number of consecutive rejections by the gate */
-    uint8_t innovation_count;        /**< values in innovation and variance, 1..3; 0: no sample was
-                                          tested by the gate yet */
-    bool has_sample;                 /**< a sample was accepted: good_us is valid */
+    uint64_t seen_us; /**< time of the last sample tested by the gate, accepted or not [us] */
+    uint64_t good_us; /**< time of the last accepted sample [us] */
     auvid_real_t innovation[3]; /**< nu = z - H x of the last sample tested by the gate [m/s or m]:
         body axes for a complete DVL sample, the valid axes of the instrument in order for a partial
         one */
     auvid_real_t variance[3];   /**< S = H P H' + R of each, before any of them is applied */
-    auvid_real_t nis; /**< nu' S^-1 nu of that sample, all axes together; largest nu^2/S of an axis
+    auvid_real_t nis;  /**< nu' S^-1 nu of that sample, all axes together; largest nu^2/S of an axis
         if the sample was not applied, or was applied as a re-initialisation */
+    uint32_t accepted; /**< AUVID_OK and AUVID_PENDING (of a fix stored for the median) */
+    uint16_t unused;   /**< AUVID_UNUSED */
+    uint16_t gated;    /**< AUVID_GATED */
+    uint16_t stale;    /**< AUVID_ERR_STALE, AUVID_ERR_TIME_SAME, AUVID_ERR_TIME_BACK */
+    uint16_t invalid;  /**< AUVID_ERR_RANGE */
+    uint16_t not_finite;             /**< AUVID_ERR_NOT_FINITE */
+    uint16_t resets;                 /**< re-initialisations after max_consecutive_rejections */
+    uint16_t consecutive_rejections; /**< current number of consecutive rejections by the gate */
+    uint8_t innovation_count;        /**< values in innovation and variance, 1..3; 0: no sample was
+                                          tested by the gate yet */
+    bool has_sample;                 /**< a sample was accepted: good_us is valid */
+#ifdef AUVID_REAL_DOUBLE
+    uint8_t reserved[4];
+#endif
 } auvid_nav_diagnostics_t;
 
 /** Sine of the largest angle between a body axis and the span of the valid DVL axes at which the
@@ -164,6 +167,7 @@ typedef struct {
     auvid_real_t velocity[3]; /**< u v w, body frame, of the body's origin [m/s] */
     uint32_t sequence;        /**< number of velocity samples so far; 0: none yet */
     uint8_t measured;         /**< bit i: velocity[i] was measured; else it is predicted */
+    uint8_t reserved[AUVID_GAP(8, 3 * sizeof(auvid_real_t) + 5)]; /**< 0 */
 } auvid_nav_velocity_sample_t;
 
 /** Bit of auvid_nav_state_t.flags: a sample of this sensor was accepted within stale_us. Sensors
@@ -200,43 +204,7 @@ typedef struct {
  * `horizontal`, `complete` and their times, `diagnostics`, the imu_ counters and `held_rejected`
  * may be read at any time. All other fields are private. */
 typedef struct {
-    auvid_nav_velocity_sample_t ground; /**< the filter's velocity just after the last accepted
-                                             bottom lock */
-    auvid_nav_velocity_sample_t water;  /**< velocity of the last accepted water lock with all axes
-                                             valid */
-    uint64_t horizontal_us;             /**< last accepted bottom lock that measured u and v [us] */
-    uint64_t complete_us;      /**< last accepted bottom lock that measured u, v and w [us] */
-    bool horizontal, complete; /**< the time above is valid */
-    auvid_nav_diagnostics_t diagnostics[AUVID_NAV_SENSOR_COUNT]; /**< by auvid_nav_sensor_t */
-    uint16_t imu_time;    /**< rejections by auvid_nav_imu: time not increasing */
-    uint16_t imu_invalid; /**< rejections by auvid_nav_imu: not finite or out of range */
-    uint16_t imu_gaps;    /**< ticks longer than gap_us */
-
-    uint16_t max_consecutive_rejections; /* from the configuration */
-    uint8_t gps_start;     /* from the configuration; 0 once the position is initialised */
-    uint8_t gps_count;     /* fixes collected so far */
-    uint16_t flags;        /* all of auvid_nav_state_t.flags but FRESH */
-    uint8_t ready;         /* 0 not initialised, 1 no tick yet, 2 running */
-    uint8_t held_rejected; /**< bit i: the last accepted auvid_nav_imu() released the held sample of
-                               sensor i, and the filter rejected it (AUVID_GATED or < 0) */
-    uint8_t holding;       /* bit i: a sample of sensor i is held */
-    uint8_t held_valid[AUVID_NAV_SENSOR_COUNT]; /* its valid axes, if of a DVL */
-    bool imu_turned;                            /* imu_mount is not the identity */
-    uint8_t past_next; /* index of the next stored rates; plus AUVID_NAV_PAST once all are filled */
-    uint64_t held_us[AUVID_NAV_SENSOR_COUNT]; /* its time */
-    uint64_t until_us;                        /* no sample after this is held; 0: no such limit */
-    uint64_t t_us;                            /* time of the last tick */
-    uint64_t last_update_us;                  /* tick at which a measurement was last applied */
-    auvid_real_t position[3];                 /* the position is position + position_lo */
-    auvid_real_t position_lo[3];              /* compensation term, and corrections of this tick */
-    auvid_real_t velocity[3];                 /* body */
-    auvid_real_t pp[6];                       /* covariance of position: xx xy xz yy yz zz */
-    auvid_real_t pv[3][3];                    /* of position (row) and velocity (column) */
-    auvid_real_t vv[6];                       /* of velocity: uu uv uw vv vw ww */
-    auvid_real_t rotation[3][3];              /* R(phi, theta, psi) at t_us */
-    auvid_real_t attitude[3];                 /* as measured, not unwrapped */
-    auvid_real_t rates[3];                    /* p q r */
-    int32_t yaw_revolutions[3];             /* revolutions to add to phi and psi; theta has none */
+    /* configuration, prepared */
     auvid_real_t q[3];                      /* sigma^2 reference_tick [m2/s3] */
     auvid_real_t r[AUVID_NAV_SENSOR_COUNT]; /* measurement variances; water: with current */
     auvid_real_t gate;
@@ -252,10 +220,51 @@ typedef struct {
     uint32_t future_us;
     uint32_t stale_us;
     uint32_t gap_us;
-    uint32_t past_us[AUVID_NAV_PAST];             /* ring: times of past ticks, lower halves */
-    auvid_real_t past_rates[AUVID_NAV_PAST][3];   /* and their p q r */
-    auvid_real_t held[AUVID_NAV_SENSOR_COUNT][3]; /* velocity, or depth, or x y */
+    uint16_t max_consecutive_rejections;
+    bool imu_turned; /* imu_mount is not the identity */
+
+    /* state: from here on, see checkpoint.h */
+    auvid_nav_velocity_sample_t ground; /**< the filter's velocity just after the last accepted
+                                             bottom lock */
+    auvid_nav_velocity_sample_t water;  /**< velocity of the last accepted water lock with all axes
+                                             valid */
+    auvid_nav_diagnostics_t diagnostics[AUVID_NAV_SENSOR_COUNT]; /**< by auvid_nav_sensor_t */
+    uint64_t horizontal_us; /**< last accepted bottom lock that measured u and v [us] */
+    uint64_t complete_us;   /**< last accepted bottom lock that measured u, v and w [us] */
+    uint64_t held_us[AUVID_NAV_SENSOR_COUNT]; /* time of a held sample */
+    uint64_t until_us;                        /* no sample after this is held; 0: no such limit */
+    uint64_t t_us;                            /* time of the last tick */
+    uint64_t last_update_us;                  /* tick at which a measurement was last applied */
+    auvid_real_t position[3];                 /* the position is position + position_lo */
+    auvid_real_t position_lo[3];              /* compensation term, and corrections of this tick */
+    auvid_real_t velocity[3];                 /* body */
+    auvid_real_t pp[6];                       /* covariance of position: xx xy xz yy yz zz */
+    auvid_real_t pv[3][3];                    /* of position (row) and velocity (column) */
+    auvid_real_t vv[6];                       /* of velocity: uu uv uw vv vw ww */
+    auvid_real_t rotation[3][3];              /* R(phi, theta, psi) at t_us */
+    auvid_real_t attitude[3];                 /* as measured, not unwrapped */
+    auvid_real_t rates[3];                    /* p q r */
+    auvid_real_t past_rates[AUVID_NAV_PAST][3];          /* ring: p q r of past ticks */
+    auvid_real_t held[AUVID_NAV_SENSOR_COUNT][3];        /* velocity, or depth, or x y */
     auvid_real_t gps_offset[2][AUVID_NAV_GPS_START_MAX]; /* fix - filter, x and y, each sorted */
+    int32_t yaw_revolutions[3];       /* revolutions to add to phi and psi; theta has none */
+    uint32_t past_us[AUVID_NAV_PAST]; /* times of the ring, lower halves */
+    uint16_t imu_time;                /**< rejections by auvid_nav_imu: time not increasing */
+    uint16_t imu_invalid;      /**< rejections by auvid_nav_imu: not finite or out of range */
+    uint16_t imu_gaps;         /**< ticks longer than gap_us */
+    uint16_t flags;            /* all of auvid_nav_state_t.flags but FRESH */
+    bool horizontal, complete; /**< horizontal_us, complete_us are valid */
+    uint8_t gps_start;         /* as configured; 0 once the position is initialised */
+    uint8_t gps_count;         /* fixes collected so far */
+    uint8_t ready;             /* 0 not initialised, 1 no tick yet, 2 running */
+    uint8_t held_rejected; /**< bit i: the last accepted auvid_nav_imu() released the held sample of
+                               sensor i, and the filter rejected it (AUVID_GATED or < 0) */
+    uint8_t holding;       /* bit i: a sample of sensor i is held */
+    uint8_t past_next; /* index of the next stored rates; plus AUVID_NAV_PAST once all are filled */
+    uint8_t held_valid[AUVID_NAV_SENSOR_COUNT]; /* valid axes of a held sample, if of a DVL */
+    uint8_t reserved[AUVID_GAP(8, (61 + 3 * AUVID_NAV_PAST + 3 * AUVID_NAV_SENSOR_COUNT) *
+                                          sizeof(auvid_real_t) +
+                                      AUVID_NAV_SENSOR_COUNT + 4 * (3 + AUVID_NAV_PAST))];
 } auvid_nav_t;
 
 #define auvid_nav_defaults AUVID_SIZED0(auvid_nav_defaults)
@@ -425,14 +434,14 @@ typedef enum {
 
 /** Configuration; copied by auvid_recorder_init(). */
 typedef struct {
-    uint32_t cell_us;         /**< cell length [us]; 1000..1000000, default 100000 */
-    uint32_t gap_us;          /**< longest time between samples of a stream [us]; >= cell_us,
+    uint32_t cell_us;     /**< cell length [us]; 1000..1000000, default 100000 */
+    uint32_t gap_us;      /**< longest time between samples of a stream [us]; >= cell_us,
                                  <= 1e9. Default 0: auvid_recorder_gap() of velocity_us, 1 s for a
                                  DVL at 5 Hz */
-    uint32_t velocity_us;     /**< period of the velocity samples [us], or AUVID_VELOCITY_OBSERVED;
+    uint32_t velocity_us; /**< period of the velocity samples [us], or AUVID_VELOCITY_OBSERVED;
                                  only gap_us depends on it. Default 0; in the identifier the
                                  metric's */
-    auvid_input_mode_t input; /**< default AUVID_INPUT_HOLD */
+    uint8_t input;        /**< auvid_input_mode_t; default AUVID_INPUT_HOLD */
 } auvid_recorder_config_t;
 
 #ifdef __cplusplus

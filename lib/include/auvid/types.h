@@ -45,6 +45,14 @@ typedef float auvid_real_t;
 #define AUVID_LARGEST 3.4028235e38f
 #endif
 
+/** Bytes that fill up a multiple of `unit` after this many bytes: 1..unit. State has no gaps that a
+ * compiler leaves (checkpoint.h), so a struct ends with as many reserved bytes. */
+#define AUVID_GAP(unit, bytes) ((unit) - (bytes) % (unit))
+
+/** So many bytes, or a few more, fill up whole reals. */
+#define AUVID_FILLED(bytes)                                                                        \
+    (((bytes) + sizeof(auvid_real_t) - 1) / sizeof(auvid_real_t) * sizeof(auvid_real_t))
+
 #define AUVID_PI AUVID_C(3.14159265358979323846)
 
 /** Degrees of freedom (DoF): the index into every nu, tau and per-DoF array. */
@@ -102,7 +110,8 @@ typedef enum {
     AUVID_ERR_COUNTER_JUMP = -23, /**< the frame's counter jumped: too many frames are missing */
     AUVID_ERR_ATTACHED = -24,     /**< such a part is attached already */
     AUVID_ERR_DETACHED = -25,     /**< the function needs a part that is not attached */
-    AUVID_ERR_STARTED = -26       /**< too late: the identifier has stepped or recorded */
+    AUVID_ERR_STARTED = -26,      /**< too late: the identifier has stepped or recorded */
+    AUVID_ERR_CONFIGURATION = -27 /**< saved with another configuration */
 } auvid_status_t;
 
 /** Returns a short English text for a status, never NULL; "unknown status" for any other value.
@@ -146,13 +155,14 @@ typedef struct {
  * vehicle models. The recorder (detail/recorder.h) or the user's own code writes it.
  */
 typedef struct {
-    uint64_t t_us;                            /**< middle of the interval [us] */
-    auvid_real_t phi, theta, psi;             /**< roll, pitch, yaw [rad]; yaw unwrapped */
-    auvid_real_t nu[AUVID_DOF_COUNT];         /**< u v w [m/s] p q r [rad/s], through the water */
-    auvid_real_t nu_dot[AUVID_DOF_COUNT];     /**< their time derivatives [m/s2, rad/s2] */
-    auvid_real_t tau[AUVID_DOF_COUNT];        /**< applied wrench X Y Z [N] K M N [Nm] */
+    uint64_t t_us;                             /**< middle of the interval [us] */
+    auvid_real_t phi, theta, psi;              /**< roll, pitch, yaw [rad]; yaw unwrapped */
+    auvid_real_t nu[AUVID_DOF_COUNT];          /**< u v w [m/s] p q r [rad/s], through the water */
+    auvid_real_t nu_dot[AUVID_DOF_COUNT];      /**< their time derivatives [m/s2, rad/s2] */
+    auvid_real_t tau[AUVID_DOF_COUNT];         /**< applied wrench X Y Z [N] K M N [Nm] */
     auvid_real_t command[AUVID_COMMAND_SLOTS]; /**< applied thruster commands [user's unit] */
     uint8_t missing; /**< bit j: nu[j] and nu_dot[j] are not measured; 0: all are */
+    uint8_t reserved[AUVID_GAP(8, (21 + AUVID_COMMAND_SLOTS) * sizeof(auvid_real_t) + 1)]; /**< 0 */
 } auvid_sample_t;
 
 /** The phases that a search consists of. */
@@ -168,7 +178,7 @@ typedef enum {
  * the model, in the parameter's unit, and its `n` is not read. auvid_identifier_defaults fills it.
  */
 typedef struct {
-    uint64_t seed; /**< of the random numbers; any value; default 1 */
+    uint64_t seed;                            /**< of the random numbers; any value; default 1 */
     auvid_real_t lower[AUVID_MAX_PARAMETERS]; /**< lower < upper, both of magnitude <= 1e18; default
                                                    -1000 */
     auvid_real_t upper[AUVID_MAX_PARAMETERS]; /**< default 1000 */
@@ -203,6 +213,9 @@ typedef struct {
     bool scale_by_bounds; /**< the identifier's units of the steps follow from the bounds, not from
                                the data; default false */
     bool paper;           /**< Algorithms 1 and 2 to the letter; default false */
+#if defined(AUVID_REAL_DOUBLE) || AUVID_MAX_PARAMETERS % 2 == 0
+    uint8_t reserved[4];
+#endif
 } auvid_search_config_t;
 
 /** Returns true if x is neither NaN nor infinite: not all bits of its exponent are set. Needs no

@@ -31,20 +31,22 @@ extern "C" {
 /** The comparison. All fields are private except `cells` and `predicted`. */
 typedef struct {
     const auvid_vehicle_t *vehicle;
+    /* state: from here on, see checkpoint.h */
+    auvid_sample_t last; /* the cell before */
     auvid_real_t pi[AUVID_MAX_PARAMETERS];
     auvid_real_t delay_cells[AUVID_DOF_COUNT];
     auvid_real_t wrench[AUVID_DOF_COUNT]; /* after the lag */
-    uint32_t first_order_lag;
     auvid_real_t cell_s;
-    uint32_t dofs;                                             /* bit j: this DoF is integrated */
-    auvid_sample_t last;                                       /* the cell before */
     auvid_real_t past[AUVID_VALIDATION_PAST][AUVID_DOF_COUNT]; /* wrench, newest at `cells` */
-    uint32_t since_gap;                                        /* cells since the last gap */
-    bool running;                                              /* the integration has started */
     auvid_real_t mean[AUVID_DOF_COUNT], m2[AUVID_DOF_COUNT], sse[AUVID_DOF_COUNT];
-    uint32_t compared[AUVID_DOF_COUNT];      /* cells in which this velocity was measured */
-    uint32_t cells;                          /**< cells simulated so far */
     auvid_real_t predicted[AUVID_DOF_COUNT]; /**< simulated velocity at the last cell */
+    uint32_t first_order_lag;
+    uint32_t dofs;                      /* bit j: this DoF is integrated */
+    uint32_t since_gap;                 /* cells since the last gap */
+    uint32_t compared[AUVID_DOF_COUNT]; /* cells in which this velocity was measured */
+    uint32_t cells;                     /**< cells simulated so far */
+    bool running;                       /* the integration has started */
+    uint8_t reserved[AUVID_GAP(8, (AUVID_MAX_PARAMETERS + 85) * sizeof(auvid_real_t) + 1)];
 } auvid_validation_t;
 
 #define auvid_validation_init AUVID_SIZED(auvid_validation_init)

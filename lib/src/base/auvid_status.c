@@ -49,6 +49,7 @@ static const char *const error_text[] = {
     [-AUVID_ERR_ATTACHED] = "such a part is attached already",
     [-AUVID_ERR_DETACHED] = "the function needs a part that is not attached",
     [-AUVID_ERR_STARTED] = "too late, the identifier has stepped or recorded since init",
+    [-AUVID_ERR_CONFIGURATION] = "saved with another configuration",
 };
 
 const char *auvid_status_str(auvid_status_t status)

@@ -190,7 +190,7 @@ auvid_status_t auvid_excitation_init(auvid_excitation_t *e, const auvid_excitati
         return status;
     }
     e->cfg = *cfg;
-    memset(e->channel, 0, sizeof *e - offsetof(auvid_excitation_t, channel));
+    memset(&e->sequence_us, 0, sizeof *e - offsetof(auvid_excitation_t, sequence_us));
     e->sequence_us = sequence_us;
     e->run_us = excitation_run_us(&e->cfg, sequence_us);
     e->fade_us = (uint32_t)auvid_excitation_us(cfg->fade_s);

@@ -16,9 +16,8 @@
 
 static auvid_guard_seen_t actuation_last_seen(const auvid_nav_t *nav, auvid_nav_sensor_t sensor)
 {
-    auvid_guard_seen_t seen = {nav->diagnostics[sensor].good_us,
-                               nav->diagnostics[sensor].has_sample};
-    return seen;
+    const auvid_nav_diagnostics_t *d = &nav->diagnostics[sensor];
+    return (auvid_guard_seen_t){.t_us = d->good_us, .known = d->has_sample};
 }
 
 /* Collect the guard's input from the filter and the other sensors. */
@@ -38,16 +37,16 @@ static void actuation_fill_guard_input(const auvid_identifier_t *id, bool satura
     }
     in->imu.t_us = state.t_us;
     in->imu.known = true;
-    in->ground = (auvid_guard_seen_t){id->nav.horizontal_us, id->nav.horizontal};
+    in->ground = (auvid_guard_seen_t){.t_us = id->nav.horizontal_us, .known = id->nav.horizontal};
     in->velocity = in->ground;
     if (a->excitation.heaves) {
-        in->velocity = (auvid_guard_seen_t){id->nav.complete_us, id->nav.complete};
+        in->velocity = (auvid_guard_seen_t){.t_us = id->nav.complete_us, .known = id->nav.complete};
     }
     in->depth = actuation_last_seen(&id->nav, AUVID_NAV_DEPTH);
     const auvid_nav_velocity_sample_t *water = &id->nav.water;
     if (a->guard.cfg.water_lock && water->sequence > 0 &&
         (!in->velocity.known || water->t_us > in->velocity.t_us)) {
-        in->velocity = (auvid_guard_seen_t){water->t_us, true};
+        in->velocity = (auvid_guard_seen_t){.t_us = water->t_us, .known = true};
     }
     memcpy(in->position, state.position, sizeof in->position);
     memcpy(in->velocity_ground, state.velocity, sizeof in->velocity_ground);

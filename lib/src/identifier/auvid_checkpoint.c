@@ -1,20 +1,17 @@
 /*
- * The checkpoint. Little-endian words, then the members listed in the tables of
- * auvid_checkpoint_layout.c, in their order: of the identifier, of what is attached to it, and for
- * a model on the residual path its rows:
+ * The checkpoint. Little-endian words, then the blocks of auvid_checkpoint_layout.c as they are in
+ * memory: of the identifier, of what is attached to it, and for a model on the residual path its
+ * rows:
  *
- *     byte 0  "avc1"
- *          4  checksum of the tables and of the library's version
+ *     byte 0  "avc2"
+ *          4  checksum of the layout and of the library's version
  *          8  checksum of the model
- *         12  parts that are present, PART_..
- *         16  rows
- *         20  number of bytes, all
- *         24  the identifier, the acting half, the adaptive excitation, the simulated
- *             velocity, the rows
+ *         12  checksum of the configuration
+ *         16  parts that are present, PART_..
+ *         20  rows
+ *         24  number of bytes, all
+ *         28  the blocks
  *   last four CRC-32 of all bytes before
- *
- * The tables give the address of each byte of the stream from its position
- * (auvid_checkpoint_locate.c), so the cursor holds only its position.
  */
 #include "auvid/checkpoint.h"
 
@@ -26,29 +23,30 @@
 #include "../base/auvid_math_internal.h"
 #include "../metric/auvid_metric_internal.h"
 
-#define HEAD_MAGIC 0x31637661u
+#define HEAD_MAGIC 0x32637661u
 
-enum { HEAD_LAYOUT = 4, HEAD_MODEL = 8, HEAD_PARTS = 12, HEAD_ROWS = 16, HEAD_BYTES = 20 };
+enum {
+    HEAD_LAYOUT = 4,
+    HEAD_MODEL = 8,
+    HEAD_CONFIGURATION = 12,
+    HEAD_PARTS = 16,
+    HEAD_ROWS = 20,
+    HEAD_BYTES = 24
+};
 
-typedef auvid_checkpoint_row_t row_t;
-
-typedef auvid_checkpoint_sizes_t sizes_t;
-typedef auvid_checkpoint_run_t run_t;
+typedef auvid_checkpoint_block_t block_t;
+typedef auvid_checkpoint_view_t view_t;
 
 /* ---- the header ---- */
 
-/* Of the library's version and the tables, without offsets, which a compiler chooses. */
+/* Of the library's version, of the layout with default sizes, and of these sizes. */
 static uint32_t checkpoint_layout_checksum(void)
 {
     uint32_t c = auvid_checksum_word(
         UINT32_MAX, AUVID_VERSION_MAJOR << 16 | AUVID_VERSION_MINOR << 8 | AUVID_VERSION_PATCH);
-    for (int t = 0; t < TABLE_COUNT; ++t) {
-        const auvid_checkpoint_table_t *table = &auvid_checkpoint_table[t];
-        for (uint32_t i = 0; i < table->rows; ++i) {
-            const row_t *row = &table->row[i];
-            const uint8_t kind[] = {row->width, row->table, row->parts};
-            c = auvid_checksum_word(auvid_checksum(c, kind, sizeof kind), row->count);
-        }
+    c = auvid_checksum_word(c, AUVID_CHECKPOINT_LAYOUT);
+    for (int k = 0; k < CHECKPOINT_BLOCKS; ++k) {
+        c = auvid_checksum_word(c, auvid_checkpoint_block[k].bytes);
     }
     return c;
 }
@@ -90,69 +88,53 @@ static uint32_t checkpoint_model_checksum(const auvid_identifier_t *id)
     return auvid_checksum_word(c, auvid_metric_stores_rows(&id->metric));
 }
 
-/* Write the head of a checkpoint of *id that has these parts. */
-static void checkpoint_write_head(const auvid_identifier_t *id, uint32_t parts, sizes_t *sizes,
-                                  uint8_t *head)
+static uint32_t checkpoint_configuration_checksum(const auvid_identifier_t *id)
 {
-    uint32_t rows = checkpoint_rows(id), bytes = AUVID_CHECKPOINT_HEAD + AUVID_CHECKPOINT_TAIL;
-    auvid_checkpoint_measure(sizes, parts);
-    for (int root = 0; root < CHECKPOINT_ROOTS; ++root) {
-        bytes += auvid_checkpoint_root_bytes(sizes, root);
+    uint32_t c = UINT32_MAX;
+    for (int k = 0; k < CHECKPOINT_CONFIGURED; ++k) {
+        const block_t *block = &auvid_checkpoint_configured[k];
+        c = auvid_checksum(c, (const uint8_t *)id + block->offset, block->bytes);
+    }
+    return c;
+}
+
+/* Write the head of a checkpoint of *id that has these parts. */
+static void checkpoint_write_head(const auvid_identifier_t *id, uint32_t parts, uint8_t *head)
+{
+    const view_t view = {.parts = parts, .rows = checkpoint_rows(id)};
+    uint32_t bytes = AUVID_CHECKPOINT_HEAD + AUVID_CHECKPOINT_TAIL;
+    for (int k = 0; k < CHECKPOINT_BLOCKS; ++k) {
+        bytes += auvid_checkpoint_bytes(&view, &auvid_checkpoint_block[k]);
     }
     auvid_put_word(head, HEAD_MAGIC);
     auvid_put_word(head + HEAD_LAYOUT, checkpoint_layout_checksum());
     auvid_put_word(head + HEAD_MODEL, checkpoint_model_checksum(id));
+    auvid_put_word(head + HEAD_CONFIGURATION, checkpoint_configuration_checksum(id));
     auvid_put_word(head + HEAD_PARTS, parts);
-    auvid_put_word(head + HEAD_ROWS, rows);
-    auvid_put_word(head + HEAD_BYTES, bytes + rows * sizes->of[TABLE_ROW]);
+    auvid_put_word(head + HEAD_ROWS, view.rows);
+    auvid_put_word(head + HEAD_BYTES, bytes);
 }
 
-/* ---- the body ---- */
+/* The rest of the block that contains byte `at` of the body. */
+static block_t checkpoint_locate(const view_t *v, uint32_t at)
+{
+    const block_t *block = auvid_checkpoint_block;
+    for (; at >= auvid_checkpoint_bytes(v, block); ++block) {
+        at -= auvid_checkpoint_bytes(v, block);
+    }
+    block_t rest = *block;
+    rest.offset += at;
+    rest.bytes = auvid_checkpoint_bytes(v, block) - at;
+    return rest;
+}
 
-/* The memory of an outermost struct other than the identifier. */
+/* The memory of a root other than the identifier. */
 static void *checkpoint_attached(const auvid_identifier_t *id, uint8_t root)
 {
-    return root == TABLE_ACTUATION    ? (void *)id->actuation
-           : root == TABLE_ADAPTIVE   ? id->actuation->shape_context
-           : root == TABLE_VALIDATION ? (void *)id->prediction
-                                      : (void *)id->metric.cfg.rows;
-}
-
-/* Save up to max_bytes bytes of the body from `at` on. @return how many, >= 1 */
-static uint32_t checkpoint_save(const auvid_identifier_t *id, const sizes_t *sizes, uint32_t at,
-                                uint32_t max_bytes, uint8_t *to)
-{
-    run_t run = auvid_checkpoint_locate(sizes, at);
-    const row_t *row = run.row;
-    const void *from = run.root == TABLE_IDENTIFIER ? id : checkpoint_attached(id, run.root);
-    const uint8_t *memory = (const uint8_t *)from + run.offset;
-    uint32_t done = 0;
-    for (uint32_t i = 0; i < run.count && done < max_bytes; ++i, memory += row->stride) {
-        for (uint32_t k = run.skip; k < row->width && done < max_bytes; ++k, ++done) {
-            to[done] = memory[auvid_checkpoint_byte(row->stride, k)];
-        }
-        run.skip = 0;
-    }
-    return done;
-}
-
-/* Load up to max_bytes bytes of the body from `at` on, whole scalars. @return how many, >= 1 */
-static AUVID_NOINLINE uint32_t checkpoint_load(auvid_identifier_t *id, const sizes_t *sizes,
-                                               uint32_t at, uint32_t max_bytes, const uint8_t *from)
-{
-    run_t run = auvid_checkpoint_locate(sizes, at);
-    const row_t *row = run.row;
-    void *to = run.root == TABLE_IDENTIFIER ? id : checkpoint_attached(id, run.root);
-    uint8_t *memory = (uint8_t *)to + run.offset;
-    uint32_t done = 0;
-    for (uint32_t i = 0; i < run.count && done < max_bytes; ++i, memory += row->stride) {
-        memset(memory, 0, row->stride); /* an enumeration is wider than in the stream */
-        for (uint32_t k = run.skip; k < row->width && done < max_bytes; ++k, ++done) {
-            memory[auvid_checkpoint_byte(row->stride, k)] = from[done];
-        }
-        run.skip = 0;
-    }
-    return done;
+    return root == ROOT_ACTUATION    ? (void *)id->actuation
+           : root == ROOT_ADAPTIVE   ? id->actuation->shape_context
+           : root == ROOT_PREDICTION ? (void *)id->prediction
+                                     : (void *)id->metric.cfg.rows;
 }
 
 /* ---- saving ---- */
@@ -165,8 +147,7 @@ auvid_status_t auvid_checkpoint_begin(auvid_checkpoint_t *cursor, const auvid_id
     if (!identifier_is_ready(id)) {
         return AUVID_ERR_STATE;
     }
-    sizes_t sizes;
-    checkpoint_write_head(id, checkpoint_parts(id), &sizes, cursor->head);
+    checkpoint_write_head(id, checkpoint_parts(id), cursor->head);
     cursor->id = id;
     cursor->t_us = id->t_us;
     cursor->bytes = auvid_get_word(cursor->head + HEAD_BYTES);
@@ -185,8 +166,8 @@ auvid_status_t auvid_checkpoint_next(auvid_checkpoint_t *cursor, uint8_t *chunk,
     if (cursor->id == NULL || cursor->t_us != cursor->id->t_us) {
         return AUVID_ERR_STATE;
     }
-    sizes_t sizes;
-    auvid_checkpoint_measure(&sizes, cursor->head[HEAD_PARTS]);
+    const view_t view = {.parts = auvid_get_word(cursor->head + HEAD_PARTS),
+                         .rows = auvid_get_word(cursor->head + HEAD_ROWS)};
     while (*bytes < room && cursor->at < cursor->bytes) {
         uint8_t *to = chunk + *bytes;
         uint32_t at = cursor->at, done = 1;
@@ -195,9 +176,12 @@ auvid_status_t auvid_checkpoint_next(auvid_checkpoint_t *cursor, uint8_t *chunk,
         } else if (at >= end) {
             *to = (uint8_t)(~cursor->checksum >> 8 * (at - end));
         } else {
-            uint32_t left = end - at, max_bytes = room - *bytes;
-            done = checkpoint_save(cursor->id, &sizes, at - AUVID_CHECKPOINT_HEAD,
-                                   max_bytes < left ? max_bytes : left, to);
+            const block_t from = checkpoint_locate(&view, at - AUVID_CHECKPOINT_HEAD);
+            const void *root = from.root == ROOT_IDENTIFIER
+                                   ? cursor->id
+                                   : checkpoint_attached(cursor->id, from.root);
+            done = from.bytes < room - *bytes ? from.bytes : room - *bytes;
+            memcpy(to, (const uint8_t *)root + from.offset, done);
         }
         cursor->checksum = at < end ? auvid_checksum(cursor->checksum, to, done) : cursor->checksum;
         cursor->at += done;
@@ -210,7 +194,7 @@ auvid_status_t auvid_checkpoint_next(auvid_checkpoint_t *cursor, uint8_t *chunk,
 
 /* Is it an undamaged checkpoint of this library and of this identifier's model? */
 static auvid_status_t checkpoint_check(const auvid_identifier_t *id, const uint8_t *checkpoint,
-                                       uint32_t bytes, sizes_t *sizes)
+                                       uint32_t bytes, view_t *v)
 {
     uint8_t expected[AUVID_CHECKPOINT_HEAD];
     uint32_t end = bytes - AUVID_CHECKPOINT_TAIL;
@@ -219,7 +203,10 @@ static auvid_status_t checkpoint_check(const auvid_identifier_t *id, const uint8
         auvid_get_word(checkpoint + end) != ~auvid_checksum(UINT32_MAX, checkpoint, end)) {
         return AUVID_ERR_CHECKSUM;
     }
-    checkpoint_write_head(id, auvid_get_word(checkpoint + HEAD_PARTS), sizes, expected);
+    v->parts = auvid_get_word(checkpoint + HEAD_PARTS);
+    v->rows = checkpoint_rows(id);
+    v->body = checkpoint + AUVID_CHECKPOINT_HEAD;
+    checkpoint_write_head(id, v->parts, expected);
     if (memcmp(expected + HEAD_LAYOUT, checkpoint + HEAD_LAYOUT, 4) != 0) {
         return AUVID_ERR_SIZE;
     }
@@ -229,11 +216,14 @@ static auvid_status_t checkpoint_check(const auvid_identifier_t *id, const uint8
     if (memcmp(expected + HEAD_ROWS, checkpoint + HEAD_ROWS, 4) != 0) {
         return AUVID_ERR_SIZE;
     }
+    if (memcmp(expected + HEAD_CONFIGURATION, checkpoint + HEAD_CONFIGURATION, 4) != 0) {
+        return AUVID_ERR_CONFIGURATION;
+    }
     bool whole = auvid_get_word(expected + HEAD_BYTES) == bytes &&
                  auvid_get_word(checkpoint + HEAD_BYTES) == bytes;
     const uint32_t attached = PART_ACTUATION | PART_ADAPTIVE;
-    bool same = ((sizes->parts ^ checkpoint_parts(id)) & attached) == 0 &&
-                ((sizes->parts & PART_SIMULATED) == 0 || id->prediction != NULL);
+    bool same = ((v->parts ^ checkpoint_parts(id)) & attached) == 0 &&
+                ((v->parts & PART_SIMULATED) == 0 || id->prediction != NULL);
     return !whole ? AUVID_ERR_CHECKSUM : same ? AUVID_OK : AUVID_ERR_STATE;
 }
 
@@ -246,25 +236,27 @@ auvid_status_t auvid_checkpoint_resume(auvid_identifier_t *id, const uint8_t *ch
     if (!identifier_is_ready(id)) {
         return AUVID_ERR_STATE;
     }
-    sizes_t sizes;
-    auvid_status_t status = checkpoint_check(id, checkpoint, bytes, &sizes);
+    view_t view;
+    auvid_status_t status = checkpoint_check(id, checkpoint, bytes, &view);
     if (status != AUVID_OK) {
         return status;
     }
-    auvid_metric_t *m = &id->metric;
-    uint32_t body = bytes - AUVID_CHECKPOINT_HEAD - AUVID_CHECKPOINT_TAIL;
-    status = auvid_checkpoint_validate(id, &sizes, checkpoint + AUVID_CHECKPOINT_HEAD, body);
+    status = auvid_checkpoint_validate(id, &view);
     if (status != AUVID_OK) {
         return status;
     }
-    for (uint32_t at = 0; at < body;) {
-        at += checkpoint_load(id, &sizes, at, body - at, checkpoint + AUVID_CHECKPOINT_HEAD + at);
+    uint32_t end = bytes - AUVID_CHECKPOINT_HEAD - AUVID_CHECKPOINT_TAIL;
+    for (uint32_t at = 0; at < end;) {
+        const block_t to = checkpoint_locate(&view, at);
+        void *root = to.root == ROOT_IDENTIFIER ? id : checkpoint_attached(id, to.root);
+        memcpy((uint8_t *)root + to.offset, view.body + at, to.bytes);
+        at += to.bytes;
     }
     if (id->prediction != NULL) {
-        bool simulated = (sizes.parts & PART_SIMULATED) != 0;
+        bool simulated = (view.parts & PART_SIMULATED) != 0;
         id->prediction->vehicle = simulated ? identifier_vehicle(id) : NULL;
     }
-    (void)auvid_metric_set_prior(m, &m->prior); /* sets the function pointer */
+    (void)auvid_metric_set_prior(&id->metric, &id->metric.prior); /* sets the function pointer */
     return AUVID_OK;
 }
 

@@ -43,9 +43,9 @@ uint32_t auvid_recorder_gap(uint32_t velocity_us)
     return velocity_us > 100000 ? 5u * velocity_us : 500000;
 }
 
-static uint32_t recorder_gap_us(const auvid_recorder_config_t *cfg)
+static uint32_t recorder_gap_us(const auvid_recorder_config_t *cfg, uint32_t velocity_us)
 {
-    return cfg->gap_us == 0 ? auvid_recorder_gap(cfg->velocity_us) : cfg->gap_us;
+    return cfg->gap_us == 0 ? auvid_recorder_gap(velocity_us) : cfg->gap_us;
 }
 
 auvid_status_t auvid_recorder_check(const auvid_recorder_config_t *cfg, auvid_refusal_t *why)
@@ -56,7 +56,7 @@ auvid_status_t auvid_recorder_check(const auvid_recorder_config_t *cfg, auvid_re
         WHOLE_IN(auvid_recorder_config_t, input, 1, AUVID_INPUT_HOLD, AUVID_INPUT_LINEAR),
     };
     auvid_status_t status = auvid_check_fields(cfg, fields, sizeof fields / sizeof fields[0], why);
-    uint32_t gap_us = recorder_gap_us(cfg);
+    uint32_t gap_us = recorder_gap_us(cfg, cfg->velocity_us);
     if (status == AUVID_OK && gap_us < cfg->cell_us) {
         return auvid_refuse(why, AUVID_ERR_RANGE, "gap_us", (auvid_real_t)gap_us,
                             (auvid_real_t)cfg->cell_us);
@@ -75,14 +75,15 @@ auvid_status_t auvid_recorder_init(auvid_recorder_t *recorder, const auvid_recor
     }
     memset(recorder, 0, sizeof *recorder);
     recorder->cfg = *cfg;
-    recorder->gap_us = recorder_gap_us(cfg);
+    recorder->velocity_us = cfg->velocity_us;
+    recorder->gap_us = recorder_gap_us(cfg, cfg->velocity_us);
     return AUVID_OK;
 }
 
 /* Is the period of the velocity samples still to be observed? */
 static bool recorder_observes(const auvid_recorder_t *rec)
 {
-    return rec->cfg.velocity_us == AUVID_VELOCITY_OBSERVED;
+    return rec->velocity_us == AUVID_VELOCITY_OBSERVED;
 }
 
 /* Take an interval between velocity samples; the median of enough of them is their period. */
@@ -95,8 +96,8 @@ static void recorder_observe(auvid_recorder_t *rec, uint32_t interval_us)
     rec->interval_us[i] = interval_us < MAX_PERIOD_US ? interval_us : MAX_PERIOD_US;
     if (rec->intervals == AUVID_RECORDER_INTERVALS) {
         rec->intervals = 0;
-        rec->cfg.velocity_us = rec->interval_us[AUVID_RECORDER_INTERVALS / 2];
-        rec->gap_us = recorder_gap_us(&rec->cfg);
+        rec->velocity_us = rec->interval_us[AUVID_RECORDER_INTERVALS / 2];
+        rec->gap_us = recorder_gap_us(&rec->cfg, rec->velocity_us);
     }
 }
 

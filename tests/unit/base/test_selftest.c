@@ -109,14 +109,14 @@ static void test_the_machine_is_accepted_after_the_mode_is_restored(void)
 
 static void test_each_status_has_its_own_text(void)
 {
-    for (int i = AUVID_ERR_STARTED; i <= AUVID_SET_IDLE; ++i) {
+    for (int i = AUVID_ERR_CONFIGURATION; i <= AUVID_SET_IDLE; ++i) {
         const char *text = auvid_status_str((auvid_status_t)i);
         TEST_ASSERT_TRUE(text[0] != '\0' && text != auvid_status_str((auvid_status_t)1000));
-        for (int j = AUVID_ERR_STARTED; j < i; ++j) {
+        for (int j = AUVID_ERR_CONFIGURATION; j < i; ++j) {
             TEST_ASSERT_TRUE(text != auvid_status_str((auvid_status_t)j));
         }
     }
-    const int unknown[] = {-1000, AUVID_ERR_STARTED - 1, AUVID_SET_IDLE + 1, 1000};
+    const int unknown[] = {-1000, AUVID_ERR_CONFIGURATION - 1, AUVID_SET_IDLE + 1, 1000};
     for (int i = 0; i < 4; ++i) {
         TEST_ASSERT_EQUAL_STRING("unknown status", auvid_status_str((auvid_status_t)unknown[i]));
     }

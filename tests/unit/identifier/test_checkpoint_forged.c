@@ -174,7 +174,7 @@ static void record_all(void)
             exciting += moment[w][k].chain.actuation.guard.state == AUVID_GUARD_EXCITING;
             waiting += kind / PHASES % 2;
             holding += kind / PHASES / 2;
-            optima += (auvid_get_word(moment[w][k].saved + 12) & PART_OPTIMUM) != 0;
+            optima += (auvid_get_word(moment[w][k].saved + 16) & PART_OPTIMUM) != 0;
         }
     }
     printf("%u exciting, %u with sets that wait, %u with samples held, %u while the least cost is "
@@ -182,13 +182,6 @@ static void record_all(void)
            (unsigned)exciting, (unsigned)waiting, (unsigned)holding, (unsigned)optima);
     TEST_ASSERT_EQUAL_HEX32((1u << PHASES) - 1, phases);
     TEST_ASSERT_TRUE(exciting > 10 && waiting > 10 && holding > 10 && optima > 3);
-}
-
-static const auvid_checkpoint_sizes_t *sizes_of(const uint8_t *saved)
-{
-    static auvid_checkpoint_sizes_t sizes;
-    auvid_checkpoint_measure(&sizes, auvid_get_word(saved + 12));
-    return &sizes;
 }
 
 /* ---- forging ---- */
@@ -228,37 +221,70 @@ static void change_scalar(uint8_t *at, uint32_t width)
     }
 }
 
-/* One to three changes: half of them of any byte, half of any member of a struct. */
+/* Where a scalar with a limit is in the body: any of any struct; -1: of a part that is absent. */
+static int32_t find_limited(const auvid_checkpoint_view_t *v, uint32_t *width)
+{
+    const auvid_checkpoint_struct_t *of =
+        &auvid_checkpoint_struct[auvid_rng_below(&rng, (uint32_t)auvid_checkpoint_structs)];
+    const auvid_checkpoint_limit_t *limit =
+        &auvid_checkpoint_limit[auvid_rng_below(&rng, (uint32_t)auvid_checkpoint_limits)];
+    if (limit->table != of->table || (of->parts != 0 && (of->parts & v->parts) == 0)) {
+        return -1;
+    }
+    uint32_t offset =
+        of->offset + limit->first +
+        auvid_rng_below(&rng, of->root == ROOT_ROWS ? v->rows : of->count) * of->size +
+        auvid_rng_below(&rng, limit->count) * limit->width;
+    *width = limit->width;
+    for (uint32_t k = 0, at = 0; k < CHECKPOINT_BLOCKS; ++k) {
+        const auvid_checkpoint_block_t *block = &auvid_checkpoint_block[k];
+        uint32_t bytes = auvid_checkpoint_bytes(v, block);
+        if (block->root == of->root && offset >= block->offset && offset - block->offset < bytes) {
+            return (int32_t)(at + offset - block->offset);
+        }
+        at += bytes;
+    }
+    return -1;
+}
+
+/* Any place near the beginning or the end of a block, where counts, times and flags are. */
+static int32_t find_at_edge(const auvid_checkpoint_view_t *v, uint32_t width)
+{
+    uint32_t k = auvid_rng_below(&rng, CHECKPOINT_BLOCKS), at = 0;
+    for (uint32_t i = 0; i < k; ++i) {
+        at += auvid_checkpoint_bytes(v, &auvid_checkpoint_block[i]);
+    }
+    uint32_t bytes = auvid_checkpoint_bytes(v, &auvid_checkpoint_block[k]);
+    if (bytes < width) {
+        return -1;
+    }
+    uint32_t edge = auvid_rng_below(&rng, bytes < 64 ? bytes : 64) / width * width;
+    return (int32_t)(at + (auvid_rng_below(&rng, 2) == 0 ? edge : bytes - width - edge));
+}
+
+/* One to three changes: of any bytes, of a scalar with a limit, at the edge of a block. */
 static void forge(const moment_t *m)
 {
-    static uint32_t start[MOST];
-    static const moment_t *of;
-    static uint32_t runs;
-    const auvid_checkpoint_sizes_t *sizes = sizes_of(m->saved);
+    const auvid_checkpoint_view_t view = {.parts = auvid_get_word(m->saved + 16),
+                                          .rows = auvid_get_word(m->saved + 20)};
     uint32_t body = m->bytes - AUVID_CHECKPOINT_HEAD - AUVID_CHECKPOINT_TAIL;
-    if (of != m) {
-        of = m;
-        runs = 0;
-        for (uint32_t at = 0; at < sizes->of[TABLE_IDENTIFIER]; ++runs) {
-            auvid_checkpoint_run_t run = auvid_checkpoint_locate(sizes, at);
-            start[runs] = at;
-            at += run.count * run.row->width;
-        }
-    }
     memcpy(forged, m->saved, m->bytes);
-    for (uint32_t k = 0; k <= auvid_rng_below(&rng, 3); ++k) {
-        uint32_t at = auvid_rng_below(&rng, 3) == 0 ? auvid_rng_below(&rng, body)
-                                                    : start[auvid_rng_below(&rng, runs)];
-        auvid_checkpoint_run_t run = auvid_checkpoint_locate(sizes, at);
-        at += auvid_rng_below(&rng, run.count) * run.row->width - run.skip;
-        change_scalar(forged + AUVID_CHECKPOINT_HEAD + at, run.row->width);
+    for (uint32_t k = 0; k <= auvid_rng_below(&rng, 3);) {
+        uint32_t width = 1u << auvid_rng_below(&rng, 4), way = auvid_rng_below(&rng, 300);
+        int32_t at = way > 5   ? find_limited(&view, &width) /* most of them are absent */
+                     : way > 1 ? find_at_edge(&view, width)
+                               : (int32_t)(auvid_rng_below(&rng, body / 8) * 8);
+        if (at < 0 || (uint32_t)at + width > body) {
+            continue;
+        }
+        ++k;
+        change_scalar(forged + AUVID_CHECKPOINT_HEAD + at, width);
         size_t said = strlen(what);
-        (void)snprintf(what + said, sizeof what - said, "; table %u, row at %u, byte %u: %02x",
-                       run.table, (unsigned)run.row->offset, (unsigned)at,
-                       forged[AUVID_CHECKPOINT_HEAD + at]);
+        (void)snprintf(what + said, sizeof what - said, "; byte %d of %u: %02x", (int)at,
+                       (unsigned)width, forged[AUVID_CHECKPOINT_HEAD + at]);
     }
     if (auvid_rng_below(&rng, 50) == 0) {
-        forged[4 + auvid_rng_below(&rng, 20)] ^= (uint8_t)(1u << auvid_rng_below(&rng, 8));
+        forged[4 + auvid_rng_below(&rng, 24)] ^= (uint8_t)(1u << auvid_rng_below(&rng, 8));
     }
     correct_checksum(m->bytes);
 }

@@ -235,7 +235,6 @@ static int continue_run(const char *run_file, const char *saved_file, uint32_t f
         return -1;
     }
     configure(run.residual);
-    cfg.id.search.seed = 99; /* the checkpoint overrides it */
     if (!read_file(saved_file, saved, sizeof saved, &size) ||
         auvid_identifier_init(&id, &cfg.id) != AUVID_OK ||
         auvid_allocation_init(&allocation, &cfg.thrusters) != AUVID_OK ||

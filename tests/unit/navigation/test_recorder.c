@@ -614,12 +614,12 @@ static void test_the_period_of_the_velocity_is_the_median_of_the_first_seven_int
     static const int fast[] = {100, 100, 100, 100, 100, 100, 100, 0};
     static const int lossy[] = {400, 200, 600, 180, 200, 220, 400, 0};
     observe(steady, 6);
-    TEST_ASSERT_EQUAL_UINT32(AUVID_VELOCITY_OBSERVED, recorder.cfg.velocity_us);
+    TEST_ASSERT_EQUAL_UINT32(AUVID_VELOCITY_OBSERVED, recorder.velocity_us);
     observe(fast, 7);
-    TEST_ASSERT_EQUAL_UINT32(100000, recorder.cfg.velocity_us);
+    TEST_ASSERT_EQUAL_UINT32(100000, recorder.velocity_us);
     TEST_ASSERT_EQUAL_UINT32(500000, recorder.gap_us);
     observe(lossy, 7);
-    TEST_ASSERT_EQUAL_UINT32(220000, recorder.cfg.velocity_us);
+    TEST_ASSERT_EQUAL_UINT32(220000, recorder.velocity_us);
     TEST_ASSERT_EQUAL_UINT32(1000000, recorder.gap_us);
     cfg.gap_us = 300000;
     observe(fast, 7);
@@ -643,7 +643,7 @@ static void test_the_period_of_a_slow_velocity_is_observed_without_a_gap(void)
     static const int slow[] = {1000, 1000, 1000, 1000, 1000, 1000, 1000, 0};
     observe(slow, 7);
     pop_all();
-    TEST_ASSERT_EQUAL_UINT32(1000000, recorder.cfg.velocity_us);
+    TEST_ASSERT_EQUAL_UINT32(1000000, recorder.velocity_us);
     TEST_ASSERT_EQUAL_INT(0, gaps);
 }
 
@@ -657,7 +657,7 @@ static void test_a_velocity_that_is_too_slow_to_be_observed_is_a_gap(void)
     cfg.gap_us = 3000000; /* with a longer gap and longer cells it is recorded */
     cfg.cell_us = 300000;
     observe(too_slow, 7);
-    TEST_ASSERT_EQUAL_UINT32(1000000, recorder.cfg.velocity_us);
+    TEST_ASSERT_EQUAL_UINT32(1000000, recorder.velocity_us);
     TEST_ASSERT_EQUAL_INT(0, gaps);
 }
 

@@ -53,6 +53,7 @@ extern "C" {
 /** The computation. Private. */
 typedef struct {
     const auvid_metric_t *metric; /* during a call only */
+    /* state: from here on, see checkpoint.h */
     auvid_confidence_t result;
     auvid_real_t dry_mass_kg;
     auvid_real_t pi[AUVID_MAX_PARAMETERS]; /* the estimate */
@@ -75,12 +76,13 @@ typedef struct {
     auvid_real_t delay_step[AUVID_MAX_PARAMETERS];
     auvid_real_t scatter[AUVID_DOF_COUNT], degrees_of_freedom[AUVID_DOF_COUNT]; /* of the scores */
     auvid_real_t rows[AUVID_DOF_COUNT];
+    uint32_t at_bound;                          /* bit i: parameter i is near a bound */
     uint8_t column_of[AUVID_MAX_PARAMETERS];    /* of parameter i in the joint factor; or NOWHERE */
     uint8_t parameter_of[AUVID_MAX_PARAMETERS]; /* of column k */
-    uint32_t at_bound;                          /* bit i: parameter i is near a bound */
     uint8_t n, spent, phase, at_set, at_dof, at_row;
     bool not_converged; /* the search has not converged */
     bool delayed;       /* the widening by estimated or uncertain delays is being computed */
+    uint8_t reserved[AUVID_GAP(sizeof(auvid_real_t), 2 * AUVID_MAX_PARAMETERS + 12)];
 } auvid_confidence_job_t;
 
 #define auvid_confidence_begin AUVID_SIZED(auvid_confidence_begin)

@@ -84,67 +84,69 @@ typedef struct {
                                              auvid_metric_linearise */
     uint16_t fastest[AUVID_DOF_COUNT][2]; /**< largest speed measured, forward [0] and backward [1]
                                                [mm/s, mrad/s] */
-    int8_t exponent[AUVID_MAX_COLUMNS];   /* by channel */
-    uint8_t excited;                      /**< bit j: DoF j is excited */
+    int8_t exponent[AUVID_FILLED(AUVID_MAX_COLUMNS + 1) - 1]; /* by channel, and spare ones */
+    uint8_t excited;                                          /**< bit j: DoF j is excited */
 } auvid_set_t;
 
 /** Prior knowledge: parameters estimated before the first set was recorded. */
 typedef struct {
-    uint32_t known;                           /**< bit i: parameter i has a prior; 0: none has */
     auvid_real_t pi[AUVID_MAX_PARAMETERS];    /**< means, in the parameters' units */
     auvid_real_t sigma[AUVID_MAX_PARAMETERS]; /**< standard errors, > 0 */
     /** mean square of the effective noise divided by that of the residual (confidence.h), > 0 */
     auvid_real_t variance_inflation[AUVID_DOF_COUNT];
+    uint32_t known; /**< bit i: parameter i has a prior; 0: none has */
+#ifdef AUVID_REAL_DOUBLE
+    uint8_t reserved[4];
+#endif
 } auvid_prior_t;
 
 /** What follows from the configuration. Private: written by auvid_metric_init. */
 typedef struct {
+    auvid_real_t window_weight[AUVID_METRIC_WINDOW];
+    auvid_real_t interpolation_spread;        /* spreads the wrench of forces as interpolation
+                                                 spreads velocity: see auvid_metric_regressor.c */
+    auvid_real_t kernel[2][AUVID_MAX_TAPS];   /* ends in zeros, see interpolation_spread */
     uint32_t columns[AUVID_DOF_COUNT];        /* free parameters in each equation */
     uint16_t factor_at[AUVID_DOF_COUNT];      /* where each DoF's R factor starts */
     uint16_t channel_at[AUVID_DOF_COUNT + 1]; /* where each DoF's channels start */
     uint8_t count[AUVID_DOF_COUNT];           /* number of free parameters in each equation */
     uint8_t taps, overlap;                    /* of the kernel */
     uint8_t window_length;
-    uint8_t unused[5];
-    auvid_real_t window_weight[AUVID_METRIC_WINDOW];
-    auvid_real_t interpolation_spread;      /* spreads the wrench of forces as interpolation spreads
-                                          velocity: see auvid_metric_regressor.c */
-    auvid_real_t kernel[2][AUVID_MAX_TAPS]; /* ends in zeros, see interpolation_spread */
-    uint8_t index[AUVID_MAX_COLUMNS];       /* parameter numbers, DoF after DoF */
+    uint8_t index[AUVID_MAX_COLUMNS]; /* parameter numbers, DoF after DoF */
 } auvid_metric_layout_t;
 
 /** The set being recorded. Private except `rows`. */
 typedef struct {
-    uint16_t rows;                        /**< so far */
+    auvid_real_t tau_mean[AUVID_DOF_COUNT], tau_m2[AUVID_DOF_COUNT];
+    auvid_real_t factor[AUVID_METRIC_BANDS][AUVID_MAX_FACTOR]; /* its [R_j | Z_j]; also used by
+                                                                  auvid_metric_linearise */
+    uint16_t rows;                                             /**< so far */
     uint16_t lost;                        /* rows of all DoF lost to gaps in the record or in
                                              velocities */
     uint16_t rows_of[AUVID_DOF_COUNT];    /* see auvid_set_t */
     uint16_t fastest[AUVID_DOF_COUNT][2]; /* see auvid_set_t */
-    auvid_real_t tau_mean[AUVID_DOF_COUNT], tau_m2[AUVID_DOF_COUNT];
-    auvid_real_t factor[AUVID_METRIC_BANDS][AUVID_MAX_FACTOR]; /* its [R_j | Z_j]; also used by
-                                                                  auvid_metric_linearise */
 } auvid_partial_set_t;
 
 /** Rows: cells become smoothed rows, rows become a set. Private. */
 typedef struct {
-    uint32_t cells;                      /* since the record began */
-    uint32_t since_gap;                  /* rows; the last of `previous` */
-    uint8_t successive[AUVID_DOF_COUNT]; /* rows without a gap of the DoF, ..AUVID_METRIC_LAGS */
-    uint8_t unused[2];
     auvid_partial_set_t set; /* being recorded */
     auvid_real_t accumulator[AUVID_MAX_OVERLAP][AUVID_MAX_COLUMNS];
     auvid_real_t fixed_wrench[AUVID_MAX_OVERLAP][AUVID_DOF_COUNT]; /* explained by fixed pi */
     auvid_real_t past_tau[AUVID_METRIC_DELAY_CELLS * (AUVID_METRIC_DELAYS - 1) + 1] /* inputs */
                          [AUVID_DOF_COUNT + AUVID_MAX_COMMANDS];
     auvid_real_t previous[AUVID_METRIC_LAGS][AUVID_MAX_COLUMNS]; /* the last rows */
+    uint32_t cells;                                              /* since the record began */
+    uint32_t since_gap;                                          /* rows; the last of `previous` */
+    uint8_t successive[AUVID_DOF_COUNT];   /* rows without a gap of the DoF, ..AUVID_METRIC_LAGS */
     uint8_t missing[AUVID_MAX_OVERLAP][2]; /* bit i: velocity i was not measured in a cell of a row
                                               under construction, of forces and of moments */
 } auvid_metric_rows_t;
 
 /** Sets: the ring of completed sets. See auvid_metric_hold. */
 typedef struct {
-    uint64_t until_us;     /* residual path: no row is stored after this while the ring is held */
-    uint64_t resume_us;    /* residual path: no row is stored whose middle is before this */
+    uint64_t until_us;  /* residual path: no row is stored after this while the ring is held */
+    uint64_t resume_us; /* residual path: no row is stored whose middle is before this */
+    auvid_set_t set[AUVID_MAX_SETS];
     uint32_t recorded;     /**< sets completed since init */
     uint32_t rows_dropped; /**< complete rows lost to every evaluation because the ring was held */
     uint32_t stored;       /* sets stored in the ring so far */
@@ -153,8 +155,6 @@ typedef struct {
     uint8_t least;         /* sets that count are not overwritten if there are so many or fewer */
     bool held, full;
     bool changed; /* a set has entered since it is held */
-    uint8_t unused[6];
-    auvid_set_t set[AUVID_MAX_SETS];
 } auvid_metric_sets_t;
 
 /** Where a pass over the rows of the sets stands. Private; whoever begins a pass owns it. */
@@ -162,19 +162,14 @@ typedef struct {
     uint16_t row, part, spent;
     uint8_t set, to_set, band, dof;
     uint8_t pass; /* its purpose */
-    uint8_t unused;
+    uint8_t reserved;
 } auvid_metric_cursor_t;
 
 /** Evaluator: the ring's merged R factors, and the candidate under evaluation. Private. */
 typedef struct {
     uint64_t window_us; /* time of the window's last row */
     auvid_real_t sum, compensation, squares;
-    auvid_real_t linear_delay_s; /* delay at which the residual path was linearised */
-    uint32_t window_rows;        /* rows since a gap */
-    auvid_metric_cursor_t at;
-    uint8_t window_of[AUVID_DOF_COUNT]; /* rows of each DoF since a gap of it, ..window_length */
-    uint8_t sets_merged;                /* sets with an excited DoF at the last merge */
-    uint8_t unused;
+    auvid_real_t linear_delay_s;          /* delay at which the residual path was linearised */
     auvid_real_t weight[AUVID_DOF_COUNT]; /* 1 / (tau_max^2 rows) */
     auvid_real_t band_weight[AUVID_METRIC_BANDS][AUVID_DOF_COUNT];
     auvid_real_t band_sse[AUVID_METRIC_BANDS][AUVID_DOF_COUNT];
@@ -183,6 +178,11 @@ typedef struct {
     auvid_real_t candidate[AUVID_MAX_COLUMNS]; /* pi by channel, then minus the delay's weights */
     auvid_real_t z[AUVID_MAX_COLUMNS];         /* wrench at the delay, by channel */
     auvid_real_t merged[AUVID_MAX_FACTOR];     /* the ring's [R_j | Z_j], bands weighted */
+    uint32_t window_rows;                      /* rows since a gap */
+    auvid_metric_cursor_t at;
+    uint8_t window_of[AUVID_DOF_COUNT]; /* rows of each DoF since a gap of it, ..window_length */
+    uint8_t sets_merged;                /* sets with an excited DoF at the last merge */
+    uint8_t reserved;
     union {
         auvid_real_t window[AUVID_METRIC_WINDOW][AUVID_DOF_COUNT]; /* residuals of the last rows */
 #if AUVID_MAX_COMMANDS > 0
@@ -217,8 +217,9 @@ typedef struct auvid_metric {
     auvid_metric_config_t cfg;
     auvid_status_t (*apply_prior)(struct auvid_metric *m, uint32_t *budget); /* NULL: no prior. A
                                                        pointer, to link its code only where used */
-    auvid_prior_t prior;
     auvid_metric_layout_t layout;
+    /* state: from here on, see checkpoint.h */
+    auvid_prior_t prior;
     auvid_metric_result_t result;
     auvid_metric_evaluator_t evaluator;
     auvid_metric_rows_t rows;

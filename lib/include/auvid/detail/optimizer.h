@@ -122,7 +122,7 @@ typedef struct {
     uint8_t move;                                /**< private enum: purpose of the trial */
     uint8_t restarts_left;                       /**< 0..restarts */
     bool plain;                                  /**< no d_i has been made in this sweep */
-    uint8_t unused[2];
+    uint8_t reserved[2];
 } auvid_line_search_t;
 
 /** State; private except through the accessors. Only this module writes it. */
@@ -134,7 +134,7 @@ typedef struct {
     auvid_optimizer_work_t work;              /**< since init */
     uint8_t state;                            /**< auvid_optimizer_state_t */
     bool asked; /**< a point was returned, its cost is not yet received */
-    uint8_t unused[2];
+    uint8_t reserved[2];
     union { /* one after the other: the global phase leaves its best point and its cost */
         auvid_crs_t crs;
         auvid_line_search_t line_search;
@@ -225,6 +225,7 @@ typedef struct {
     uint8_t order[AUVID_MAX_PARAMETERS]; /* of the columns: free ones first */
     uint8_t n, fixed_from, at, changes, spent;
     uint8_t dof, row; /* of the metric: read so far */
+    uint8_t reserved[AUVID_GAP(sizeof(auvid_real_t), AUVID_MAX_PARAMETERS + 11)];
 } auvid_bounded_ls_t;
 
 #ifdef __cplusplus

@@ -55,22 +55,26 @@ typedef struct {
     uint64_t filled_us; /* integrated up to here */
     uint32_t cell;      /* index of the cell being filled */
     bool valid;         /* t_us is valid */
+    uint8_t reserved[3];
 } auvid_recorder_stream_t;
 
 /** The recorder. All fields private. */
 typedef struct {
     auvid_recorder_config_t cfg;
+    /* state: from here on, see checkpoint.h */
     auvid_recorder_stream_t stream[5];
+    uint64_t origin_us;                         /* start of cell 0 */
     auvid_real_t last[AUVID_RECORDER_CHANNELS]; /* last sample of each stream */
     auvid_real_t mean[AUVID_RECORDER_CELLS][AUVID_RECORDER_CHANNELS];
-    uint64_t origin_us;                             /* start of cell 0 */
     uint32_t opened;                                /* cells begun so far */
     uint32_t next;                                  /* next cell to pop */
+    uint32_t velocity_us;                           /* as configured, or as observed */
     uint32_t gap_us;                                /* longest time between samples */
     uint32_t interval_us[AUVID_RECORDER_INTERVALS]; /* between velocity samples, ascending */
     uint8_t measured[AUVID_RECORDER_CELLS];         /* bit i: velocity[i] covers the whole cell */
     bool running, broken;
     uint8_t intervals; /* observed so far */
+    uint8_t reserved[AUVID_GAP(8, AUVID_RECORDER_CHANNELS * sizeof(auvid_real_t) + 7)];
 } auvid_recorder_t;
 
 /** Fill *cfg with the defaults stated at its fields.
