@@ -45,12 +45,12 @@ static int begin(run_t *run)
     cfg.answer = o->lock_step || run->simulated;
     auvid_status_t status = auvid_node_init(&run->node, &cfg, o->vehicle->allocation, &identifier);
     if (status < 0) {
-        return report_refused("node", status, &run->node.id.refusal);
+        return report_refused("node", status, &run->node.id.refusal, &identifier);
     }
     (void)auvid_identifier_attach_prediction(&run->node.id, &run->prediction);
     status = o->excite ? world_excite(&run->node, &run->actuation, &world) : AUVID_OK;
     if (status < 0) {
-        return report_refused("node", status, &run->actuation.refusal);
+        return report_refused("node", status, &run->actuation.refusal, NULL);
     }
     if (o->prior != NULL) {
         (void)prior_file_read(&run->node.id, o->prior);

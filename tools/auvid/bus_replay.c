@@ -147,12 +147,12 @@ static int begin(run_t *run)
     auvid_node_defaults(&cfg);
     auvid_status_t status = auvid_node_init(&run->node, &cfg, o->vehicle->allocation, &identifier);
     if (status < 0) {
-        return report_refused("replay", status, &run->node.id.refusal);
+        return report_refused("replay", status, &run->node.id.refusal, &identifier);
     }
     (void)auvid_identifier_attach_prediction(&run->node.id, &run->prediction);
     status = world_excite(&run->node, &run->actuation, &world);
     if (status < 0) {
-        return report_refused("replay", status, &run->actuation.refusal);
+        return report_refused("replay", status, &run->actuation.refusal, NULL);
     }
     if (run->options->prior != NULL && !prior_file_read(&run->node.id, run->options->prior)) {
         return EXIT_REFUSED;

@@ -310,7 +310,7 @@ static bool record(const job_t *job, const auvid_vehicle_t *vehicle, fitted_t *f
     }
     status = auvid_identifier_init(&fitted->id, &cfg);
     if (status < 0) {
-        (void)report_refused("fit", status, &fitted->id.refusal);
+        (void)report_refused("fit", status, &fitted->id.refusal, &cfg);
         return false;
     }
     (void)auvid_identifier_attach_prediction(&fitted->id, &fitted->prediction);

@@ -88,45 +88,41 @@
 #define AUVID_TOKEN_POPULATION AUVID_MAX_POPULATION
 #endif
 
-/** Numbers in one data set's R factors, all degrees of freedom together. A degree of freedom whose
- * equation has c free parameters needs (c + 3)(c + 4) / 2. The default has room for the models of
- * auvid with so many parameters, all free: Girona500 (from 13 on; from 17 on with biases) or Fossen
- * (from 22 on), and a wrapper's additional parameters in each of their equations. 10..8192. */
-#ifndef AUVID_MAX_FACTOR
+/* What the models of auvid with so many parameters need, all of them free: Fossen, Girona500 with
+ * and without biases. Each additional parameter, as of a wrapper, may be in all their equations. */
 #if AUVID_MAX_PARAMETERS >= 22
-#define AUVID_MAX_FACTOR (3 * (AUVID_MAX_PARAMETERS * (AUVID_MAX_PARAMETERS - 22) + 123))
+#define AUVID_MODEL_FACTOR (3 * (AUVID_MAX_PARAMETERS * (AUVID_MAX_PARAMETERS - 22) + 123))
+#define AUVID_MODEL_COLUMNS (6 * AUVID_MAX_PARAMETERS - 69)
 #elif AUVID_MAX_PARAMETERS >= 17
-#define AUVID_MAX_FACTOR ((AUVID_MAX_PARAMETERS - 7) * (2 * AUVID_MAX_PARAMETERS - 13))
+#define AUVID_MODEL_FACTOR ((AUVID_MAX_PARAMETERS - 7) * (2 * AUVID_MAX_PARAMETERS - 13))
+#define AUVID_MODEL_COLUMNS (4 * AUVID_MAX_PARAMETERS - 29)
 #elif AUVID_MAX_PARAMETERS >= 13
-#define AUVID_MAX_FACTOR ((AUVID_MAX_PARAMETERS - 4) * (2 * AUVID_MAX_PARAMETERS - 7))
+#define AUVID_MODEL_FACTOR ((AUVID_MAX_PARAMETERS - 4) * (2 * AUVID_MAX_PARAMETERS - 7))
+#define AUVID_MODEL_COLUMNS (4 * AUVID_MAX_PARAMETERS - 17)
 #else
-#define AUVID_MAX_FACTOR 171
+#define AUVID_MODEL_FACTOR 171
+#define AUVID_MODEL_COLUMNS 35
 #endif
+
+/** Numbers in one data set's R factors, all degrees of freedom together. A degree of freedom whose
+ * equation has c free parameters needs (c + 3)(c + 4) / 2. 10..8192. */
+#ifndef AUVID_MAX_FACTOR
+#define AUVID_MAX_FACTOR AUVID_MODEL_FACTOR
 #define AUVID_TOKEN_FACTOR derived
 #else
 #define AUVID_TOKEN_FACTOR AUVID_MAX_FACTOR
 #endif
 
 /** Columns of all equations together: the sum of c + 3 over the degrees of freedom (three columns
- * are for the wrench). The default is as that of AUVID_MAX_FACTOR. A model on the residual path
- * needs 33 and three for each command. Range: 33 + 3 AUVID_MAX_COMMANDS..512, or 10..512 with
- * AUVID_MAX_COMMANDS 0. */
+ * are for the wrench). A model on the residual path needs 33 and three for each command. Range:
+ * 33 + 3 AUVID_MAX_COMMANDS..512, or 10..512 with AUVID_MAX_COMMANDS 0. */
 #ifndef AUVID_MAX_COLUMNS
-#if AUVID_MAX_PARAMETERS >= 22
-#define AUVID_EQUATION_COLUMNS (6 * AUVID_MAX_PARAMETERS - 69)
-#elif AUVID_MAX_PARAMETERS >= 17
-#define AUVID_EQUATION_COLUMNS (4 * AUVID_MAX_PARAMETERS - 29)
-#elif AUVID_MAX_PARAMETERS >= 13
-#define AUVID_EQUATION_COLUMNS (4 * AUVID_MAX_PARAMETERS - 17)
-#else
-#define AUVID_EQUATION_COLUMNS 35
-#endif
-#if AUVID_MAX_COMMANDS > 0 && 33 + 3 * AUVID_MAX_COMMANDS > AUVID_EQUATION_COLUMNS
+#define AUVID_TOKEN_COLUMNS derived
+#if AUVID_MAX_COMMANDS > 0 && 33 + 3 * AUVID_MAX_COMMANDS > AUVID_MODEL_COLUMNS
 #define AUVID_MAX_COLUMNS (33 + 3 * AUVID_MAX_COMMANDS)
 #else
-#define AUVID_MAX_COLUMNS AUVID_EQUATION_COLUMNS
+#define AUVID_MAX_COLUMNS AUVID_MODEL_COLUMNS
 #endif
-#define AUVID_TOKEN_COLUMNS derived
 #else
 #define AUVID_TOKEN_COLUMNS AUVID_MAX_COLUMNS
 #endif

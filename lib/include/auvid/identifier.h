@@ -89,6 +89,17 @@ typedef struct auvid_identifier_config {
     void *listener_context;           /**< its context */
 } auvid_identifier_config_t;
 
+/** Sizes that a configuration needs: the least value of each macro AUVID_MAX_... of config.h. */
+typedef struct {
+    uint32_t parameters; /**< also of the delay, if it is searched (residual path) */
+    uint32_t population; /**< as configured, or else n + 1; 4 n, the default, is better */
+    uint32_t sets;
+    uint32_t commands; /**< 0: the model needs no memory for them. 1: the residual path; your model
+                            may read more */
+    uint32_t taps, overlap, half_width;
+    uint32_t factor, columns;
+} auvid_needs_t;
+
 /** What arrived since the last tick. Members of what did not arrive are zero. */
 typedef struct {
     uint64_t t_us; /**< this tick [us]; must advance from step to step */
@@ -276,6 +287,16 @@ const auvid_estimate_t *auvid_identifier_estimate(const auvid_identifier_t *id);
 /** Fill *cfg for a vehicle: every module's defaults, all parameters of the model free (Girona500:
  * the 13 of Eq. 12-15), bounds +-1000, passive. NULL is a no-op. */
 void auvid_identifier_defaults(auvid_identifier_config_t *cfg, const auvid_vehicle_t *vehicle);
+
+#define auvid_identifier_needs AUVID_SIZED(auvid_identifier_needs)
+/** Compute the sizes that a configuration needs. Call it if auvid_identifier_init returns
+ * AUVID_ERR_SIZE, AUVID_ERR_PARAMETERS or AUVID_ERR_POPULATION, or to save memory. The model need
+ * not fit; other fields are not checked. Cost: O(n). It is linked only if it is called.
+ * @param cfg not id->cfg after init
+ * @param needs written if AUVID_OK or AUVID_ERR_SIZE
+ * @return AUVID_OK (config.h has room); AUVID_ERR_SIZE (it has not); AUVID_ERR_NULL (also the
+ * vehicle and its path); AUVID_ERR_PARAMETERS (the model has none, or more than 32). */
+auvid_status_t auvid_identifier_needs(const auvid_identifier_config_t *cfg, auvid_needs_t *needs);
 
 #define auvid_identifier_init AUVID_SIZED(auvid_identifier_init)
 /** Check the arithmetic (auvid_selftest) and the configuration, and start. Nothing is attached

@@ -99,18 +99,26 @@ static auvid_status_t metric_check_ranges(const auvid_metric_config_t *cfg, auvi
     return cfg->vehicle->path->check(cfg, why);
 }
 
+void auvid_metric_count(const auvid_vehicle_t *vehicle, uint32_t free, uint32_t *columns,
+                        uint32_t *factor)
+{
+    *columns = *factor = 0;
+    for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
+        uint32_t left = vehicle->columns[j] & (free == 0 ? UINT32_MAX : free);
+        uint32_t order = vehicle->columns[j] == 0 ? 0 : AUVID_METRIC_DELAYS;
+        for (; left != 0; left &= left - 1) {
+            ++order;
+        }
+        *columns += order;
+        *factor += AUVID_QR_FACTOR(order);
+    }
+}
+
 /* Check that all channels and R factors fit. */
 static auvid_status_t metric_check_columns(const auvid_metric_config_t *cfg, auvid_refusal_t *why)
 {
-    uint32_t free = cfg->free == 0 ? UINT32_MAX : cfg->free, channels = 0, factor = 0;
-    for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
-        uint32_t order = cfg->vehicle->columns[j] == 0 ? 0 : AUVID_METRIC_DELAYS;
-        for (uint32_t left = cfg->vehicle->columns[j] & free; left != 0; left &= left - 1) {
-            ++order;
-        }
-        channels += order;
-        factor += AUVID_QR_FACTOR(order);
-    }
+    uint32_t channels, factor;
+    auvid_metric_count(cfg->vehicle, cfg->free, &channels, &factor);
     if (channels > AUVID_MAX_COLUMNS) {
         return auvid_refuse(why, AUVID_ERR_SIZE, "free: AUVID_MAX_COLUMNS", (auvid_real_t)channels,
                             AUVID_MAX_COLUMNS);
@@ -120,11 +128,14 @@ static auvid_status_t metric_check_columns(const auvid_metric_config_t *cfg, auv
                                                      (auvid_real_t)factor, AUVID_MAX_FACTOR);
 }
 
-auvid_status_t auvid_metric_check_taps(const auvid_metric_config_t *cfg, uint32_t taps,
-                                       const char *field, auvid_refusal_t *why)
+/* Check that the filter's taps, and the rows that they overlap, fit. */
+static auvid_status_t metric_check_taps(const auvid_metric_config_t *cfg, auvid_refusal_t *why)
 {
+    bool mean = auvid_path_stores_rows(cfg->vehicle->path);
+    uint32_t taps = auvid_metric_taps(cfg, mean);
     if (taps > AUVID_MAX_TAPS) {
-        return auvid_refuse(why, AUVID_ERR_SIZE, field, (auvid_real_t)taps, AUVID_MAX_TAPS);
+        return auvid_refuse(why, AUVID_ERR_SIZE, mean ? "row_cells" : "half_width",
+                            (auvid_real_t)taps, AUVID_MAX_TAPS);
     }
     uint32_t rows = (taps + AUVID_MAX_OVERLAP - 1) / AUVID_MAX_OVERLAP; /* cells between rows */
     return cfg->row_cells >= rows ? AUVID_OK
@@ -136,11 +147,12 @@ auvid_status_t auvid_metric_check(const auvid_metric_config_t *cfg, auvid_refusa
 {
     auvid_status_t status = auvid_vehicle_check_fields(cfg->vehicle, why);
     status = status == AUVID_OK ? metric_check_ranges(cfg, why) : status;
+    status = status == AUVID_OK ? metric_check_taps(cfg, why) : status;
     return status == AUVID_OK ? metric_check_columns(cfg, why) : status;
 }
 
-/* Assign channels and an R factor to each modelled DoF. In the residual path the model linearised
- * at an estimate uses them. */
+/* Assign channels and an R factor to each modelled DoF, and the filter's taps. In the residual path
+ * the model linearised at an estimate uses the channels. */
 static void metric_lay_out(auvid_metric_t *m)
 {
     const auvid_vehicle_t *vehicle = m->cfg.vehicle;
@@ -163,6 +175,9 @@ static void metric_lay_out(auvid_metric_t *m)
         factor += AUVID_QR_FACTOR(order);
     }
     m->layout.channel_at[AUVID_DOF_COUNT] = (uint16_t)channel;
+    uint32_t taps = auvid_metric_taps(&m->cfg, auvid_metric_stores_rows(m));
+    m->layout.taps = (uint8_t)taps;
+    m->layout.overlap = (uint8_t)((taps + m->cfg.row_cells - 1u) / m->cfg.row_cells);
 }
 
 uint32_t auvid_metric_free_of(const auvid_metric_t *m, uint8_t excited)
@@ -187,8 +202,8 @@ auvid_status_t auvid_metric_init(auvid_metric_t *metric, const auvid_metric_conf
     }
     metric->cfg = *cfg;
     memset((unsigned char *)metric + sizeof metric->cfg, 0, sizeof *metric - sizeof metric->cfg);
-    metric->cfg.vehicle->path->make_filter(metric);
     metric_lay_out(metric);
+    metric->cfg.vehicle->path->make_filter(metric);
     memcpy(metric->result.delay_s, metric->cfg.delay_s, sizeof metric->result.delay_s);
     metric->result.first_order_lag = metric->cfg.first_order_lag;
     return AUVID_OK;

@@ -20,9 +20,10 @@
  * Each function continues where it stopped when its budget was used up.
  */
 struct auvid_path {
-    /** Checks the model's functions, the storage and the filter. Statuses of auvid_metric_init. */
+    /** Checks the model's functions, the storage and the smoother, but not the number of taps.
+     * Statuses of auvid_metric_init. */
     auvid_status_t (*check)(const auvid_metric_config_t *cfg, auvid_refusal_t *why);
-    /** Makes the filter, once the configuration is in m->cfg and the rest is zero. */
+    /** Makes the filter, once configuration and layout are in *m. */
     void (*make_filter)(auvid_metric_t *m);
     /** Adds cell n of the record to all rows under construction. The newest of these, begun
      * n % row_cells cells ago, is at `slot`. Extra columns of uncertain inputs would follow those
@@ -63,18 +64,33 @@ static inline bool auvid_metric_stores_rows(const auvid_metric_t *m)
     return auvid_path_stores_rows(auvid_metric_path(m));
 }
 
-/** Check that so many taps, made by `field`, and the rows that they overlap, fit. */
-auvid_status_t auvid_metric_check_taps(const auvid_metric_config_t *cfg, uint32_t taps,
-                                       const char *field, auvid_refusal_t *why);
+/** Is it the path of rows, also where AUVID_MAX_COMMANDS leaves it no memory? */
+static inline bool auvid_path_is_residual(const auvid_path_t *path)
+{
+    return path->add_cell == NULL || auvid_path_stores_rows(path);
+}
+
+/** The larger half-width of the smoother. */
+static inline uint32_t auvid_metric_max_half(const auvid_metric_config_t *cfg)
+{
+    return cfg->half_width[cfg->half_width[1] > cfg->half_width[0]];
+}
+
+/** Taps of the filter: of a mean over a row, or of the smoother. */
+static inline uint32_t auvid_metric_taps(const auvid_metric_config_t *cfg, bool rows)
+{
+    uint32_t smoother =
+        2 * auvid_metric_max_half(cfg) * cfg->passes + 1 + (cfg->velocity_us > 0 ? 2u : 0u);
+    return rows ? cfg->row_cells : smoother;
+}
+
+/** Counts the columns of all equations, and the numbers of their R factors.
+ * @param free as in auvid_metric_config_t */
+void auvid_metric_count(const auvid_vehicle_t *vehicle, uint32_t free, uint32_t *columns,
+                        uint32_t *factor);
 
 /** Set the period of the velocity samples. Only before the first cell, and not from or to 0. */
 void auvid_metric_set_velocity_us(auvid_metric_t *m, uint32_t velocity_us);
-
-static inline void auvid_metric_set_taps(auvid_metric_t *m, uint32_t taps)
-{
-    m->layout.taps = (uint8_t)taps;
-    m->layout.overlap = (uint8_t)((taps + m->cfg.row_cells - 1u) / m->cfg.row_cells);
-}
 
 /** Order of DoF j's R factor: its parameters and the wrench at each delay; 0: not modelled. */
 static inline int auvid_metric_order(const auvid_metric_t *m, int j)

@@ -31,24 +31,14 @@
 #define REGRESSOR(metric) (&(metric)->evaluator.regressor)
 #endif
 
-static uint32_t metric_taps(const auvid_metric_config_t *cfg)
-{
-    uint32_t half = cfg->half_width[cfg->half_width[1] > cfg->half_width[0]];
-    return 2 * half * cfg->passes + 1 + (cfg->velocity_us > 0 ? 2u : 0u);
-}
-
-/* Check that the filter exists (smoother.h) and fits. */
+/* Check that the filter exists (smoother.h). */
 static auvid_status_t metric_check_regressor(const auvid_metric_config_t *cfg, auvid_refusal_t *why)
 {
     uint32_t min_half = cfg->half_width[cfg->half_width[1] < cfg->half_width[0]];
-    uint32_t max_half = cfg->half_width[cfg->half_width[1] > cfg->half_width[0]];
+    uint32_t max_half = auvid_metric_max_half(cfg);
     if (cfg->vehicle->regressor == NULL) {
         (void)auvid_refuse(why, AUVID_ERR_MODEL, "regressor", AUVID_C(0.0), AUVID_C(0.0));
         return auvid_refuse_part(why, AUVID_ERR_MODEL, "vehicle");
-    }
-    auvid_status_t status = auvid_metric_check_taps(cfg, metric_taps(cfg), "half_width", why);
-    if (status < 0) {
-        return status;
     }
     if (max_half > AUVID_MAX_HALF_WIDTH) {
         return auvid_refuse(why, AUVID_ERR_SIZE, "half_width", (auvid_real_t)max_half,
@@ -92,7 +82,6 @@ static void metric_make_smoother(auvid_metric_t *m)
 {
     auvid_metric_layout_t *layout = &m->layout;
     const auvid_metric_config_t *cfg = &m->cfg;
-    auvid_metric_set_taps(m, metric_taps(cfg));
     layout->window_length = 1;
     auvid_metric_set_velocity_us(m, cfg->velocity_us);
     metric_make_kernel(m, layout->kernel[0], cfg->half_width[0]);

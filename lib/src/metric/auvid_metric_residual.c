@@ -42,7 +42,7 @@ static auvid_status_t metric_check_residual(const auvid_metric_config_t *cfg, au
                            AUVID_C(0.0));
         return auvid_refuse_part(why, AUVID_ERR_MODEL, rows ? "metric" : "vehicle");
     }
-    return auvid_metric_check_taps(cfg, cfg->row_cells, "row_cells", why);
+    return AUVID_OK;
 }
 
 /* Make binomial weights over an odd number of rows: n weights have a variance of (n - 1) / 4. */
@@ -68,7 +68,6 @@ static void metric_make_window(auvid_metric_t *m)
 static void metric_make_mean(auvid_metric_t *m)
 {
     auvid_metric_layout_t *layout = &m->layout;
-    auvid_metric_set_taps(m, m->cfg.row_cells);
     for (int i = 0; i < layout->taps; ++i) {
         layout->kernel[0][i] = layout->kernel[1][i] = AUVID_C(1.0) / (auvid_real_t)layout->taps;
     }
