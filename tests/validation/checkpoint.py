@@ -18,12 +18,12 @@ from auvid_validation.dwarf import Binding
 DEAD = ("cfg.", "refusal.", "actuation.refusal.", "metric.evaluator.regressor",
         "confidence.regressor")
 # Bytes that only fill a gap.
-PADDING = ".unused["
+PADDING = ".unused"
 # Members that decide on forces stay those of init.
 KEPT = tuple("actuation." + name for name in (
     "excitation.cfg.", "excitation.duration_us", "excitation.pause_us", "excitation.fade_us",
     "excitation.sequence_us", "excitation.run_us", "excitation.heaves",
-    "guard.cfg.", "guard.ready")) + ("adaptive.excursion_limit",)
+    "guard.cfg.", "guard.ready"))
 # Members of the model and its storage: a change may make the identifier refuse the checkpoint.
 MODEL = ("metric.cfg.free", "metric.cfg.fixed", "metric.cfg.sets", "metric.cfg.set_rows",
          "metric.layout.columns")

@@ -173,13 +173,11 @@ static const row_t trip[] = {
 };
 
 static const row_t adaptive[] = {
-    SPAN(auvid_adaptive_t, uint32_t, missing, abandoned),
-    BYTE(auvid_adaptive_t, playing, tried),
-    SPAN(auvid_adaptive_t, uint16_t, close_rows, close_rows),
-    SPAN(auvid_adaptive_t, uint32_t, estimate, rng),
     SPAN(auvid_adaptive_t, uint64_t, run_us, run_us),
-    SPAN(auvid_adaptive_t, uint32_t, from_us, hold_us),
-    REALS(auvid_adaptive_t, before, low_owed),
+    REALS(auvid_adaptive_t, low_owed, low_owed),
+    SPAN(auvid_adaptive_t, uint32_t, missing, sets),
+    SPAN(auvid_adaptive_t, uint16_t, close_rows, close_rows),
+    BYTE(auvid_adaptive_t, playing, tried),
 };
 
 static const row_t guard[] = {

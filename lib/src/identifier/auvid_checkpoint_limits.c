@@ -168,7 +168,6 @@ const auvid_checkpoint_limit_t auvid_checkpoint_limit[] = {
     UP_TO(TABLE_TRIP, auvid_guard_trip_t, cause, cause, AUVID_GUARD_CAUSE_COUNT - 1),
 
     DOF_BITS(TABLE_ADAPTIVE, auvid_adaptive_t, playing),
-    WITHIN(TABLE_ADAPTIVE, auvid_adaptive_t, before, factor, AUVID_C(1.0)),
     LENGTH(TABLE_ADAPTIVE, auvid_adaptive_t, low_owed, low_owed),
 
     UP_TO(TABLE_GUARD, auvid_guard_t, state, state, AUVID_GUARD_STATE_COUNT - 1),
