@@ -28,7 +28,7 @@ MAY_FAIL = ("predicted", "metric.evaluator.window", "metric.evaluator.sum",
 KEPT = tuple("actuation." + name for name in (
     "excitation.cfg.", "excitation.duration_us", "excitation.pause_us", "excitation.fade_us",
     "excitation.sequence_us", "excitation.run_us", "excitation.heaves",
-    "guard.cfg.", "guard.ready")) + ("adaptive.excursion_limit",)
+    "guard.cfg.", "guard.ready"))
 # Members of unions are used in other phases of work than the rest.
 ASK, LINEARISE, CONFIDENCE, GLOBAL, LOCAL = 6, 9, 10, 1, 6
 LIVE = (("confidence.", CONFIDENCE, GLOBAL), ("optimum.", LINEARISE, GLOBAL),

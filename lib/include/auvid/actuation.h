@@ -51,9 +51,8 @@ typedef struct auvid_actuation {
     };
     /** state, trip and refused are public; auvid_guard_heartbeat may be called */
     auvid_guard_t guard;
-    void (*shape)(auvid_identifier_t *id, auvid_real_t *wrench); /* changes the wrench of the
-                                                        sequence in each tick (adaptive.h); NULL:
-                                                        play it as it is */
+    void (*shape)(auvid_identifier_t *id); /* called before each step of the excitation, to choose
+                                              its holds (adaptive.h); NULL: as configured */
     void *shape_context;
     /* state: from here on, see checkpoint.h */
     auvid_guard_seen_t altitude; /* last sample taken */

@@ -36,7 +36,7 @@
  *
  * The control task calls it. It is linked only if auvid_adaptive_begin is called. Cost in a tick:
  * 20 operations for each DoF; in a tick after an estimate 40 for each parameter. Memory:
- * sizeof(auvid_adaptive_t), 224 bytes with default sizes.
+ * sizeof(auvid_adaptive_t), 64 bytes.
  *
  * Source: auvid's own.
  */
@@ -66,24 +66,16 @@ typedef struct {
 
 /** State of the adaptive excitation. The caller owns it; only the functions write. */
 typedef struct {
-    auvid_real_t excursion_limit[AUVID_DOF_COUNT]; /* of the configuration */
-    /* state: from here on, see checkpoint.h */
     uint64_t run_us;                        /* start of the run of this state */
-    auvid_real_t before[AUVID_DOF_COUNT];   /* amplitude factor at the start of the fade */
-    auvid_real_t level[AUVID_DOF_COUNT];    /* and at its end */
-    auvid_real_t factor[AUVID_DOF_COUNT];   /* in the last tick */
     auvid_real_t low_owed[AUVID_DOF_COUNT]; /* time by which low levels are behind their part [s] */
     uint32_t missing;   /**< bit i: parameter i is excited for, and not identified yet */
     uint32_t abandoned; /**< bit i: parameter i is not identified, and nothing is done about it: its
                              DoF is not excited, or all data of the run would not suffice */
     uint32_t estimate;  /* number of the last estimate evaluated */
     uint32_t sets;      /* recorded by then */
-    uint32_t rng[4];    /* state of the random generator */
-    uint32_t from_us[AUVID_DOF_COUNT]; /* beginning of the hold, from run_us on */
-    uint32_t hold_us[AUVID_DOF_COUNT]; /* its length */
-    uint16_t close_rows;               /* complete the set at so many rows; 0: when full */
-    uint8_t playing;                   /**< bit j: DoF j is excited at present */
-    uint8_t tried[AUVID_DOF_COUNT];    /* sets recorded while it was, 255: that or more */
+    uint16_t close_rows;            /* complete the set at so many rows; 0: when full */
+    uint8_t playing;                /**< bit j: DoF j is excited at present */
+    uint8_t tried[AUVID_DOF_COUNT]; /* sets recorded while it was, 255: that or more */
     uint8_t reserved[7];
 } auvid_adaptive_t;
 

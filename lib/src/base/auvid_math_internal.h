@@ -80,6 +80,13 @@ static inline auvid_real_t auvid_half_further(auvid_real_t x)
     return x < AUVID_C(0.0) ? x - AUVID_C(0.5) : x + AUVID_C(0.5);
 }
 
+/** Returns the explained part of a sum of squares, 1 - unexplained / total; 0: it is no number. */
+static inline auvid_real_t auvid_r2(auvid_real_t unexplained, auvid_real_t total)
+{
+    auvid_real_t part = unexplained / total;
+    return total > AUVID_C(0.0) && auvid_is_finite(part) ? AUVID_C(1.0) - part : AUVID_C(0.0);
+}
+
 /** Sets n values to zero. memset() of small C libraries works byte by byte. */
 void auvid_clear(auvid_real_t *x, size_t n);
 

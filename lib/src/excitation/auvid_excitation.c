@@ -18,7 +18,6 @@
 #include <string.h>
 
 #define TWO_PI AUVID_C(6.28318530717958647693)
-#define LOW_LEVEL AUVID_C(0.3)     /* of a random step */
 #define SIGN_CHANGES AUVID_C(0.75) /* probability */
 #define JITTER AUVID_C(0.12)       /* of the frequencies of a sum of sines */
 #define LARGEST_RATIO AUVID_C(1e9) /* of two frequencies */
@@ -56,16 +55,22 @@ static auvid_real_t excitation_steps_value(const channel_t *c, uint32_t s_us, ui
     return part < AUVID_C(1.0) ? c->before + (c->level - c->before) * part : c->level;
 }
 
-/* Begin the next hold. Every change of level takes fade_us, including the last one to zero at
- * end_us. The signal is a staircase filtered by one window, so pairs have no net impulse. */
+/* Begin a hold at s_us, for ever. Every change of level takes fade_us. */
+static void excitation_begin_hold(channel_t *c, uint32_t s_us, uint32_t fade_us)
+{
+    c->before = excitation_steps_value(c, s_us, fade_us);
+    c->hold_from_us = s_us;
+    c->hold_to_us = UINT32_MAX;
+}
+
+/* Begin the next hold; the last one fades to zero at end_us. The signal is a staircase filtered by
+ * one window, so pairs have no net impulse. */
 static void excitation_next_hold(channel_t *c, const auvid_segment_t *segment, uint32_t end_us,
                                  uint32_t fade_us, auvid_real_t excursion)
 {
     auvid_rng_t rng;
     uint64_t to;
-    c->before = excitation_steps_value(c, c->hold_to_us, fade_us);
-    c->hold_from_us = c->hold_to_us;
-    c->hold_to_us = UINT32_MAX;
+    excitation_begin_hold(c, c->hold_to_us, fade_us);
     if (c->hold_from_us >= end_us) {
         c->level = AUVID_C(0.0);
         return;
@@ -76,7 +81,8 @@ static void excitation_next_hold(channel_t *c, const auvid_segment_t *segment, u
     } else {
         memcpy(rng.s, c->rng, sizeof rng.s);
         bool change = auvid_rng_uniform(&rng) < SIGN_CHANGES;
-        auvid_real_t level = auvid_rng_uniform(&rng) < AUVID_C(0.5) ? LOW_LEVEL : AUVID_C(1.0);
+        auvid_real_t level =
+            auvid_rng_uniform(&rng) < AUVID_C(0.5) ? EXCITATION_LOW_LEVEL : AUVID_C(1.0);
         /* Within pairs the sign has already changed: each pair begins with the same sign. */
         c->negative = c->negative != (change && !segment->pairs);
         if (auvid_abs(excursion) > AUVID_C(0.0)) {
@@ -239,6 +245,22 @@ static void excitation_begin_segment(channel_t *c, const auvid_segment_t *segmen
     memcpy(c->rng, rng.s, sizeof rng.s);
 }
 
+auvid_excitation_channel_t *auvid_excitation_due(auvid_excitation_t *e, uint32_t index,
+                                                 uint64_t t_us)
+{
+    const auvid_segment_t *segment = &e->cfg.segment[index];
+    channel_t *c = &e->channel[segment->dof];
+    uint32_t s_us = (uint32_t)(t_us - e->start_us);
+    if (c->segment == 0) {
+        excitation_begin_segment(c, segment, index, 0, e->cfg.seed);
+    }
+    if (s_us < c->hold_to_us) {
+        return NULL;
+    }
+    excitation_begin_hold(c, s_us, (uint32_t)auvid_excitation_us(segment->fade_s));
+    return c;
+}
+
 static auvid_real_t excitation_play_segment(channel_t *c, const auvid_segment_t *segment,
                                             uint32_t s_us, uint32_t duration_us,
                                             auvid_real_t excursion)
@@ -314,8 +336,7 @@ auvid_status_t auvid_excitation_stop(auvid_excitation_t *e, uint64_t t_us)
     return AUVID_OK;
 }
 
-/* Return the excursion beyond the limit, -1..1; 0 within it or without one. */
-static auvid_real_t excitation_excursion(const auvid_excitation_t *e, int dof)
+auvid_real_t auvid_excitation_excursion(const auvid_excitation_t *e, int dof)
 {
     auvid_real_t limit = e->cfg.excursion_limit[dof];
     auvid_real_t d = e->displacement[dof];
@@ -348,7 +369,7 @@ static void excitation_play_all(auvid_excitation_t *e, uint64_t elapsed_us, auvi
             wrench[segment->dof] =
                 weight * excitation_play_segment(c, segment, (uint32_t)(in_us - begin_us),
                                                  e->duration_us[i],
-                                                 excitation_excursion(e, (int)segment->dof));
+                                                 auvid_excitation_excursion(e, (int)segment->dof));
         }
     }
 }

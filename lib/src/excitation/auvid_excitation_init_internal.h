@@ -17,6 +17,24 @@ bool auvid_excitation_in(auvid_real_t x, auvid_real_t low, auvid_real_t high);
 auvid_status_t auvid_excitation_check(const auvid_excitation_config_t *cfg, uint64_t *sequence_us,
                                       auvid_refusal_t *why);
 
+/** Low level of steps: two speeds separate linear from quadratic drag. */
+#define EXCITATION_LOW_LEVEL AUVID_C(0.3)
+/** Fade of steps [s]. */
+#define EXCITATION_STEP_FADE_S AUVID_C(0.2)
+/** Excursion limits by default [m, rad]. */
+extern const auvid_real_t auvid_excitation_limit[AUVID_DOF_COUNT];
+
+/** Excursion of a degree of freedom beyond its limit, -1..1; 0 within it or without one. */
+auvid_real_t auvid_excitation_excursion(const auvid_excitation_t *e, int dof);
+
+/** For holds that the caller chooses, of a sequence of one segment of STEPS in each of its degrees
+ * of freedom, without pauses: call it before each step, with the same time. Begins a hold if the
+ * current one of segment `index` is over.
+ * @return its channel: set level, -1..1, and hold_to_us [us from the start]; rng may be used. NULL:
+ *         the current hold continues */
+auvid_excitation_channel_t *auvid_excitation_due(auvid_excitation_t *e, uint32_t index,
+                                                 uint64_t t_us);
+
 /** Convert s [s], 0..86400, to microseconds. */
 uint64_t auvid_excitation_us(auvid_real_t s);
 

@@ -9,6 +9,9 @@
 
 #include <string.h>
 
+const auvid_real_t auvid_excitation_limit[AUVID_DOF_COUNT] = {
+    AUVID_C(5.0), AUVID_C(5.0), AUVID_C(3.0), AUVID_C(0.0), AUVID_C(0.0), AUVID_C(2.0) * AUVID_PI};
+
 void auvid_excitation_defaults(auvid_excitation_config_t *cfg)
 {
     if (cfg != NULL) {
@@ -31,7 +34,7 @@ static void excitation_add_sets(auvid_excitation_config_t *cfg, auvid_dof_t dof,
     s->pause_s = before_s;
     s->duration_s = set_s;
     s->amplitude = amplitude;
-    s->fade_s = AUVID_C(0.2);
+    s->fade_s = EXCITATION_STEP_FADE_S;
     s->frequency_hz = auvid_max(righted ? AUVID_C(0.1) : AUVID_C(0.03), AUVID_C(1.0) / set_s);
     s->frequency_high_hz = righted ? AUVID_C(0.8) : AUVID_C(0.25);
     s->hold_min_s = auvid_min(hold_s, set_s * AUVID_C(0.25));
@@ -55,9 +58,6 @@ auvid_status_t auvid_excitation_schedule(auvid_excitation_config_t *cfg,
                                          auvid_real_t set_s, uint32_t sets, uint64_t seed,
                                          auvid_real_t pause_s, bool one_by_one)
 {
-    static const auvid_real_t excursion_limit[AUVID_DOF_COUNT] = {
-        AUVID_C(5.0), AUVID_C(5.0), AUVID_C(3.0),
-        AUVID_C(0.0), AUVID_C(0.0), AUVID_C(2.0) * AUVID_PI};
     uint8_t n = 0;
     if (cfg == NULL || amplitude == NULL) {
         return AUVID_ERR_NULL;
@@ -96,7 +96,7 @@ auvid_status_t auvid_excitation_schedule(auvid_excitation_config_t *cfg,
                                 pause_s + (auvid_real_t)(turns - 1u) * turn_s);
         }
     }
-    memcpy(cfg->excursion_limit, excursion_limit, sizeof excursion_limit);
+    memcpy(cfg->excursion_limit, auvid_excitation_limit, sizeof cfg->excursion_limit);
     cfg->duration_s = duration_s;
     cfg->seed = seed;
     return AUVID_OK;

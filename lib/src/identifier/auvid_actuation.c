@@ -128,12 +128,12 @@ static void actuation_play_excitation(auvid_identifier_t *id, auvid_output_t *ou
     }
     actuation_set_displacement(id);
     a->starting = false;
+    if (a->shape != NULL) {
+        a->shape(id);
+    }
     if (auvid_excitation_step(&a->excitation, id->t_us, wrench) != AUVID_OK) {
         actuation_end_excitation(id);
         return;
-    }
-    if (a->shape != NULL) {
-        a->shape(id, wrench);
     }
     if (a->allocation == NULL) {
         memcpy(out->excitation, wrench, sizeof wrench);

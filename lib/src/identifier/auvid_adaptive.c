@@ -1,10 +1,9 @@
 /*
  * Adaptive excitation.
  *
- * The excitation's run is an envelope: each DoF's amplitude, with the fades of the run. This module
- * multiplies it by a factor of -1..1, which it chooses for each hold:
- *
- *     f_j(t) = before + (clamp(level - excursion, -1, 1) - before) w(t)     w: fade of 0.2 s
+ * The excitation plays a segment of random steps in each DoF (auvid_excitation.c). This module
+ * chooses level and length of each hold in their place, before the excitation would draw them. A
+ * DoF that does not play has level zero, and is not brought back.
  *
  * Under white noise, drag a u + b u^2 is determined best by two speeds: the highest and 0.41 of it
  * (the extrema of the polynomial that deviates least from zero). The optimum for a has 0.85 of the
@@ -14,7 +13,7 @@
  * The optimum is flat. In simulation, Girona500 with masses and drags halved and doubled,
  * disturbances of 0.3 to 3 N: the standard errors change by less than 5 % for holds of three to six
  * time constants, and for 0.5 to 0.8 of the time at the low speed. Persistent signs
- * (ADAPTIVE_SIGN_CHANGES) reduce the largest ones by 5 %. Sums of sines are never better than
+ * (SIGN_CHANGES) reduce the largest ones by 5 %. Sums of sines are never better than
  * steps.
  *
  * Known degrees of freedom continue to play: this costs no time, improves their estimates, and
@@ -27,17 +26,17 @@
 
 #include "../metric/auvid_confidence_notes_internal.h"
 #include "auvid_identifier_internal.h"
+#include "../base/auvid_refusal_internal.h"
+#include "../excitation/auvid_excitation_init_internal.h"
 #include "../base/auvid_math_internal.h"
 
 #define MAX_RATIO AUVID_C(2.25)    /* 1.5^2: of the squared half-width over the allowed one */
 #define UNKNOWN_RATIO AUVID_C(1e9) /* the same for a parameter without information */
 
-#define ADAPTIVE_LOW_LEVEL AUVID_C(0.3)
 #define LOW_PART_LINEAR AUVID_C(0.67) /* of the time, where linear drag is missing */
 #define LOW_PART AUVID_C(0.4)         /* with linear drag known */
-#define ADAPTIVE_SIGN_CHANGES AUVID_C(0.3)
+#define SIGN_CHANGES AUVID_C(0.3)
 #define TIME_CONSTANTS AUVID_C(4.0)
-#define FADE_S AUVID_C(0.2)
 #define SWING_S AUVID_C(1.5)        /* hold in roll and pitch, by their restoring moments */
 #define LIMIT_FRACTION AUVID_C(0.3) /* of the guard's distance, for the overshoot */
 
@@ -82,38 +81,15 @@ static auvid_real_t adaptive_hold_s(const auvid_identifier_t *id, int j, auvid_r
     return known ? auvid_clamp(s, AUVID_C(1.5), AUVID_C(20.0)) : AUVID_C(6.0);
 }
 
-/* Reduce the excursion limit to a fraction of the guard's distance; zero (no limit) stays. */
-static void adaptive_shorten_limit(const auvid_guard_config_t *guard, auvid_real_t *limit)
+static bool adaptive_lacks_linear_drag(const auvid_identifier_t *id, int j)
 {
-    if ((guard->off & AUVID_GUARD_BIT(AUVID_GUARD_DISTANCE)) == 0) {
-        *limit = auvid_min(*limit, LIMIT_FRACTION * guard->distance_max_m);
+    const auvid_parameter_t *p = identifier_vehicle(id)->parameter;
+    bool lacks = false;
+    for (int i = 0; i < identifier_vehicle(id)->parameters; ++i) {
+        lacks |= (adaptive_state(id)->missing >> i & 1u) && (int)p[i].dof == j &&
+                 p[i].kind == AUVID_PARAMETER_LINEAR_DRAG;
     }
-}
-
-/* Return the excursion beyond the limit, -1..1; 0 within it or without one. */
-static auvid_real_t adaptive_excursion(const auvid_identifier_t *id, int j)
-{
-    auvid_real_t limit = adaptive_state(id)->excursion_limit[j],
-                 d = id->actuation->excitation.displacement[j];
-    auvid_real_t beyond = auvid_abs(d) - limit;
-    if (!(limit > AUVID_C(0.0) && beyond > AUVID_C(0.0))) {
-        return AUVID_C(0.0);
-    }
-    auvid_real_t part = auvid_min(beyond / limit, AUVID_C(1.0));
-    return d < AUVID_C(0.0) ? -part : part;
-}
-
-/* Return whether a parameter of DoF j is missing, of this kind or, for OTHER, of any kind. */
-static bool adaptive_is_missing(const auvid_identifier_t *id, int j, auvid_parameter_kind_t kind)
-{
-    const auvid_vehicle_t *vehicle = identifier_vehicle(id);
-    bool found = false;
-    for (int i = 0; i < vehicle->parameters; ++i) {
-        const auvid_parameter_t *p = &vehicle->parameter[i];
-        found |= (adaptive_state(id)->missing >> i & 1u) && (int)p->dof == j &&
-                 (kind == AUVID_PARAMETER_OTHER || p->kind == kind);
-    }
-    return found;
+    return lacks;
 }
 
 static auvid_real_t adaptive_amplitude(const auvid_identifier_t *id, int j)
@@ -123,49 +99,26 @@ static auvid_real_t adaptive_amplitude(const auvid_identifier_t *id, int j)
     return peak[j];
 }
 
-/* Return the time since the start of the run. */
-static uint32_t adaptive_time_us(const auvid_identifier_t *id)
-{
-    return (uint32_t)(id->t_us - adaptive_state(id)->run_us);
-}
-
-static void adaptive_next_hold(auvid_identifier_t *id, int j)
+/* Choose the hold of DoF j that begins now. */
+static void adaptive_choose_hold(auvid_identifier_t *id, int j, auvid_excitation_channel_t *c)
 {
     auvid_adaptive_t *a = adaptive_state(id);
     auvid_rng_t rng;
-    memcpy(rng.s, a->rng, sizeof rng.s);
-    auvid_real_t part =
-        adaptive_is_missing(id, j, AUVID_PARAMETER_LINEAR_DRAG) ? LOW_PART_LINEAR : LOW_PART;
-    bool low = a->low_owed[j] >= AUVID_C(0.0), negative = a->level[j] < AUVID_C(0.0);
-    auvid_real_t level = low ? ADAPTIVE_LOW_LEVEL : AUVID_C(1.0),
-                 excursion = adaptive_excursion(id, j);
+    memcpy(rng.s, c->rng, sizeof rng.s);
+    auvid_real_t part = adaptive_lacks_linear_drag(id, j) ? LOW_PART_LINEAR : LOW_PART;
+    bool low = a->low_owed[j] >= AUVID_C(0.0);
+    auvid_real_t level = low ? EXCITATION_LOW_LEVEL : AUVID_C(1.0);
+    auvid_real_t excursion = auvid_excitation_excursion(&id->actuation->excitation, j);
     auvid_real_t s = adaptive_hold_s(id, j, level * adaptive_amplitude(id, j)) *
                      (AUVID_C(0.75) + AUVID_C(0.5) * auvid_rng_uniform(&rng));
-    negative = negative != (auvid_rng_uniform(&rng) < ADAPTIVE_SIGN_CHANGES);
+    bool negative = (c->level < AUVID_C(0.0)) != (auvid_rng_uniform(&rng) < SIGN_CHANGES);
     if (auvid_abs(excursion) > AUVID_C(0.0)) {
         negative = excursion > AUVID_C(0.0);
     }
-    memcpy(a->rng, rng.s, sizeof rng.s);
+    memcpy(c->rng, rng.s, sizeof rng.s);
     a->low_owed[j] += s * (low ? part - AUVID_C(1.0) : part);
-    a->before[j] = a->factor[j];
-    a->level[j] = (a->playing >> j & 1) == 0 ? AUVID_C(0.0) : negative ? -level : level;
-    a->from_us[j] = adaptive_time_us(id);
-    a->hold_us[j] = (uint32_t)(s * AUVID_C(1e6));
-}
-
-static auvid_real_t adaptive_factor(auvid_identifier_t *id, int j)
-{
-    auvid_adaptive_t *a = adaptive_state(id);
-    if (adaptive_time_us(id) - a->from_us[j] >= a->hold_us[j]) {
-        adaptive_next_hold(id, j);
-    }
-    auvid_real_t x =
-        (auvid_real_t)(adaptive_time_us(id) - a->from_us[j]) * (AUVID_C(1e-6) / FADE_S);
-    auvid_real_t w = x < AUVID_C(1.0) ? x * x * (AUVID_C(3.0) - AUVID_C(2.0) * x) : AUVID_C(1.0);
-    auvid_real_t pull = (a->playing >> j & 1) ? adaptive_excursion(id, j) : AUVID_C(0.0);
-    auvid_real_t to = auvid_clamp(a->level[j] - pull, AUVID_C(-1.0), AUVID_C(1.0));
-    a->factor[j] = a->before[j] + (to - a->before[j]) * w;
-    return a->factor[j];
+    c->level = (a->playing >> j & 1) == 0 ? AUVID_C(0.0) : negative ? -level : level;
+    c->hold_to_us = c->hold_from_us + (uint32_t)(s * AUVID_C(1e6));
 }
 
 /* ---- a new estimate ---- */
@@ -185,8 +138,8 @@ static auvid_real_t adaptive_variance_ratio(const auvid_identifier_t *id, int i)
 static auvid_real_t adaptive_available_rows(const auvid_identifier_t *id, int j)
 {
     const auvid_metric_config_t *m = &id->metric.cfg;
-    uint64_t left_us =
-        id->actuation->excitation.start_us + id->actuation->excitation.run_us - id->t_us;
+    uint64_t end_us = id->actuation->excitation.start_us + id->actuation->excitation.run_us;
+    uint64_t left_us = end_us > id->t_us ? end_us - id->t_us : 0;
     auvid_real_t row_s = AUVID_C(1e-6) * (auvid_real_t)(m->cell_us * m->row_cells);
     auvid_real_t rows =
         (auvid_real_t)id->metric.result.dof_rows[j] + AUVID_C(1e-6) * (auvid_real_t)left_us / row_s;
@@ -256,8 +209,9 @@ static void adaptive_select_dofs(auvid_identifier_t *id, const auvid_real_t *nee
         }
     }
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
-        bool turns = ((playing ^ adaptive_state(id)->playing) >> j & 1u) != 0;
-        adaptive_state(id)->hold_us[j] = turns ? 0 : adaptive_state(id)->hold_us[j];
+        if ((playing ^ adaptive_state(id)->playing) >> j & 1u) {
+            id->actuation->excitation.channel[j].hold_to_us = 0;
+        }
     }
     adaptive_state(id)->playing = (uint8_t)playing;
 }
@@ -291,26 +245,20 @@ static void adaptive_evaluate(auvid_identifier_t *id)
 static void adaptive_begin_run(auvid_identifier_t *id)
 {
     auvid_adaptive_t *a = adaptive_state(id);
-    auvid_rng_t rng;
-    auvid_rng_seed(&rng, id->actuation->excitation.cfg.seed);
-    uint64_t run_us = id->actuation->excitation.start_us;
-    auvid_real_t limit[AUVID_DOF_COUNT];
-    memcpy(limit, a->excursion_limit, sizeof limit);
     memset(a, 0, sizeof *a);
-    memcpy(a->excursion_limit, limit, sizeof limit);
-    memcpy(a->rng, rng.s, sizeof rng.s);
-    a->run_us = run_us;
+    a->run_us = id->actuation->excitation.start_us;
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
         a->low_owed[j] = AUVID_C(-1e-3);
     }
     adaptive_evaluate(id);
 }
 
-/* Called by the acting half. wrench: in the envelope, out the excitation. */
-static void adaptive_apply(auvid_identifier_t *id, auvid_real_t *wrench)
+/* Called by the acting half before each step of the excitation. */
+static void adaptive_shape(auvid_identifier_t *id)
 {
     auvid_adaptive_t *a = adaptive_state(id);
-    if (a->run_us != id->actuation->excitation.start_us) {
+    auvid_excitation_t *e = &id->actuation->excitation;
+    if (a->run_us != e->start_us) {
         adaptive_begin_run(id);
     } else if (a->estimate != id->estimate.number) {
         adaptive_evaluate(id);
@@ -319,9 +267,14 @@ static void adaptive_apply(auvid_identifier_t *id, auvid_real_t *wrench)
         a->close_rows = 0;
         identifier_take_set(id, auvid_metric_close(&id->metric));
     }
-    for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
-        if (auvid_abs(wrench[j]) > AUVID_C(0.0)) {
-            wrench[j] *= adaptive_factor(id, j);
+    for (uint32_t i = 0; i < e->cfg.segments; ++i) {
+        int j = (int)e->cfg.segment[i].dof;
+        auvid_excitation_channel_t *c = auvid_excitation_due(e, i, id->t_us);
+        if ((a->playing >> j & 1) == 0) {
+            e->displacement[j] = AUVID_C(0.0); /* not brought back */
+        }
+        if (c != NULL) {
+            adaptive_choose_hold(id, j, c);
         }
     }
 }
@@ -332,9 +285,7 @@ void auvid_adaptive_defaults(auvid_adaptive_config_t *cfg)
 {
     if (cfg != NULL) {
         memset(cfg, 0, sizeof *cfg);
-        cfg->excursion_limit[AUVID_SURGE] = cfg->excursion_limit[AUVID_SWAY] = AUVID_C(5.0);
-        cfg->excursion_limit[AUVID_HEAVE] = AUVID_C(3.0);
-        cfg->excursion_limit[AUVID_YAW] = AUVID_C(2.0) * AUVID_PI;
+        memcpy(cfg->excursion_limit, auvid_excitation_limit, sizeof cfg->excursion_limit);
         cfg->max_s = AUVID_C(480.0);
         cfg->seed = 1;
     }
@@ -342,16 +293,14 @@ void auvid_adaptive_defaults(auvid_adaptive_config_t *cfg)
 
 static auvid_status_t adaptive_check_config(const auvid_adaptive_config_t *cfg)
 {
-    if (!auvid_all_finite(cfg->amplitude, AUVID_DOF_COUNT) ||
-        !auvid_all_finite(cfg->excursion_limit, AUVID_DOF_COUNT) || !auvid_is_finite(cfg->max_s)) {
-        return AUVID_ERR_NOT_FINITE;
-    }
-    bool good = cfg->max_s >= AUVID_C(30.0) && cfg->max_s <= AUVID_EXCITATION_LONGEST_S;
-    for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
-        good = good && cfg->excursion_limit[j] >= AUVID_C(0.0) &&
-               cfg->amplitude[j] >= AUVID_C(0.0) && cfg->amplitude[j] <= AUVID_EXCITATION_LARGEST;
-    }
-    return good ? AUVID_OK : AUVID_ERR_RANGE;
+    static const auvid_field_t fields[] = {
+        REALS_IN(auvid_adaptive_config_t, amplitude, AUVID_DOF_COUNT, AUVID_C(0.0),
+                 AUVID_EXCITATION_LARGEST),
+        REALS_IN(auvid_adaptive_config_t, excursion_limit, AUVID_DOF_COUNT, AUVID_C(0.0),
+                 AUVID_LARGEST),
+        REALS_IN(auvid_adaptive_config_t, max_s, 1, AUVID_C(30.0), AUVID_EXCITATION_LONGEST_S),
+    };
+    return auvid_check_fields(cfg, fields, sizeof fields / sizeof fields[0], NULL);
 }
 
 static bool adaptive_is_excitable(const auvid_identifier_t *id, const auvid_adaptive_config_t *cfg,
@@ -379,18 +328,25 @@ static auvid_status_t adaptive_check_thrusters(const auvid_identifier_t *id,
     return count == 0 ? AUVID_ERR_RANGE : count > AUVID_MAX_SEGMENTS ? AUVID_ERR_SIZE : AUVID_OK;
 }
 
-/* Configure the excitation with constant amplitudes. They are checked, so init cannot fail. */
+/* Configure the excitation: steps in each DoF. They are checked, so init cannot fail. */
 static void adaptive_plan(auvid_identifier_t *id, const auvid_adaptive_config_t *cfg)
 {
     auvid_excitation_config_t *to = &id->actuation->excitation.cfg;
+    const auvid_guard_config_t *guard = &id->actuation->guard.cfg;
     auvid_excitation_defaults(to);
     to->seed = cfg->seed;
+    memcpy(to->excursion_limit, cfg->excursion_limit, sizeof to->excursion_limit);
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
+        auvid_real_t *limit = &to->excursion_limit[j]; /* zero, no limit, stays */
+        if (j <= AUVID_SWAY && (guard->off & AUVID_GUARD_BIT(AUVID_GUARD_DISTANCE)) == 0) {
+            *limit = auvid_min(*limit, LIMIT_FRACTION * guard->distance_max_m);
+        }
         if (adaptive_is_excitable(id, cfg, j)) {
             auvid_segment_t *s = &to->segment[to->segments++];
             s->dof = (auvid_dof_t)j;
-            s->kind = AUVID_SEGMENT_STEP;
-            s->duration_s = cfg->max_s;
+            s->kind = AUVID_SEGMENT_STEPS;
+            s->duration_s = s->hold_min_s = s->hold_max_s = cfg->max_s; /* holds are not drawn */
+            s->fade_s = EXCITATION_STEP_FADE_S;
             s->amplitude = cfg->amplitude[j];
         }
     }
@@ -417,12 +373,9 @@ auvid_status_t auvid_adaptive_begin(auvid_identifier_t *id, auvid_adaptive_t *st
     if (status == AUVID_OK) {
         adaptive_plan(id, cfg);
         memset(storage, 0, sizeof *storage);
-        memcpy(storage->excursion_limit, cfg->excursion_limit, sizeof storage->excursion_limit);
-        adaptive_shorten_limit(&id->actuation->guard.cfg, &storage->excursion_limit[AUVID_SURGE]);
-        adaptive_shorten_limit(&id->actuation->guard.cfg, &storage->excursion_limit[AUVID_SWAY]);
         storage->run_us = UINT64_MAX;
         id->actuation->shape_context = storage;
-        id->actuation->shape = adaptive_apply;
+        id->actuation->shape = adaptive_shape;
     }
     return status;
 }

@@ -138,7 +138,6 @@ const auvid_checkpoint_limit_t auvid_checkpoint_limit[] = {
     FINITE(TABLE_TRIP, auvid_guard_trip_t, value, limit),
     BYTE(TABLE_TRIP, auvid_guard_trip_t, cause, cause, AUVID_GUARD_CAUSE_COUNT - 1),
 
-    WITHIN(TABLE_ADAPTIVE, auvid_adaptive_t, before, factor, AUVID_C(1.0)),
     LENGTH(TABLE_ADAPTIVE, auvid_adaptive_t, low_owed, low_owed),
     DOF_BITS(TABLE_ADAPTIVE, auvid_adaptive_t, playing, playing),
 

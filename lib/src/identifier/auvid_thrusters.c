@@ -154,16 +154,15 @@ auvid_status_t auvid_thrusters_init(auvid_thrusters_t *thrusters,
     th->cfg = *cfg;
     memcpy(th->parameter, cfg->hull->parameter, (size_t)hull * sizeof th->parameter[0]);
     auvid_vehicle_t *vehicle = &th->vehicle;
-    vehicle->built_for = AUVID_BUILD;
-    vehicle->name = cfg->hull->name;
+    *vehicle = *cfg->hull;
+    vehicle->regressor = NULL;
+    vehicle->acceleration = NULL;
     vehicle->parameters = (uint8_t)n;
     vehicle->parameter = th->parameter;
     vehicle->path = &auvid_path_residual;
     vehicle->residual = thrusters_residual;
     vehicle->own_thrust = true;
     vehicle->context = th;
-    memcpy(vehicle->columns, cfg->hull->columns, sizeof vehicle->columns);
-    memcpy(vehicle->reads, cfg->hull->reads, sizeof vehicle->reads);
     uint32_t all = (uint32_t)(((uint64_t)1 << n) - 1u);
     vehicle->free = cfg->hull->free == 0 ? 0 : cfg->hull->free | (all & ~((1u << hull) - 1u));
     for (int g = 0; g < groups; ++g) {
@@ -321,8 +320,8 @@ static void thrusters_store_slot(auvid_thrusters_t *th)
     for (int i = 0; i < th->cfg.thrusters; ++i) {
         auvid_real_t steps = th->state.filling[i] * scale;
         steps = auvid_clamp(steps, AUVID_C(-32767.0), AUVID_C(32767.0));
-        steps += steps < AUVID_C(0.0) ? AUVID_C(-0.5) : AUVID_C(0.5);
-        th->cfg.log[th->state.head * th->cfg.thrusters + (uint32_t)i] = (int16_t)steps;
+        th->cfg.log[th->state.head * th->cfg.thrusters + (uint32_t)i] =
+            (int16_t)auvid_half_further(steps);
         th->state.filling[i] = AUVID_C(0.0);
     }
     th->state.head = th->state.head + 1u < th->cfg.slots ? th->state.head + 1u : 0u;

@@ -166,8 +166,7 @@ void auvid_metric_r2(const auvid_metric_t *metric, auvid_real_t *r2)
 {
     for (int j = 0; j < AUVID_DOF_COUNT && metric != NULL && r2 != NULL; ++j) {
         auvid_real_t rows, total = auvid_metric_wrench_squares(metric, j, &rows);
-        auvid_real_t unexplained = metric->result.sse[j] / total;
-        r2[j] = auvid_is_finite(unexplained) ? AUVID_C(1.0) - unexplained : AUVID_C(0.0);
+        r2[j] = auvid_r2(metric->result.sse[j], total);
     }
 }
 

@@ -237,9 +237,7 @@ auvid_status_t auvid_validation_r2(const auvid_validation_t *validation, auvid_r
         return AUVID_ERR_NO_DATA;
     }
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
-        auvid_real_t unexplained = validation->sse[j] / validation->m2[j];
-        bool varies = validation->m2[j] > AUVID_C(0.0) && auvid_is_finite(unexplained);
-        r2[j] = varies ? AUVID_C(1.0) - unexplained : AUVID_C(0.0);
+        r2[j] = auvid_r2(validation->sse[j], validation->m2[j]);
     }
     return AUVID_OK;
 }

@@ -21,14 +21,13 @@ static void averaged_regressor(const void *context, const auvid_sample_t *sample
     auvid_sample_t moved = *sample;
     auvid_regressor_t later;
     auvid_clear(&later.row[0][0], sizeof later / sizeof later.row[0][0]);
-    for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
-        moved.nu[j] = sample->nu[j] - a->spread_s[j >= AUVID_ROLL] * sample->nu_dot[j];
+    for (int side = 0; side < 2; ++side) {
+        for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
+            auvid_real_t step = a->spread_s[j >= AUVID_ROLL] * sample->nu_dot[j];
+            moved.nu[j] = sample->nu[j] + (side == 0 ? -step : step);
+        }
+        vehicle->regressor(vehicle->context, &moved, pi, side == 0 ? y : &later);
     }
-    vehicle->regressor(vehicle->context, &moved, pi, y);
-    for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
-        moved.nu[j] = sample->nu[j] + a->spread_s[j >= AUVID_ROLL] * sample->nu_dot[j];
-    }
-    vehicle->regressor(vehicle->context, &moved, pi, &later);
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
         for (int i = 0; i < a->vehicle.parameters; ++i) {
             y->row[j][i] = AUVID_C(0.5) * (y->row[j][i] + later.row[j][i]);

@@ -493,13 +493,13 @@ static void test_impossible_values_of_the_acting_half_are_refused(void)
     for (int k = 0; k < 6; ++k) {
         actuation = before;
         actuation.guard.state = k == 0 ? (auvid_guard_state_t)17 : before.guard.state;
-        adaptive.factor[0] = k == 1 ? 1000 : 0;
+        adaptive.low_owed[0] = k == 1 ? AUVID_C(2e9) : 0;
         actuation.altitude_m = k == 2 ? -1 : 0;
         actuation.home[1] = k == 3 ? (auvid_real_t)NAN : 0;
         actuation.excitation.displacement[2] = k == 4 ? (auvid_real_t)INFINITY : 0;
         bytes = save(&id, saved, sizeof saved);
         actuation = before;
-        adaptive.factor[0] = 0;
+        adaptive.low_owed[0] = 0;
         if (k < 5) {
             check_refused(AUVID_ERR_RANGE, saved, bytes);
             TEST_ASSERT_EQUAL_MEMORY(&before, &actuation, sizeof before);
