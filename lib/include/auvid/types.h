@@ -131,6 +131,7 @@ auvid_status_t auvid_selftest(void);
  * To print it: "cfg.<part>.<field>[<element>] is <value>, limit <limit>".
  */
 typedef struct {
+    auvid_status_t status; /**< what was returned */
     const char *part;   /**< member of the configuration, e.g. "nav"; "": the configuration itself.
                               Static, as `field` */
     const char *field;  /**< e.g. "sigma_dvl" */
@@ -146,11 +147,11 @@ typedef struct {
  * vehicle models. The recorder (detail/recorder.h) or the user's own code writes it.
  */
 typedef struct {
-    uint64_t t_us;                            /**< middle of the interval [us] */
-    auvid_real_t phi, theta, psi;             /**< roll, pitch, yaw [rad]; yaw unwrapped */
-    auvid_real_t nu[AUVID_DOF_COUNT];         /**< u v w [m/s] p q r [rad/s], through the water */
-    auvid_real_t nu_dot[AUVID_DOF_COUNT];     /**< their time derivatives [m/s2, rad/s2] */
-    auvid_real_t tau[AUVID_DOF_COUNT];        /**< applied wrench X Y Z [N] K M N [Nm] */
+    uint64_t t_us;                             /**< middle of the interval [us] */
+    auvid_real_t phi, theta, psi;              /**< roll, pitch, yaw [rad]; yaw unwrapped */
+    auvid_real_t nu[AUVID_DOF_COUNT];          /**< u v w [m/s] p q r [rad/s], through the water */
+    auvid_real_t nu_dot[AUVID_DOF_COUNT];      /**< their time derivatives [m/s2, rad/s2] */
+    auvid_real_t tau[AUVID_DOF_COUNT];         /**< applied wrench X Y Z [N] K M N [Nm] */
     auvid_real_t command[AUVID_COMMAND_SLOTS]; /**< applied thruster commands [user's unit] */
     uint8_t missing; /**< bit j: nu[j] and nu_dot[j] are not measured; 0: all are */
 } auvid_sample_t;
