@@ -140,6 +140,7 @@ auvid_status_t auvid_selftest(void);
  * To print it: "cfg.<part>.<field>[<element>] is <value>, limit <limit>".
  */
 typedef struct {
+    auvid_status_t status; /**< what was returned */
     const char *part;   /**< member of the configuration, e.g. "nav"; "": the configuration itself.
                               Static, as `field` */
     const char *field;  /**< e.g. "sigma_dvl" */

@@ -29,34 +29,39 @@ enum { FIELD_REAL = 16, FIELD_REAL_ABOVE };
 #define WHOLE_IN(type, name, n, low, high)                                                         \
     FIELD_AT(type, name, n, sizeof(((type *)0)->name) / (n), low, high)
 
-/** Fill *why, unless it is NULL: the only place that does. @return status */
-auvid_status_t auvid_refuse(auvid_refusal_t *why, auvid_status_t status, const char *field,
-                            auvid_real_t value, auvid_real_t limit);
+/** Begin the checks of a configuration. Each check below does nothing after one that failed: *why
+ * keeps the first. */
+void auvid_check_begin(auvid_refusal_t *why);
 
-/** Check n fields of the configuration at cfg. The limit of a refused value is the end of the range
- * beyond which it is; the low one if it is NaN.
- * @return AUVID_OK; AUVID_ERR_NOT_FINITE; AUVID_ERR_RANGE: see *why */
-auvid_status_t auvid_check_fields(const void *cfg, const auvid_field_t *field, size_t n,
-                                  auvid_refusal_t *why);
+/** Name the part of the configuration, without an element, that is checked next. */
+void auvid_check_part(auvid_refusal_t *why, const char *part);
 
-/** Set the element, if there is a *why. @return status */
-static inline auvid_status_t auvid_refuse_element(auvid_refusal_t *why, auvid_status_t status,
-                                                  int element)
-{
-    if (status < 0 && why != NULL) {
-        why->element = (int16_t)element;
-    }
-    return status;
-}
+/** Name the element that is checked next; -1: none. */
+void auvid_check_element(auvid_refusal_t *why, int element);
 
-/** Set the part of the configuration, if there is a *why that has none. @return status */
-static inline auvid_status_t auvid_refuse_part(auvid_refusal_t *why, auvid_status_t status,
-                                               const char *part)
-{
-    if (status < 0 && why != NULL && why->part == NULL) {
-        why->part = part;
-    }
-    return status;
-}
+/** Check a condition on a field that has no number. */
+void auvid_check_that(auvid_refusal_t *why, bool met, auvid_status_t status, const char *field);
+
+/** Check a condition on a number and its limit. */
+void auvid_check_limit(auvid_refusal_t *why, bool met, auvid_status_t status, const char *field,
+                       auvid_real_t value, auvid_real_t limit);
+
+/** Check that a number is in low..high: AUVID_ERR_RANGE, or AUVID_ERR_NOT_FINITE. The limit of a
+ * refused number is the end beyond which it is; low if it is NaN. */
+void auvid_check_in(auvid_refusal_t *why, const char *field, auvid_real_t value, auvid_real_t low,
+                    auvid_real_t high);
+
+/** Check that a number is in 1..max. */
+void auvid_check_count(auvid_refusal_t *why, auvid_status_t status, const char *field,
+                       uint32_t count, uint32_t max);
+
+/** Check n fields of the configuration at cfg: AUVID_ERR_RANGE or AUVID_ERR_NOT_FINITE, and limits
+ * as above. An array names its element, unless one is named already. */
+void auvid_check_fields(auvid_refusal_t *why, const void *cfg, const auvid_field_t *field,
+                        size_t n);
+
+/** All fields of a table. */
+#define AUVID_CHECK_TABLE(why, cfg, table)                                                         \
+    auvid_check_fields(why, cfg, table, sizeof(table) / sizeof(table)[0])
 
 #endif

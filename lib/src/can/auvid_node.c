@@ -42,41 +42,22 @@ static auvid_status_t node_init_frames(auvid_node_t *node, const auvid_node_conf
 }
 
 /* Check the number of thrusters, and prepare the frames. */
-static auvid_status_t node_check(auvid_node_t *node, const auvid_node_config_t *cfg, int thrusters,
-                                 auvid_refusal_t *why)
+static void node_check(auvid_node_t *node, const auvid_node_config_t *cfg, int thrusters,
+                       auvid_refusal_t *why)
 {
     static const auvid_field_t fields[] = {
         WHOLE_IN(auvid_can_ids_t, fast, 1, 0, 0x800 - AUVID_CAN_FAST_KINDS),
         WHOLE_IN(auvid_can_ids_t, slow, 1, 0, 0x800 - AUVID_CAN_SLOW_KINDS),
     };
-    auvid_status_t status = AUVID_OK;
-    if (thrusters < 1 || thrusters > AUVID_CAN_THRUSTERS) {
-        status = auvid_refuse(why, AUVID_ERR_SIZE, "thrusters", (auvid_real_t)thrusters,
-                              (auvid_real_t)(thrusters < 1 ? 1 : AUVID_CAN_THRUSTERS));
-        return auvid_refuse_part(why, status, "allocation");
+    auvid_check_part(why, "allocation");
+    auvid_check_count(why, AUVID_ERR_SIZE, "thrusters", (uint32_t)thrusters, AUVID_CAN_THRUSTERS);
+    auvid_check_part(why, "ids");
+    AUVID_CHECK_TABLE(why, &cfg->ids, fields);
+    if (why->status == AUVID_OK) { /* refused if the blocks overlap */
+        auvid_status_t status = node_init_frames(node, cfg);
+        auvid_check_limit(why, status >= 0, status, "slow", (auvid_real_t)cfg->ids.slow,
+                          (auvid_real_t)(cfg->ids.fast + AUVID_CAN_FAST_KINDS));
     }
-    status = auvid_check_fields(&cfg->ids, fields, sizeof fields / sizeof fields[0], why);
-    if (status >= 0) {
-        status = node_init_frames(node, cfg);
-        if (status < 0) { /* they overlap */
-            (void)auvid_refuse(why, status, "slow", (auvid_real_t)cfg->ids.slow,
-                               (auvid_real_t)(cfg->ids.fast + AUVID_CAN_FAST_KINDS));
-        }
-    }
-    return auvid_refuse_part(why, status, "ids");
-}
-
-static auvid_status_t node_init_allocation(auvid_node_t *node, const auvid_allocation_config_t *cfg,
-                                           auvid_refusal_t *why)
-{
-    auvid_status_t status = auvid_allocation_check_config(cfg, why);
-    if (status >= 0) {
-        status = auvid_allocation_init(&node->allocation, cfg);
-        if (status < 0) { /* singular */
-            (void)auvid_refuse(why, status, "thruster.wrench", AUVID_C(0.0), AUVID_C(0.0));
-        }
-    }
-    return auvid_refuse_part(why, status, "allocation");
 }
 
 auvid_status_t auvid_node_init(auvid_node_t *node, const auvid_node_config_t *cfg,
@@ -86,26 +67,26 @@ auvid_status_t auvid_node_init(auvid_node_t *node, const auvid_node_config_t *cf
     if (node == NULL || cfg == NULL || allocation == NULL || identifier == NULL) {
         return AUVID_ERR_NULL;
     }
-    auvid_refusal_t why = {0};
+    auvid_refusal_t why;
     /* all but the identifier, which may contain its configuration */
     memset((unsigned char *)node + sizeof node->id, 0, sizeof *node - sizeof node->id);
-    auvid_status_t status = node_check(node, cfg, allocation->thrusters, &why);
-    if (status >= 0) {
-        status = auvid_identifier_init(&node->id, identifier);
-        why = status < 0 ? node->id.refusal : why;
+    auvid_check_begin(&why);
+    node_check(node, cfg, allocation->thrusters, &why);
+    if (why.status == AUVID_OK && auvid_identifier_init(&node->id, identifier) < 0) {
+        why = node->id.refusal;
     }
-    if (status >= 0) {
-        status = node_init_allocation(node, allocation, &why);
+    if (why.status == AUVID_OK) {
+        auvid_allocation_set_up(&node->allocation, allocation, &why);
     }
-    if (status < 0) {
+    if (why.status < 0) {
         memset(node, 0, sizeof *node);
         node->id.refusal = why;
-        return status;
+        return why.status;
     }
     auvid_identifier_set_scale(&node->id, &node->allocation);
     node->cfg = *cfg;
     node->ready = true;
-    return status;
+    return AUVID_OK;
 }
 
 auvid_status_t auvid_node_attach_actuation(auvid_node_t *node, auvid_actuation_t *storage,

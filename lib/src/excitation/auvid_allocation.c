@@ -213,8 +213,7 @@ void auvid_allocation_defaults(auvid_allocation_config_t *cfg)
     }
 }
 
-auvid_status_t auvid_allocation_check_config(const auvid_allocation_config_t *cfg,
-                                             auvid_refusal_t *why)
+static void allocation_check_config(const auvid_allocation_config_t *cfg, auvid_refusal_t *why)
 {
     static const auvid_field_t fields[] = {
         REALS_IN(auvid_thruster_t, wrench, DOFS, -LARGEST_ENTRY, LARGEST_ENTRY),
@@ -224,35 +223,29 @@ auvid_status_t auvid_allocation_check_config(const auvid_allocation_config_t *cf
         REALS_ABOVE(auvid_thruster_t, gain_forward, 1, AUVID_C(0.0), AUVID_LARGEST),
         REALS_IN(auvid_thruster_t, gain_backward, 1, AUVID_C(0.0), AUVID_LARGEST),
     };
-    if (cfg->thrusters < 1 || cfg->thrusters > AUVID_MAX_THRUSTERS) {
-        return auvid_refuse(why, AUVID_ERR_SIZE, "thrusters", (auvid_real_t)cfg->thrusters,
-                            (auvid_real_t)(cfg->thrusters < 1 ? 1 : AUVID_MAX_THRUSTERS));
+    auvid_check_part(why, "allocation");
+    auvid_check_count(why, AUVID_ERR_SIZE, "thrusters", cfg->thrusters, AUVID_MAX_THRUSTERS);
+    for (int j = 0; j < cfg->thrusters && why->status == AUVID_OK; ++j) {
+        auvid_check_part(why, "allocation.thruster");
+        auvid_check_element(why, j);
+        AUVID_CHECK_TABLE(why, &cfg->thruster[j], fields);
     }
-    for (int j = 0; j < cfg->thrusters; ++j) {
-        auvid_status_t status =
-            auvid_check_fields(&cfg->thruster[j], fields, sizeof fields / sizeof fields[0], why);
-        if (status != AUVID_OK) {
-            (void)auvid_refuse_element(why, status, j);
-            return auvid_refuse_part(why, status, "allocation.thruster");
-        }
-    }
-    return AUVID_OK;
 }
 
-auvid_status_t auvid_allocation_init(auvid_allocation_t *a, const auvid_allocation_config_t *cfg)
+void auvid_allocation_set_up(auvid_allocation_t *a, const auvid_allocation_config_t *cfg,
+                             auvid_refusal_t *why)
 {
     decomposition_t d;
-    if (a == NULL || cfg == NULL) {
-        return AUVID_ERR_NULL;
-    }
-    auvid_status_t status = auvid_allocation_check_config(cfg, NULL);
-    if (status != AUVID_OK) {
-        return status;
+    allocation_check_config(cfg, why);
+    if (why->status != AUVID_OK) {
+        return;
     }
     d.cfg = cfg;
     allocation_span_rows(&d);
-    if (d.rank == 0) {
-        return AUVID_ERR_SINGULAR;
+    auvid_check_part(why, "allocation");
+    auvid_check_that(why, d.rank > 0, AUVID_ERR_SINGULAR, "thruster.wrench");
+    if (why->status != AUVID_OK) {
+        return;
     }
     allocation_orthogonalise_columns(&d);
     memset(a, 0, sizeof *a);
@@ -268,7 +261,17 @@ auvid_status_t auvid_allocation_init(auvid_allocation_t *a, const auvid_allocati
             a->actuated = (uint8_t)(a->actuated | AUVID_DOF_BIT(i));
         }
     }
-    return AUVID_OK;
+}
+
+auvid_status_t auvid_allocation_init(auvid_allocation_t *a, const auvid_allocation_config_t *cfg)
+{
+    auvid_refusal_t why;
+    if (a == NULL || cfg == NULL) {
+        return AUVID_ERR_NULL;
+    }
+    auvid_check_begin(&why);
+    auvid_allocation_set_up(a, cfg, &why);
+    return why.status;
 }
 
 /* ---- every tick ---- */

@@ -37,71 +37,29 @@ static const auvid_field_t excitation_segment[] = {
     SEGMENT(hold_max_s, -AUVID_LARGEST, AUVID_LARGEST),
 };
 
-/* Refuse a field that is not in low..high. */
-static auvid_status_t excitation_in(auvid_refusal_t *why, const char *field, auvid_real_t x,
-                                    auvid_real_t low, auvid_real_t high)
-{
-    return auvid_excitation_in(x, low, high)
-               ? AUVID_OK
-               : auvid_refuse(why, AUVID_ERR_RANGE, field, x, x < low ? low : high);
-}
+static const auvid_field_t excitation_sine[] = {
+    REALS_ABOVE(auvid_segment_t, frequency_hz, 1, AUVID_C(0.0), AUVID_EXCITATION_HIGHEST_HZ),
+    SEGMENT(phase, AUVID_C(-100.0), AUVID_C(100.0)),
+};
 
-static auvid_status_t excitation_check_frequencies(const auvid_segment_t *s, auvid_refusal_t *why)
+static void excitation_check_segment(const auvid_segment_t *s, auvid_refusal_t *why)
 {
-    auvid_status_t status = AUVID_OK;
-    if (!(s->frequency_hz > AUVID_C(0.0))) {
-        return auvid_refuse(why, AUVID_ERR_RANGE, "frequency_hz", s->frequency_hz, AUVID_C(0.0));
-    }
-    if (s->kind == AUVID_SEGMENT_SINES) {
-        return excitation_in(why, "frequency_high_hz", s->frequency_high_hz, s->frequency_hz,
-                             AUVID_EXCITATION_HIGHEST_HZ);
-    }
-    status = excitation_in(why, "frequency_hz", s->frequency_hz, AUVID_C(0.0),
-                           AUVID_EXCITATION_HIGHEST_HZ);
-    return status < 0 ? status
-                      : excitation_in(why, "phase", s->phase, AUVID_C(-100.0), AUVID_C(100.0));
-}
-
-static auvid_status_t excitation_check_steps(const auvid_segment_t *s, auvid_refusal_t *why)
-{
-    auvid_real_t shortest =
-        auvid_max(s->fade_s, s->duration_s / (auvid_real_t)AUVID_EXCITATION_HOLDS);
-    bool enough = s->hold_min_s * (auvid_real_t)AUVID_EXCITATION_HOLDS >= s->duration_s;
-    if (!(s->hold_min_s > AUVID_C(0.0) && s->hold_min_s >= s->fade_s && enough)) {
-        return auvid_refuse(why, AUVID_ERR_RANGE, "hold_min_s", s->hold_min_s, shortest);
-    }
-    return excitation_in(why, "hold_max_s", s->hold_max_s, s->hold_min_s,
-                         AUVID_EXCITATION_LONGEST_S);
-}
-
-static auvid_status_t excitation_check_segment(const auvid_segment_t *s, auvid_refusal_t *why)
-{
-    auvid_status_t status = auvid_check_fields(
-        s, excitation_segment, sizeof excitation_segment / sizeof excitation_segment[0], why);
-    if (status >= 0) {
-        status =
-            excitation_in(why, "fade_s", s->fade_s, AUVID_C(0.0), s->duration_s * AUVID_C(0.5));
-    }
-    if (status < 0) {
-        return status;
-    }
-    switch (s->kind) {
-    case AUVID_SEGMENT_SINES:
-        if (s->sines < 1 || s->sines > AUVID_MAX_SINES) {
-            return auvid_refuse(why, AUVID_ERR_SIZE, "sines", (auvid_real_t)s->sines,
-                                (auvid_real_t)(s->sines < 1 ? 1 : AUVID_MAX_SINES));
-        }
-        return excitation_check_frequencies(s, why);
-    case AUVID_SEGMENT_SINE:
-        return excitation_check_frequencies(s, why);
-    case AUVID_SEGMENT_STEPS:
-        return excitation_check_steps(s, why);
-    case AUVID_SEGMENT_PAUSE:
-    case AUVID_SEGMENT_STEP:
-    case AUVID_SEGMENT_RAMP:
-    case AUVID_SEGMENT_KIND_COUNT:
-    default:
-        return AUVID_OK;
+    auvid_real_t hz = s->frequency_hz, hold_s = s->hold_min_s;
+    AUVID_CHECK_TABLE(why, s, excitation_segment);
+    auvid_check_in(why, "fade_s", s->fade_s, AUVID_C(0.0), s->duration_s * AUVID_C(0.5));
+    if (s->kind == AUVID_SEGMENT_SINE) {
+        AUVID_CHECK_TABLE(why, s, excitation_sine);
+    } else if (s->kind == AUVID_SEGMENT_SINES) {
+        auvid_check_count(why, AUVID_ERR_SIZE, "sines", s->sines, AUVID_MAX_SINES);
+        auvid_check_fields(why, s, excitation_sine, 1);
+        auvid_check_in(why, "frequency_high_hz", s->frequency_high_hz, hz,
+                       AUVID_EXCITATION_HIGHEST_HZ);
+    } else if (s->kind == AUVID_SEGMENT_STEPS) {
+        auvid_real_t holds = (auvid_real_t)AUVID_EXCITATION_HOLDS;
+        bool enough = hold_s >= s->fade_s && hold_s * holds >= s->duration_s;
+        auvid_check_limit(why, hold_s > AUVID_C(0.0) && enough, AUVID_ERR_RANGE, "hold_min_s",
+                          hold_s, auvid_max(s->fade_s, s->duration_s / holds));
+        auvid_check_in(why, "hold_max_s", s->hold_max_s, hold_s, AUVID_EXCITATION_LONGEST_S);
     }
 }
 
@@ -126,22 +84,21 @@ auvid_status_t auvid_excitation_peak(const auvid_excitation_t *e,
 }
 
 /* Check the segments, and compute the length of the sequence. */
-static auvid_status_t excitation_check_segments(const auvid_excitation_config_t *cfg,
-                                                uint64_t *sequence_us, auvid_refusal_t *why)
+static void excitation_check_segments(const auvid_excitation_config_t *cfg, uint64_t *sequence_us,
+                                      auvid_refusal_t *why)
 {
     uint64_t length_us[AUVID_DOF_COUNT] = {0};
-    *sequence_us = 0;
     for (int i = 0; i < cfg->segments; ++i) {
         const auvid_segment_t *s = &cfg->segment[i];
-        auvid_status_t status = excitation_check_segment(s, why);
-        if (status < 0) {
-            (void)auvid_refuse_element(why, status, i);
-            return auvid_refuse_part(why, status, "excitation.segment");
+        auvid_check_part(why, "excitation.segment");
+        auvid_check_element(why, i);
+        excitation_check_segment(s, why);
+        if (why->status < 0) {
+            return;
         }
         length_us[s->dof] += auvid_excitation_us(s->pause_s) + auvid_excitation_us(s->duration_s);
         *sequence_us = length_us[s->dof] > *sequence_us ? length_us[s->dof] : *sequence_us;
     }
-    return AUVID_OK;
 }
 
 static uint64_t excitation_run_us(const auvid_excitation_config_t *cfg, uint64_t sequence_us)
@@ -149,8 +106,7 @@ static uint64_t excitation_run_us(const auvid_excitation_config_t *cfg, uint64_t
     return cfg->duration_s > AUVID_C(0.0) ? auvid_excitation_us(cfg->duration_s) : sequence_us;
 }
 
-auvid_status_t auvid_excitation_check(const auvid_excitation_config_t *cfg, uint64_t *sequence_us,
-                                      auvid_refusal_t *why)
+static uint64_t excitation_check(const auvid_excitation_config_t *cfg, auvid_refusal_t *why)
 {
     static const auvid_field_t fields[] = {
         REALS_IN(auvid_excitation_config_t, excursion_limit, AUVID_DOF_COUNT, AUVID_C(0.0),
@@ -159,35 +115,28 @@ auvid_status_t auvid_excitation_check(const auvid_excitation_config_t *cfg, uint
                  AUVID_EXCITATION_LONGEST_RUN_S),
         REALS_IN(auvid_excitation_config_t, fade_s, 1, AUVID_C(0.0), AUVID_EXCITATION_LONGEST_S),
     };
-    if (cfg->segments < 1 || cfg->segments > AUVID_MAX_SEGMENTS) {
-        return auvid_refuse(why, AUVID_ERR_SIZE, "segments", (auvid_real_t)cfg->segments,
-                            (auvid_real_t)(cfg->segments < 1 ? 1 : AUVID_MAX_SEGMENTS));
+    uint64_t sequence_us = 0;
+    auvid_check_count(why, AUVID_ERR_SIZE, "segments", cfg->segments, AUVID_MAX_SEGMENTS);
+    AUVID_CHECK_TABLE(why, cfg, fields);
+    if (why->status == AUVID_OK) {
+        excitation_check_segments(cfg, &sequence_us, why);
     }
-    auvid_status_t status = auvid_check_fields(cfg, fields, sizeof fields / sizeof fields[0], why);
-    if (status >= 0) {
-        status = excitation_check_segments(cfg, sequence_us, why);
+    if (why->status == AUVID_OK) {
+        uint64_t run_us = excitation_run_us(cfg, sequence_us);
+        auvid_check_part(why, "excitation");
+        auvid_check_that(why, sequence_us > 0, AUVID_ERR_RANGE, "segments");
+        auvid_check_limit(why, 2 * auvid_excitation_us(cfg->fade_s) <= run_us, AUVID_ERR_RANGE,
+                          "fade_s", cfg->fade_s, auvid_seconds(0, run_us) * AUVID_C(0.5));
     }
-    if (status < 0) {
-        return status;
-    }
-    if (*sequence_us == 0) {
-        return auvid_refuse(why, AUVID_ERR_RANGE, "segments", AUVID_C(0.0), AUVID_C(0.0));
-    }
-    auvid_real_t half_s = auvid_seconds(0, excitation_run_us(cfg, *sequence_us)) * AUVID_C(0.5);
-    return 2 * auvid_excitation_us(cfg->fade_s) > excitation_run_us(cfg, *sequence_us)
-               ? auvid_refuse(why, AUVID_ERR_RANGE, "fade_s", cfg->fade_s, half_s)
-               : AUVID_OK;
+    return sequence_us;
 }
 
-auvid_status_t auvid_excitation_init(auvid_excitation_t *e, const auvid_excitation_config_t *cfg)
+void auvid_excitation_set_up(auvid_excitation_t *e, const auvid_excitation_config_t *cfg,
+                             auvid_refusal_t *why)
 {
-    uint64_t sequence_us = 0;
-    if (e == NULL || cfg == NULL) {
-        return AUVID_ERR_NULL;
-    }
-    auvid_status_t status = auvid_excitation_check(cfg, &sequence_us, NULL);
-    if (status < 0) {
-        return status;
+    uint64_t sequence_us = excitation_check(cfg, why);
+    if (why->status != AUVID_OK) {
+        return;
     }
     e->cfg = *cfg;
     memset(&e->sequence_us, 0, sizeof *e - offsetof(auvid_excitation_t, sequence_us));
@@ -201,5 +150,15 @@ auvid_status_t auvid_excitation_init(auvid_excitation_t *e, const auvid_excitati
         e->duration_us[i] = (uint32_t)auvid_excitation_us(cfg->segment[i].duration_s);
         e->pause_us[i] = (uint32_t)auvid_excitation_us(cfg->segment[i].pause_s);
     }
-    return AUVID_OK;
+}
+
+auvid_status_t auvid_excitation_init(auvid_excitation_t *e, const auvid_excitation_config_t *cfg)
+{
+    auvid_refusal_t why;
+    if (e == NULL || cfg == NULL) {
+        return AUVID_ERR_NULL;
+    }
+    auvid_check_begin(&why);
+    auvid_excitation_set_up(e, cfg, &why);
+    return why.status;
 }

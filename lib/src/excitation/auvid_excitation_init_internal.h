@@ -12,10 +12,9 @@
 /** Return whether x is in low..high; false if one of them is NaN. */
 bool auvid_excitation_in(auvid_real_t x, auvid_real_t low, auvid_real_t high);
 
-/** Check a configuration, and compute the length of the sequence. *why names what is refused; NULL:
- * not wanted. @return the statuses of auvid_excitation_init */
-auvid_status_t auvid_excitation_check(const auvid_excitation_config_t *cfg, uint64_t *sequence_us,
-                                      auvid_refusal_t *why);
+/** auvid_excitation_init, with *why instead of a status: nothing happens if it is refused. */
+void auvid_excitation_set_up(auvid_excitation_t *e, const auvid_excitation_config_t *cfg,
+                             auvid_refusal_t *why);
 
 /** Low level of steps: two speeds separate linear from quadratic drag. */
 #define EXCITATION_LOW_LEVEL AUVID_C(0.3)

@@ -40,7 +40,7 @@ void auvid_guard_defaults(auvid_guard_config_t *cfg)
 
 #define GUARD_LIMIT(name) REALS_IN(auvid_guard_config_t, name, 1, AUVID_C(0.0), AUVID_LARGEST)
 
-auvid_status_t auvid_guard_check(const auvid_guard_config_t *cfg, auvid_refusal_t *why)
+void auvid_guard_set_up(auvid_guard_t *g, const auvid_guard_config_t *cfg, auvid_refusal_t *why)
 {
     static const auvid_field_t limits[] = {
         GUARD_LIMIT(depth_min_m),  GUARD_LIMIT(depth_max_m),    GUARD_LIMIT(altitude_min_m),
@@ -48,32 +48,28 @@ auvid_status_t auvid_guard_check(const auvid_guard_config_t *cfg, auvid_refusal_
         GUARD_LIMIT(yaw_rate_max), GUARD_LIMIT(distance_max_m), GUARD_LIMIT(rest_speed),
         GUARD_LIMIT(rest_rate),
     };
-    auvid_status_t status = auvid_check_fields(cfg, limits, sizeof limits / sizeof limits[0], why);
-    if (status != AUVID_OK) {
-        return status;
-    }
-    if ((cfg->off & ~AUVID_GUARD_SWITCHABLE) != 0) {
-        return auvid_refuse(why, AUVID_ERR_RANGE, "off", (auvid_real_t)cfg->off,
-                            (auvid_real_t)AUVID_GUARD_SWITCHABLE);
-    }
-    return cfg->depth_min_m > cfg->depth_max_m ? auvid_refuse(why, AUVID_ERR_BOUNDS, "depth_min_m",
-                                                              cfg->depth_min_m, cfg->depth_max_m)
-                                               : AUVID_OK;
-}
-
-auvid_status_t auvid_guard_init(auvid_guard_t *g, const auvid_guard_config_t *cfg)
-{
-    if (g == NULL || cfg == NULL) {
-        return AUVID_ERR_NULL;
-    }
-    auvid_status_t status = auvid_guard_check(cfg, NULL);
-    if (status != AUVID_OK) {
-        return status;
+    AUVID_CHECK_TABLE(why, cfg, limits);
+    auvid_check_limit(why, (cfg->off & ~AUVID_GUARD_SWITCHABLE) == 0, AUVID_ERR_RANGE, "off",
+                      (auvid_real_t)cfg->off, (auvid_real_t)AUVID_GUARD_SWITCHABLE);
+    auvid_check_limit(why, cfg->depth_min_m <= cfg->depth_max_m, AUVID_ERR_BOUNDS, "depth_min_m",
+                      cfg->depth_min_m, cfg->depth_max_m);
+    if (why->status != AUVID_OK) {
+        return;
     }
     memset(g, 0, sizeof *g);
     g->cfg = *cfg;
     g->ready = true;
-    return AUVID_OK;
+}
+
+auvid_status_t auvid_guard_init(auvid_guard_t *g, const auvid_guard_config_t *cfg)
+{
+    auvid_refusal_t why;
+    if (g == NULL || cfg == NULL) {
+        return AUVID_ERR_NULL;
+    }
+    auvid_check_begin(&why);
+    auvid_guard_set_up(g, cfg, &why);
+    return why.status;
 }
 
 static bool guard_is_on(const auvid_guard_t *g, auvid_guard_cause_t cause)

@@ -199,49 +199,36 @@ void auvid_actuation_defaults(auvid_actuation_config_t *cfg)
 }
 
 /* The excitation must be within the thrusters' limits. */
-static auvid_status_t actuation_check_peak(const auvid_actuation_t *a, auvid_refusal_t *why)
+static void actuation_check_peak(const auvid_actuation_t *a, auvid_refusal_t *why)
 {
     auvid_real_t peak[AUVID_DOF_COUNT];
     auvid_allocation_fit_t fit;
     (void)auvid_excitation_peak(&a->excitation, peak);
     auvid_status_t status = auvid_allocation_check(a->allocation, peak, NULL, &fit);
     if (status < 0) { /* no hold, so some DoF is too large */
-        (void)auvid_refuse(why, status, "segment.amplitude", peak[fit.dof],
-                           fit.factor * peak[fit.dof]);
-        (void)auvid_refuse_element(why, status, fit.dof);
+        auvid_check_part(why, "excitation");
+        auvid_check_element(why, fit.dof);
+        auvid_check_limit(why, false, status, "segment.amplitude", peak[fit.dof],
+                          fit.factor * peak[fit.dof]);
     }
-    return status;
 }
 
-static auvid_status_t actuation_init_excitation(auvid_actuation_t *a,
-                                                const auvid_excitation_config_t *cfg,
-                                                auvid_refusal_t *why)
+static void actuation_init(auvid_actuation_t *a, const auvid_actuation_config_t *cfg,
+                           auvid_refusal_t *why)
 {
-    uint64_t sequence_us;
-    auvid_status_t status = auvid_excitation_check(cfg, &sequence_us, why);
-    if (status >= 0) {
-        status = auvid_excitation_init(&a->excitation, cfg);
+    const auvid_allocation_t *allocation = a->allocation;
+    auvid_check_part(why, "allocation");
+    auvid_check_limit(why, allocation == NULL || allocation->cfg.thrusters > 0, AUVID_ERR_SIZE,
+                      "thrusters", AUVID_C(0.0), AUVID_C(1.0));
+    auvid_check_part(why, "guard");
+    auvid_guard_set_up(&a->guard, &cfg->guard, why);
+    if (cfg->excitation.segments > 0) {
+        auvid_check_part(why, "excitation");
+        auvid_excitation_set_up(&a->excitation, &cfg->excitation, why);
+        if (why->status == AUVID_OK && allocation != NULL) {
+            actuation_check_peak(a, why);
+        }
     }
-    if (status >= 0 && a->allocation != NULL) {
-        status = actuation_check_peak(a, why);
-    }
-    return auvid_refuse_part(why, status, "excitation");
-}
-
-static auvid_status_t actuation_init(auvid_actuation_t *a, const auvid_actuation_config_t *cfg,
-                                     auvid_refusal_t *why)
-{
-    if (a->allocation != NULL && a->allocation->cfg.thrusters == 0) {
-        (void)auvid_refuse(why, AUVID_ERR_SIZE, "thrusters", AUVID_C(0.0), AUVID_C(1.0));
-        return auvid_refuse_part(why, AUVID_ERR_SIZE, "allocation");
-    }
-    auvid_status_t status = auvid_guard_check(&cfg->guard, why);
-    if (status < 0) {
-        return auvid_refuse_part(why, status, "guard");
-    }
-    (void)auvid_guard_init(&a->guard, &cfg->guard);
-    return cfg->excitation.segments == 0 ? AUVID_OK
-                                         : actuation_init_excitation(a, &cfg->excitation, why);
 }
 
 auvid_status_t auvid_identifier_attach_actuation(auvid_identifier_t *id, auvid_actuation_t *storage,
@@ -263,17 +250,18 @@ auvid_status_t auvid_identifier_attach_actuation(auvid_identifier_t *id, auvid_a
     memset(storage, 0, sizeof *storage);
     storage->functions = &actuation_functions;
     storage->allocation = allocation;
-    auvid_refusal_t why = {0};
-    auvid_status_t status = actuation_init(storage, cfg, &why);
-    if (status < 0) {
+    auvid_refusal_t why;
+    auvid_check_begin(&why);
+    actuation_init(storage, cfg, &why);
+    if (why.status < 0) {
         storage->refusal = why;
-        return status;
+        return why.status;
     }
     id->actuation = storage;
     if (allocation != NULL) {
         auvid_identifier_set_scale(id, allocation);
     }
-    return status;
+    return AUVID_OK;
 }
 
 /* ---- orders ---- */

@@ -300,7 +300,10 @@ static auvid_status_t adaptive_check_config(const auvid_adaptive_config_t *cfg)
                  AUVID_LARGEST),
         REALS_IN(auvid_adaptive_config_t, max_s, 1, AUVID_C(30.0), AUVID_EXCITATION_LONGEST_S),
     };
-    return auvid_check_fields(cfg, fields, sizeof fields / sizeof fields[0], NULL);
+    auvid_refusal_t why;
+    auvid_check_begin(&why);
+    AUVID_CHECK_TABLE(&why, cfg, fields);
+    return why.status;
 }
 
 static bool adaptive_is_excitable(const auvid_identifier_t *id, const auvid_adaptive_config_t *cfg,

@@ -46,101 +46,71 @@ void auvid_identifier_select(auvid_search_config_t *search, uint32_t active, uin
     }
 }
 
-static auvid_status_t identifier_check_dry_mass(const auvid_identifier_config_t *cfg, uint32_t free,
-                                                auvid_refusal_t *why)
-{
-    for (int i = 0; i < cfg->vehicle->parameters; ++i) {
-        auvid_real_t upper = cfg->search.upper[i], dry = cfg->dry_mass_kg;
-        bool mass = cfg->vehicle->parameter[i].kind == AUVID_PARAMETER_MASS;
-        if ((free >> i & 1u) && mass && dry > AUVID_C(0.0) && upper <= dry) {
-            (void)auvid_refuse(why, AUVID_ERR_DRY_MASS, "dry_mass_kg", dry, upper);
-            return auvid_refuse_element(why, AUVID_ERR_DRY_MASS, i);
-        }
-    }
-    return AUVID_OK;
-}
-
 /* Check the search over all free parameters, and the delay if it is searched too. A search over
  * fewer of them is valid too. */
-static auvid_status_t identifier_check_search(const auvid_identifier_config_t *cfg,
-                                              auvid_refusal_t *why)
+static void identifier_check_search(const auvid_identifier_config_t *cfg, auvid_refusal_t *why)
 {
     const auvid_vehicle_t *vehicle = cfg->vehicle;
     const uint32_t all = UINT32_MAX >> (32 - vehicle->parameters);
     const uint32_t free = cfg->metric.free == 0 ? all : cfg->metric.free & all;
-    const int delay = auvid_path_stores_rows(vehicle->path) && cfg->metric.estimate_delay;
+    const uint32_t delay = auvid_path_stores_rows(vehicle->path) && cfg->metric.estimate_delay;
     auvid_search_config_t search = cfg->search;
     uint8_t of[AUVID_MAX_PARAMETERS];
     auvid_identifier_select(&search, free, of);
-    if (search.n == 0 || search.n + delay > AUVID_MAX_PARAMETERS) {
-        (void)auvid_refuse(why, AUVID_ERR_PARAMETERS, "free", (auvid_real_t)(search.n + delay),
-                           (auvid_real_t)(search.n == 0 ? 1 : AUVID_MAX_PARAMETERS));
-        return auvid_refuse_part(why, AUVID_ERR_PARAMETERS, "metric");
+    auvid_check_part(why, "metric");
+    auvid_check_count(why, AUVID_ERR_PARAMETERS, "free", free == 0 ? 0u : search.n + delay,
+                      AUVID_MAX_PARAMETERS);
+    auvid_check_part(why, "");
+    for (int i = 0; i < search.n; ++i) {
+        bool mass = vehicle->parameter[of[i]].kind == AUVID_PARAMETER_MASS;
+        auvid_real_t dry = mass ? cfg->dry_mass_kg : AUVID_C(0.0);
+        auvid_check_element(why, of[i]);
+        auvid_check_limit(why, !(dry > AUVID_C(0.0) && search.upper[i] <= dry), AUVID_ERR_DRY_MASS,
+                          "dry_mass_kg", dry, search.upper[i]);
     }
-    auvid_status_t status = identifier_check_dry_mass(cfg, free, why);
-    if (status < 0) {
-        return auvid_refuse_part(why, status, "");
+    if (why->status < 0) {
+        return;
     }
     if (delay) {
         search.lower[search.n] = search.good[search.n] = AUVID_C(0.0);
         search.upper[search.n++] = AUVID_C(1.0);
     }
-    status = auvid_search_check_fields(&search, why);
-    if (status < 0 && why->element >= 0) {
+    auvid_check_part(why, "search");
+    auvid_search_check_fields(&search, why);
+    if (why->status < 0 && why->element >= 0) {
         why->element = of[why->element];
     }
-    return auvid_refuse_part(why, status, "search");
 }
 
-/* Check the fields that are of no module. */
-static auvid_status_t identifier_check_fields(const auvid_identifier_config_t *cfg,
-                                              auvid_refusal_t *why)
+static void identifier_check(const auvid_identifier_config_t *cfg, auvid_refusal_t *why)
 {
 #define UP_TO_1(name) REALS_IN(auvid_uncertainty_t, name, 1, AUVID_C(0.0), AUVID_C(1.0))
     static const auvid_field_t uncertainty[] = {UP_TO_1(thrust_scale), UP_TO_1(dvl_scale),
                                                 UP_TO_1(delay_s)};
-    static const auvid_field_t velocity = WHOLE_IN(auvid_identifier_config_t, velocity, 1,
-                                                   AUVID_VELOCITY_GROUND, AUVID_VELOCITY_WATER);
-    auvid_status_t status = auvid_check_fields(&cfg->uncertainty, uncertainty,
-                                               sizeof uncertainty / sizeof uncertainty[0], why);
-    if (status < 0) {
-        return auvid_refuse_part(why, status, "uncertainty");
-    }
-    status = auvid_check_fields(cfg, &velocity, 1, why);
-    if (status < 0) {
-        return status;
-    }
-    return cfg->dry_mass_kg >= AUVID_C(0.0)
-               ? AUVID_OK
-               : auvid_refuse(why, AUVID_ERR_RANGE, "dry_mass_kg", cfg->dry_mass_kg, AUVID_C(0.0));
-}
-
-static auvid_status_t identifier_check(const auvid_identifier_config_t *cfg, auvid_refusal_t *why)
-{
-    auvid_status_t status = auvid_selftest();
-    if (status < 0) {
-        return auvid_refuse(why, status, "selftest", AUVID_C(0.0), AUVID_C(0.0));
-    }
+    static const auvid_field_t velocity[] = {WHOLE_IN(auvid_identifier_config_t, velocity, 1,
+                                                      AUVID_VELOCITY_GROUND, AUVID_VELOCITY_WATER)};
     const auvid_listener_t *listener = cfg->listener;
-    if (listener != NULL && (listener->command == NULL || listener->set == NULL)) {
-        (void)auvid_refuse(why, AUVID_ERR_NULL, listener->command == NULL ? "command" : "set",
-                           AUVID_C(0.0), AUVID_C(0.0));
-        return auvid_refuse_part(why, AUVID_ERR_NULL, "listener");
+    auvid_check_that(why, auvid_selftest() == AUVID_OK, AUVID_ERR_ARITHMETIC, "selftest");
+    auvid_check_part(why, "listener");
+    auvid_check_that(why, listener == NULL || listener->command != NULL, AUVID_ERR_NULL, "command");
+    auvid_check_that(why, listener == NULL || listener->set != NULL, AUVID_ERR_NULL, "set");
+    auvid_check_part(why, "vehicle");
+    auvid_vehicle_check_fields(cfg->vehicle, why);
+    if (why->status < 0) {
+        return;
     }
-    status = auvid_vehicle_check_fields(cfg->vehicle, why);
-    if (status < 0) {
-        return auvid_refuse_part(why, status, "vehicle");
-    }
-    status = identifier_check_search(cfg, why);
-    if (status >= 0) {
-        status = identifier_check_fields(cfg, why);
-    }
-    return status;
+    identifier_check_search(cfg, why);
+    auvid_check_part(why, "uncertainty");
+    AUVID_CHECK_TABLE(why, &cfg->uncertainty, uncertainty);
+    auvid_check_part(why, "");
+    AUVID_CHECK_TABLE(why, cfg, velocity);
+    auvid_check_limit(why, cfg->dry_mass_kg >= AUVID_C(0.0), AUVID_ERR_RANGE, "dry_mass_kg",
+                      cfg->dry_mass_kg, AUVID_C(0.0));
 }
 
-static auvid_status_t identifier_init_metric(auvid_identifier_t *id,
-                                             const auvid_identifier_config_t *cfg,
-                                             auvid_refusal_t *why)
+/* Complete the configuration of the metric. */
+static void identifier_configure_metric(auvid_identifier_t *id,
+                                        const auvid_identifier_config_t *cfg)
 {
     auvid_metric_t *metric = &id->metric;
     metric->cfg = cfg->metric;
@@ -156,28 +126,19 @@ static auvid_status_t identifier_init_metric(auvid_identifier_t *id,
             id->default_scale = (uint8_t)(id->default_scale | AUVID_DOF_BIT(j));
         }
     }
-    auvid_status_t status = auvid_metric_check(&metric->cfg, why);
-    return status < 0 ? auvid_refuse_part(why, status, "metric")
-                      : auvid_metric_init(metric, &metric->cfg);
 }
 
-static auvid_status_t identifier_init_modules(auvid_identifier_t *id,
-                                              const auvid_identifier_config_t *cfg,
-                                              auvid_refusal_t *why)
+static void identifier_init_modules(auvid_identifier_t *id, const auvid_identifier_config_t *cfg,
+                                    auvid_refusal_t *why)
 {
     auvid_recorder_config_t recorder = cfg->recorder;
-    auvid_status_t status = auvid_nav_check(&cfg->nav, why);
-    if (status < 0) {
-        return auvid_refuse_part(why, status, "nav");
-    }
     recorder.velocity_us = cfg->metric.velocity_us;
-    status = auvid_recorder_check(&recorder, why);
-    if (status < 0) {
-        return auvid_refuse_part(why, status, "recorder");
-    }
-    (void)auvid_nav_init(&id->nav, &cfg->nav);
-    (void)auvid_recorder_init(&id->recorder, &recorder);
-    return identifier_init_metric(id, cfg, why);
+    identifier_configure_metric(id, cfg);
+    auvid_check_part(why, "nav");
+    auvid_nav_set_up(&id->nav, &cfg->nav, why);
+    auvid_check_part(why, "recorder");
+    auvid_recorder_set_up(&id->recorder, &recorder, why);
+    auvid_metric_set_up(&id->metric, &id->metric.cfg, why);
 }
 
 const auvid_estimate_t *auvid_identifier_estimate(const auvid_identifier_t *id)
@@ -200,22 +161,22 @@ auvid_status_t auvid_identifier_init(auvid_identifier_t *id, const auvid_identif
     if (id == NULL || cfg == NULL) {
         return AUVID_ERR_NULL;
     }
-    auvid_refusal_t why = {0};
+    auvid_refusal_t why;
     memset(id, 0, offsetof(auvid_identifier_t, cfg)); /* cfg may be id->cfg */
-    auvid_status_t status = identifier_check(cfg, &why);
-    if (status >= 0) {
+    auvid_check_begin(&why);
+    identifier_check(cfg, &why);
+    if (why.status == AUVID_OK) {
         id->search = cfg->search;
         id->velocity = cfg->velocity;
         id->dry_mass_kg = cfg->dry_mass_kg;
         id->uncertainty = cfg->uncertainty;
         id->listener = cfg->listener;
         id->listener_context = cfg->listener_context;
-        status = identifier_init_modules(id, cfg, &why);
+        identifier_init_modules(id, cfg, &why);
     }
-    if (status < 0) {
+    if (why.status < 0) {
         memset(id, 0, sizeof *id);
         id->refusal = why;
-        id->refusal.part = why.part == NULL ? "" : why.part;
     }
-    return status;
+    return why.status;
 }

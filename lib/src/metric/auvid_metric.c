@@ -57,7 +57,7 @@ static const auvid_field_t metric_fields[] = {
 };
 
 /* Check the delays: a cell is their unit. */
-static auvid_status_t metric_check_delays(const auvid_metric_config_t *cfg, auvid_refusal_t *why)
+static void metric_check_delays(const auvid_metric_config_t *cfg, auvid_refusal_t *why)
 {
     auvid_real_t cell_s = (auvid_real_t)cfg->cell_us * AUVID_C(1e-6);
     auvid_real_t longest =
@@ -65,38 +65,10 @@ static auvid_status_t metric_check_delays(const auvid_metric_config_t *cfg, auvi
     auvid_real_t earliest = /* accepts a rounded delay of the metric */
         -cell_s * ((auvid_real_t)AUVID_METRIC_EARLY_CELLS + AUVID_C(0.001));
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
-        auvid_real_t delay_s = cfg->delay_s[j];
-        if (!(delay_s >= earliest && delay_s <= longest)) {
-            (void)auvid_refuse(why, AUVID_ERR_RANGE, "delay_s", delay_s,
-                               delay_s < earliest ? earliest : longest);
-            return auvid_refuse_element(why, AUVID_ERR_RANGE, j);
-        }
+        auvid_check_element(why, j);
+        auvid_check_in(why, "delay_s", cfg->delay_s[j], earliest, longest);
     }
-    return AUVID_OK;
-}
-
-/* Check each field by itself, then what the fields require of each other. */
-static auvid_status_t metric_check_ranges(const auvid_metric_config_t *cfg, auvid_refusal_t *why)
-{
-    auvid_status_t status =
-        auvid_check_fields(cfg, metric_fields, sizeof metric_fields / sizeof metric_fields[0], why);
-    if (status == AUVID_OK) {
-        status = metric_check_delays(cfg, why);
-    }
-    if (status < 0) {
-        return status;
-    }
-    uint32_t max_rows = 60000u / cfg->sets;
-    if (cfg->set_rows > max_rows) {
-        return auvid_refuse(why, AUVID_ERR_RANGE, "set_rows", (auvid_real_t)cfg->set_rows,
-                            (auvid_real_t)max_rows);
-    }
-    uint32_t mask = (uint32_t)(((uint64_t)1 << cfg->vehicle->parameters) - 1);
-    if (cfg->free != 0 && (cfg->free & mask) == 0) {
-        return auvid_refuse(why, AUVID_ERR_PARAMETERS, "free", (auvid_real_t)cfg->free,
-                            (auvid_real_t)mask);
-    }
-    return cfg->vehicle->path->check(cfg, why);
+    auvid_check_element(why, -1);
 }
 
 void auvid_metric_count(const auvid_vehicle_t *vehicle, uint32_t free, uint32_t *columns,
@@ -115,40 +87,44 @@ void auvid_metric_count(const auvid_vehicle_t *vehicle, uint32_t free, uint32_t 
 }
 
 /* Check that all channels and R factors fit. */
-static auvid_status_t metric_check_columns(const auvid_metric_config_t *cfg, auvid_refusal_t *why)
+static void metric_check_columns(const auvid_metric_config_t *cfg, auvid_refusal_t *why)
 {
     uint32_t channels, factor;
     auvid_metric_count(cfg->vehicle, cfg->free, &channels, &factor);
-    if (channels > AUVID_MAX_COLUMNS) {
-        return auvid_refuse(why, AUVID_ERR_SIZE, "free: AUVID_MAX_COLUMNS", (auvid_real_t)channels,
-                            AUVID_MAX_COLUMNS);
-    }
-    return factor <= AUVID_MAX_FACTOR ? AUVID_OK
-                                      : auvid_refuse(why, AUVID_ERR_SIZE, "free: AUVID_MAX_FACTOR",
-                                                     (auvid_real_t)factor, AUVID_MAX_FACTOR);
+    auvid_check_count(why, AUVID_ERR_SIZE, "free: AUVID_MAX_COLUMNS", channels, AUVID_MAX_COLUMNS);
+    auvid_check_count(why, AUVID_ERR_SIZE, "free: AUVID_MAX_FACTOR", factor, AUVID_MAX_FACTOR);
 }
 
 /* Check that the filter's taps, and the rows that they overlap, fit. */
-static auvid_status_t metric_check_taps(const auvid_metric_config_t *cfg, auvid_refusal_t *why)
+static void metric_check_taps(const auvid_metric_config_t *cfg, auvid_refusal_t *why)
 {
     bool mean = auvid_path_stores_rows(cfg->vehicle->path);
     uint32_t taps = auvid_metric_taps(cfg, mean);
-    if (taps > AUVID_MAX_TAPS) {
-        return auvid_refuse(why, AUVID_ERR_SIZE, mean ? "row_cells" : "half_width",
-                            (auvid_real_t)taps, AUVID_MAX_TAPS);
-    }
+    const char *field = mean ? "row_cells" : "half_width";
     uint32_t rows = (taps + AUVID_MAX_OVERLAP - 1) / AUVID_MAX_OVERLAP; /* cells between rows */
-    return cfg->row_cells >= rows ? AUVID_OK
-                                  : auvid_refuse(why, AUVID_ERR_SIZE, "row_cells",
-                                                 (auvid_real_t)cfg->row_cells, (auvid_real_t)rows);
+    auvid_check_count(why, AUVID_ERR_SIZE, field, taps, AUVID_MAX_TAPS);
+    auvid_check_limit(why, cfg->row_cells >= rows, AUVID_ERR_SIZE, "row_cells",
+                      (auvid_real_t)cfg->row_cells, (auvid_real_t)rows);
 }
 
-auvid_status_t auvid_metric_check(const auvid_metric_config_t *cfg, auvid_refusal_t *why)
+static void metric_check(const auvid_metric_config_t *cfg, auvid_refusal_t *why)
 {
-    auvid_status_t status = auvid_vehicle_check_fields(cfg->vehicle, why);
-    status = status == AUVID_OK ? metric_check_ranges(cfg, why) : status;
-    status = status == AUVID_OK ? metric_check_taps(cfg, why) : status;
-    return status == AUVID_OK ? metric_check_columns(cfg, why) : status;
+    auvid_vehicle_check_fields(cfg->vehicle, why);
+    auvid_check_part(why, "metric");
+    AUVID_CHECK_TABLE(why, cfg, metric_fields);
+    metric_check_delays(cfg, why);
+    if (why->status != AUVID_OK) {
+        return;
+    }
+    uint32_t max_rows = 60000u / cfg->sets;
+    uint32_t mask = (uint32_t)(((uint64_t)1 << cfg->vehicle->parameters) - 1);
+    auvid_check_limit(why, cfg->set_rows <= max_rows, AUVID_ERR_RANGE, "set_rows",
+                      (auvid_real_t)cfg->set_rows, (auvid_real_t)max_rows);
+    auvid_check_limit(why, cfg->free == 0 || (cfg->free & mask) != 0, AUVID_ERR_PARAMETERS, "free",
+                      (auvid_real_t)cfg->free, (auvid_real_t)mask);
+    cfg->vehicle->path->check(cfg, why);
+    metric_check_taps(cfg, why);
+    metric_check_columns(cfg, why);
 }
 
 /* Assign channels and an R factor to each modelled DoF, and the filter's taps. In the residual path
@@ -191,14 +167,12 @@ uint32_t auvid_metric_free_of(const auvid_metric_t *m, uint8_t excited)
     return m->cfg.free == 0 ? free : free & m->cfg.free;
 }
 
-auvid_status_t auvid_metric_init(auvid_metric_t *metric, const auvid_metric_config_t *cfg)
+void auvid_metric_set_up(auvid_metric_t *metric, const auvid_metric_config_t *cfg,
+                         auvid_refusal_t *why)
 {
-    if (metric == NULL || cfg == NULL) {
-        return AUVID_ERR_NULL;
-    }
-    auvid_status_t status = auvid_metric_check(cfg, NULL);
-    if (status < 0) {
-        return status;
+    metric_check(cfg, why);
+    if (why->status != AUVID_OK) {
+        return;
     }
     metric->cfg = *cfg;
     memset((unsigned char *)metric + sizeof metric->cfg, 0, sizeof *metric - sizeof metric->cfg);
@@ -206,5 +180,15 @@ auvid_status_t auvid_metric_init(auvid_metric_t *metric, const auvid_metric_conf
     metric->cfg.vehicle->path->make_filter(metric);
     memcpy(metric->result.delay_s, metric->cfg.delay_s, sizeof metric->result.delay_s);
     metric->result.first_order_lag = metric->cfg.first_order_lag;
-    return AUVID_OK;
+}
+
+auvid_status_t auvid_metric_init(auvid_metric_t *metric, const auvid_metric_config_t *cfg)
+{
+    auvid_refusal_t why;
+    if (metric == NULL || cfg == NULL) {
+        return AUVID_ERR_NULL;
+    }
+    auvid_check_begin(&why);
+    auvid_metric_set_up(metric, cfg, &why);
+    return why.status;
 }

@@ -22,7 +22,7 @@
 struct auvid_path {
     /** Checks the model's functions, the storage and the smoother, but not the number of taps.
      * Statuses of auvid_metric_init. */
-    auvid_status_t (*check)(const auvid_metric_config_t *cfg, auvid_refusal_t *why);
+    void (*check)(const auvid_metric_config_t *cfg, auvid_refusal_t *why);
     /** Makes the filter, once configuration and layout are in *m. */
     void (*make_filter)(auvid_metric_t *m);
     /** Adds cell n of the record to all rows under construction. The newest of these, begun
@@ -107,9 +107,9 @@ static inline auvid_real_t auvid_metric_node_s(const auvid_metric_t *m)
 /** Returns the free parameters (bit i) of the DoF in `excited` (bit j). */
 uint32_t auvid_metric_free_of(const auvid_metric_t *m, uint8_t excited);
 
-/** Check a configuration. *why names what is refused; NULL: not wanted. @return the statuses of
- * auvid_metric_init */
-auvid_status_t auvid_metric_check(const auvid_metric_config_t *cfg, auvid_refusal_t *why);
+/** auvid_metric_init, with *why instead of a status: nothing happens if it is refused. */
+void auvid_metric_set_up(auvid_metric_t *metric, const auvid_metric_config_t *cfg,
+                         auvid_refusal_t *why);
 
 /** Checksum of what gives the parameters their meaning: names, units, and which are free or fixed,
  * with the fixed values. */

@@ -32,26 +32,17 @@
 #endif
 
 /* Check that the filter exists (smoother.h). */
-static auvid_status_t metric_check_regressor(const auvid_metric_config_t *cfg, auvid_refusal_t *why)
+static void metric_check_regressor(const auvid_metric_config_t *cfg, auvid_refusal_t *why)
 {
     uint32_t min_half = cfg->half_width[cfg->half_width[1] < cfg->half_width[0]];
-    uint32_t max_half = auvid_metric_max_half(cfg);
-    if (cfg->vehicle->regressor == NULL) {
-        (void)auvid_refuse(why, AUVID_ERR_MODEL, "regressor", AUVID_C(0.0), AUVID_C(0.0));
-        return auvid_refuse_part(why, AUVID_ERR_MODEL, "vehicle");
-    }
-    if (max_half > AUVID_MAX_HALF_WIDTH) {
-        return auvid_refuse(why, AUVID_ERR_SIZE, "half_width", (auvid_real_t)max_half,
-                            AUVID_MAX_HALF_WIDTH);
-    }
-    if (cfg->order > AUVID_SMOOTHER_MAX_ORDER) {
-        return auvid_refuse(why, AUVID_ERR_RANGE, "order", (auvid_real_t)cfg->order,
-                            AUVID_SMOOTHER_MAX_ORDER);
-    }
-    return cfg->order <= 2 * min_half
-               ? AUVID_OK
-               : auvid_refuse(why, AUVID_ERR_SINGULAR, "order", (auvid_real_t)cfg->order,
-                              (auvid_real_t)(2 * min_half));
+    auvid_real_t order = (auvid_real_t)cfg->order, max_order = (auvid_real_t)(2 * min_half);
+    auvid_check_part(why, "vehicle");
+    auvid_check_that(why, cfg->vehicle->regressor != NULL, AUVID_ERR_MODEL, "regressor");
+    auvid_check_part(why, "metric");
+    auvid_check_count(why, AUVID_ERR_SIZE, "half_width", auvid_metric_max_half(cfg),
+                      AUVID_MAX_HALF_WIDTH);
+    auvid_check_in(why, "order", order, AUVID_C(0.0), AUVID_SMOOTHER_MAX_ORDER);
+    auvid_check_limit(why, order <= max_order, AUVID_ERR_SINGULAR, "order", order, max_order);
 }
 
 /* Write Savitzky-Golay, as often as `passes` says, to the middle of the kernel. */

@@ -11,11 +11,11 @@
 
 #if AUVID_MAX_COMMANDS == 0
 
-static auvid_status_t metric_refuse(const auvid_metric_config_t *cfg, auvid_refusal_t *why)
+static void metric_refuse(const auvid_metric_config_t *cfg, auvid_refusal_t *why)
 {
     (void)cfg;
-    (void)auvid_refuse(why, AUVID_ERR_SIZE, "path", AUVID_C(0.0), AUVID_C(1.0));
-    return auvid_refuse_part(why, AUVID_ERR_SIZE, "vehicle");
+    auvid_check_part(why, "vehicle");
+    auvid_check_limit(why, false, AUVID_ERR_SIZE, "path", AUVID_C(0.0), AUVID_C(1.0));
 }
 
 const auvid_path_t auvid_path_residual = {.check = metric_refuse};
@@ -34,15 +34,12 @@ enum {
 /* Standard deviation of the weights that smooth the residuals. */
 #define RESIDUAL_SMOOTHING_S AUVID_C(0.6)
 
-static auvid_status_t metric_check_residual(const auvid_metric_config_t *cfg, auvid_refusal_t *why)
+static void metric_check_residual(const auvid_metric_config_t *cfg, auvid_refusal_t *why)
 {
-    if (cfg->vehicle->residual == NULL || cfg->rows == NULL) {
-        bool rows = cfg->vehicle->residual != NULL;
-        (void)auvid_refuse(why, AUVID_ERR_MODEL, rows ? "rows" : "residual", AUVID_C(0.0),
-                           AUVID_C(0.0));
-        return auvid_refuse_part(why, AUVID_ERR_MODEL, rows ? "metric" : "vehicle");
-    }
-    return AUVID_OK;
+    auvid_check_part(why, "vehicle");
+    auvid_check_that(why, cfg->vehicle->residual != NULL, AUVID_ERR_MODEL, "residual");
+    auvid_check_part(why, "metric");
+    auvid_check_that(why, cfg->rows != NULL, AUVID_ERR_MODEL, "rows");
 }
 
 /* Make binomial weights over an odd number of rows: n weights have a variance of (n - 1) / 4. */

@@ -17,61 +17,53 @@
 
 const uint8_t auvid_build = 1;
 
-/* Find a field that contradicts another one; NULL: none does. *element: the DoF or parameter. */
-static const char *vehicle_inconsistent(const auvid_vehicle_t *vehicle, int *element)
+/* Check that the masks agree with each other and with the parameters. */
+static void vehicle_check_masks(const auvid_vehicle_t *vehicle, auvid_refusal_t *why)
 {
-    uint32_t all = 0;
+    uint32_t all = 0, mask = UINT32_MAX >> (32 - vehicle->parameters);
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
         unsigned reads = vehicle->reads[j];
         all |= vehicle->columns[j];
-        *element = j;
-        if (reads != 0 && (reads >> AUVID_DOF_COUNT != 0 || (reads >> j & 1u) == 0)) {
-            return "reads";
-        }
-        if ((uint64_t)vehicle->columns[j] >> vehicle->parameters != 0) {
-            return "columns";
-        }
+        auvid_check_element(why, j);
+        auvid_check_that(why,
+                         reads == 0 || (reads >> AUVID_DOF_COUNT == 0 && (reads >> j & 1u) != 0),
+                         AUVID_ERR_MODEL, "reads");
+        auvid_check_that(why, (vehicle->columns[j] & ~mask) == 0, AUVID_ERR_MODEL, "columns");
     }
-    for (int i = 0; i < vehicle->parameters && all != 0; ++i) {
+    auvid_check_element(why, -1);
+    auvid_check_that(why, all != 0, AUVID_ERR_MODEL, "columns");
+    for (int i = 0; i < vehicle->parameters; ++i) {
         auvid_dof_t dof = vehicle->parameter[i].dof;
-        *element = i;
-        if ((unsigned)dof >= AUVID_DOF_COUNT || vehicle->columns[dof] == 0) {
-            return "parameter.dof";
-        }
+        auvid_check_element(why, i);
+        auvid_check_that(why, (unsigned)dof < AUVID_DOF_COUNT && vehicle->columns[dof] != 0,
+                         AUVID_ERR_MODEL, "parameter.dof");
     }
-    *element = -1;
-    return all == 0 ? "columns" : NULL;
 }
 
-auvid_status_t auvid_vehicle_check_fields(const auvid_vehicle_t *vehicle, auvid_refusal_t *why)
+void auvid_vehicle_check_fields(const auvid_vehicle_t *vehicle, auvid_refusal_t *why)
 {
-    auvid_status_t status = AUVID_ERR_MODEL;
-    const char *field = vehicle != NULL && vehicle->path == NULL ? "path" : "residual";
-    int element = -1;
-    if (vehicle == NULL || vehicle->parameter == NULL) {
-        status = AUVID_ERR_NULL;
-        field = vehicle == NULL ? "" : "parameter";
-    } else if (vehicle->built_for != AUVID_BUILD) {
-        status = AUVID_ERR_SIZE;
-        field = "built_for";
-    } else if (vehicle->parameters < 1 || vehicle->parameters > AUVID_MAX_PARAMETERS) {
-        auvid_real_t limit = (auvid_real_t)(vehicle->parameters < 1 ? 1 : AUVID_MAX_PARAMETERS);
-        return auvid_refuse(why, AUVID_ERR_PARAMETERS, "parameters",
-                            (auvid_real_t)vehicle->parameters, limit);
-    } else if (vehicle->path != NULL &&
-               (vehicle->residual != NULL || vehicle->regressor != NULL)) {
-        field = vehicle_inconsistent(vehicle, &element);
-        if (field == NULL) {
-            return AUVID_OK;
-        }
+    auvid_check_that(why, vehicle != NULL, AUVID_ERR_NULL, "");
+    if (vehicle == NULL) {
+        return;
     }
-    (void)auvid_refuse(why, status, field, AUVID_C(0.0), AUVID_C(0.0));
-    return auvid_refuse_element(why, status, element);
+    auvid_check_that(why, vehicle->parameter != NULL, AUVID_ERR_NULL, "parameter");
+    auvid_check_that(why, vehicle->built_for == AUVID_BUILD, AUVID_ERR_SIZE, "built_for");
+    auvid_check_count(why, AUVID_ERR_PARAMETERS, "parameters", vehicle->parameters,
+                      AUVID_MAX_PARAMETERS);
+    auvid_check_that(why, vehicle->path != NULL, AUVID_ERR_MODEL, "path");
+    auvid_check_that(why, vehicle->residual != NULL || vehicle->regressor != NULL, AUVID_ERR_MODEL,
+                     "residual");
+    if (why->status == AUVID_OK) {
+        vehicle_check_masks(vehicle, why);
+    }
 }
 
 auvid_status_t auvid_vehicle_check(const auvid_vehicle_t *vehicle)
 {
-    return auvid_vehicle_check_fields(vehicle, NULL);
+    auvid_refusal_t why;
+    auvid_check_begin(&why);
+    auvid_vehicle_check_fields(vehicle, &why);
+    return why.status;
 }
 
 uint8_t auvid_vehicle_unmeasured(const auvid_vehicle_t *vehicle, uint8_t missing)

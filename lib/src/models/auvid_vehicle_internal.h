@@ -7,7 +7,7 @@
 
 #include "auvid/vehicle.h"
 
-/** auvid_vehicle_check. *why names what is refused; NULL: not wanted. */
-auvid_status_t auvid_vehicle_check_fields(const auvid_vehicle_t *vehicle, auvid_refusal_t *why);
+/** auvid_vehicle_check; *why names what is refused. */
+void auvid_vehicle_check_fields(const auvid_vehicle_t *vehicle, auvid_refusal_t *why);
 
 #endif

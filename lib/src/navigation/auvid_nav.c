@@ -86,24 +86,16 @@ static const auvid_field_t nav_fields[] = {
     NAV_WHOLE(gps_start, 0, AUVID_NAV_GPS_START_MAX),
     AUVID_SENSORS(NAV_SENSOR_FIELDS)};
 
-auvid_status_t auvid_nav_check(const auvid_nav_config_t *cfg, auvid_refusal_t *why)
-{
-    return auvid_check_fields(cfg, nav_fields, sizeof nav_fields / sizeof nav_fields[0], why);
-}
-
 static inline auvid_real_t nav_square(auvid_real_t x)
 {
     return x * x;
 }
 
-auvid_status_t auvid_nav_init(auvid_nav_t *nav, const auvid_nav_config_t *cfg)
+void auvid_nav_set_up(auvid_nav_t *nav, const auvid_nav_config_t *cfg, auvid_refusal_t *why)
 {
-    if (nav == NULL || cfg == NULL) {
-        return AUVID_ERR_NULL;
-    }
-    auvid_status_t status = auvid_nav_check(cfg, NULL);
-    if (status != AUVID_OK) {
-        return status;
+    AUVID_CHECK_TABLE(why, cfg, nav_fields);
+    if (why->status != AUVID_OK) {
+        return;
     }
     memset(nav, 0, sizeof *nav);
     for (int i = 0; i < 3; ++i) {
@@ -137,7 +129,17 @@ auvid_status_t auvid_nav_init(auvid_nav_t *nav, const auvid_nav_config_t *cfg)
         nav->imu_turned = nav->imu_turned || !auvid_is_zero(cfg->imu_euler[i]);
     }
     nav->ready = NAV_READY;
-    return AUVID_OK;
+}
+
+auvid_status_t auvid_nav_init(auvid_nav_t *nav, const auvid_nav_config_t *cfg)
+{
+    auvid_refusal_t why;
+    if (nav == NULL || cfg == NULL) {
+        return AUVID_ERR_NULL;
+    }
+    auvid_check_begin(&why);
+    auvid_nav_set_up(nav, cfg, &why);
+    return why.status;
 }
 
 bool auvid_nav_pose(const auvid_nav_t *nav, auvid_nav_state_t *state)

@@ -23,9 +23,8 @@ static const uint8_t nav_packed[3][3] = {{0, 1, 2}, {1, 3, 4}, {2, 4, 5}};
 _Static_assert(1 << (AUVID_NAV_SENSOR_COUNT - 1) <= UINT8_MAX, "auvid_nav_t.holding");
 _Static_assert(AUVID_NAV_FLAG_END - 1 <= UINT16_MAX, "auvid_nav_t.flags");
 
-/** Check a configuration. *why names what is refused; NULL: not wanted. @return the statuses of
- * auvid_nav_init() */
-auvid_status_t auvid_nav_check(const auvid_nav_config_t *cfg, auvid_refusal_t *why);
+/** auvid_nav_init, with *why instead of a status: nothing happens if it is refused. */
+void auvid_nav_set_up(auvid_nav_t *nav, const auvid_nav_config_t *cfg, auvid_refusal_t *why);
 
 /** auvid_nav_state() but for the flags, which are left as they are. @return whether there is one */
 bool auvid_nav_pose(const auvid_nav_t *nav, auvid_nav_state_t *state);

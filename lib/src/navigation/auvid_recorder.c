@@ -48,36 +48,36 @@ static uint32_t recorder_gap_us(const auvid_recorder_config_t *cfg, uint32_t vel
     return cfg->gap_us == 0 ? auvid_recorder_gap(velocity_us) : cfg->gap_us;
 }
 
-auvid_status_t auvid_recorder_check(const auvid_recorder_config_t *cfg, auvid_refusal_t *why)
+void auvid_recorder_set_up(auvid_recorder_t *recorder, const auvid_recorder_config_t *cfg,
+                           auvid_refusal_t *why)
 {
     static const auvid_field_t fields[] = {
         WHOLE_IN(auvid_recorder_config_t, cell_us, 1, 1000, 1000000),
         WHOLE_IN(auvid_recorder_config_t, gap_us, 1, 0, AUVID_C(1e9)),
         WHOLE_IN(auvid_recorder_config_t, input, 1, AUVID_INPUT_HOLD, AUVID_INPUT_LINEAR),
     };
-    auvid_status_t status = auvid_check_fields(cfg, fields, sizeof fields / sizeof fields[0], why);
     uint32_t gap_us = recorder_gap_us(cfg, cfg->velocity_us);
-    if (status == AUVID_OK && gap_us < cfg->cell_us) {
-        return auvid_refuse(why, AUVID_ERR_RANGE, "gap_us", (auvid_real_t)gap_us,
-                            (auvid_real_t)cfg->cell_us);
-    }
-    return status;
-}
-
-auvid_status_t auvid_recorder_init(auvid_recorder_t *recorder, const auvid_recorder_config_t *cfg)
-{
-    if (recorder == NULL || cfg == NULL) {
-        return AUVID_ERR_NULL;
-    }
-    auvid_status_t status = auvid_recorder_check(cfg, NULL);
-    if (status != AUVID_OK) {
-        return status;
+    AUVID_CHECK_TABLE(why, cfg, fields);
+    auvid_check_limit(why, gap_us >= cfg->cell_us, AUVID_ERR_RANGE, "gap_us", (auvid_real_t)gap_us,
+                      (auvid_real_t)cfg->cell_us);
+    if (why->status != AUVID_OK) {
+        return;
     }
     memset(recorder, 0, sizeof *recorder);
     recorder->cfg = *cfg;
     recorder->velocity_us = cfg->velocity_us;
-    recorder->gap_us = recorder_gap_us(cfg, cfg->velocity_us);
-    return AUVID_OK;
+    recorder->gap_us = gap_us;
+}
+
+auvid_status_t auvid_recorder_init(auvid_recorder_t *recorder, const auvid_recorder_config_t *cfg)
+{
+    auvid_refusal_t why;
+    if (recorder == NULL || cfg == NULL) {
+        return AUVID_ERR_NULL;
+    }
+    auvid_check_begin(&why);
+    auvid_recorder_set_up(recorder, cfg, &why);
+    return why.status;
 }
 
 /* Is the period of the velocity samples still to be observed? */

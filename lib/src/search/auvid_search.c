@@ -74,30 +74,7 @@ void auvid_search_resolve(auvid_search_config_t *c)
     }
 }
 
-/* Bounds and known good value of parameter i. */
-static auvid_status_t search_check_parameter(const auvid_search_config_t *c, int i,
-                                             auvid_refusal_t *why)
-{
-    const auvid_real_t good = c->has_good ? c->good[i] : AUVID_C(0.0);
-    const struct {
-        const char *name;
-        auvid_real_t value, limit;
-    } x[] = {{"lower", c->lower[i], -SEARCH_BOUND_MAX},
-             {"upper", c->upper[i], SEARCH_BOUND_MAX},
-             {"good", good, c->upper[i]}};
-    for (int k = 0; k < 3; ++k) {
-        bool finite = auvid_is_finite(x[k].value);
-        if (!finite || (k < 2 && auvid_abs(x[k].value) > SEARCH_BOUND_MAX)) {
-            return auvid_refuse(why, finite ? AUVID_ERR_RANGE : AUVID_ERR_NOT_FINITE, x[k].name,
-                                x[k].value, x[k].limit);
-        }
-    }
-    return c->lower[i] < c->upper[i]
-               ? AUVID_OK
-               : auvid_refuse(why, AUVID_ERR_BOUNDS, "lower", c->lower[i], c->upper[i]);
-}
-
-auvid_status_t auvid_search_check_fields(const auvid_search_config_t *c, auvid_refusal_t *why)
+void auvid_search_check_fields(const auvid_search_config_t *c, auvid_refusal_t *why)
 {
 #define BELOW_1 (AUVID_C(1.0) - AUVID_EPSILON / 2)
 #define REAL_IN(name, low, high) REALS_IN(auvid_search_config_t, name, 1, low, high)
@@ -112,35 +89,36 @@ auvid_status_t auvid_search_check_fields(const auvid_search_config_t *c, auvid_r
         REAL_IN(epsilon_line, AUVID_C(0.0), AUVID_C(1e-3)),
         WHOLE_IN(auvid_search_config_t, phases, 1, AUVID_SEARCH_BOTH, AUVID_SEARCH_LOCAL),
     };
-    auvid_real_t step[3];
-    if (c->n < 1 || c->n > AUVID_MAX_PARAMETERS) {
-        return auvid_refuse(why, AUVID_ERR_PARAMETERS, "n", (auvid_real_t)c->n,
-                            (auvid_real_t)(c->n < 1 ? 1 : AUVID_MAX_PARAMETERS));
-    }
     const uint32_t m = search_population(c);
-    if (m < c->n + 1u || m > AUVID_MAX_POPULATION) {
-        return auvid_refuse(
-            why, AUVID_ERR_POPULATION, "population", (auvid_real_t)m,
-            (auvid_real_t)(m > AUVID_MAX_POPULATION ? AUVID_MAX_POPULATION : c->n + 1));
+    auvid_check_count(why, AUVID_ERR_PARAMETERS, "n", c->n, AUVID_MAX_PARAMETERS);
+    auvid_check_limit(why, m > c->n && m <= AUVID_MAX_POPULATION, AUVID_ERR_POPULATION,
+                      "population", (auvid_real_t)m,
+                      (auvid_real_t)(m > c->n ? AUVID_MAX_POPULATION : c->n + 1));
+    for (int i = 0; i < c->n && why->status == AUVID_OK; ++i) {
+        const auvid_real_t low = c->lower[i], high = c->upper[i];
+        auvid_check_element(why, i);
+        auvid_check_in(why, "lower", low, -SEARCH_BOUND_MAX, SEARCH_BOUND_MAX);
+        auvid_check_in(why, "upper", high, -SEARCH_BOUND_MAX, SEARCH_BOUND_MAX);
+        auvid_check_limit(why, !c->has_good || auvid_is_finite(c->good[i]), AUVID_ERR_NOT_FINITE,
+                          "good", c->good[i], high);
+        auvid_check_limit(why, low < high, AUVID_ERR_BOUNDS, "lower", low, high);
     }
-    for (int i = 0; i < c->n; ++i) {
-        auvid_status_t status = search_check_parameter(c, i, why);
-        if (status < 0) {
-            return auvid_refuse_element(why, status, i);
-        }
-    }
-    auvid_status_t status = auvid_check_fields(c, fields, sizeof fields / sizeof fields[0], why);
-    if (status < 0) {
-        return status;
-    }
+    auvid_check_element(why, -1);
+    AUVID_CHECK_TABLE(why, c, fields);
+    auvid_real_t step[3];
     search_steps(c, step);
-    return step[0] > step[2] ? AUVID_OK
-                             : auvid_refuse(why, AUVID_ERR_RANGE, "alpha0", step[0], step[2]);
+    auvid_check_limit(why, step[0] > step[2], AUVID_ERR_RANGE, "alpha0", step[0], step[2]);
 }
 
 auvid_status_t auvid_search_check(const auvid_search_config_t *cfg)
 {
-    return cfg == NULL ? AUVID_ERR_NULL : auvid_search_check_fields(cfg, NULL);
+    auvid_refusal_t why;
+    if (cfg == NULL) {
+        return AUVID_ERR_NULL;
+    }
+    auvid_check_begin(&why);
+    auvid_search_check_fields(cfg, &why);
+    return why.status;
 }
 
 bool auvid_search_inside(const auvid_search_config_t *c, const auvid_real_t *theta)

@@ -10,9 +10,8 @@
 /** Largest bound, and largest step of a parameter: widths, trials and products are finite. */
 #define SEARCH_BOUND_MAX AUVID_C(1e18)
 
-/** auvid_search_check of a configuration that is not NULL. *why names what is refused; NULL: not
- * wanted. */
-auvid_status_t auvid_search_check_fields(const auvid_search_config_t *cfg, auvid_refusal_t *why);
+/** auvid_search_check of a configuration that is not NULL; *why names what is refused. */
+void auvid_search_check_fields(const auvid_search_config_t *cfg, auvid_refusal_t *why);
 
 /** Replace zeros by the values that they stand for. */
 void auvid_search_resolve(auvid_search_config_t *cfg);
