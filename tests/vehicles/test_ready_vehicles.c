@@ -42,6 +42,24 @@ static void test_literal_smoothing_has_rows_without_averaging(void)
     TEST_ASSERT_TRUE(cfg.vehicle == rov->model);
 }
 
+static void test_a_world_names_what_the_library_refused(void)
+{
+    const world_config_t config = {.vehicle = rov, .seed = 1, .sets = 1};
+    vehicle_t tumbling = *rov;
+    tumbling.tilt_max_rad = (auvid_real_t)INFINITY;
+    const world_config_t refused = {.vehicle = &tumbling, .seed = 1, .sets = 1};
+    auvid_identifier_config_t cfg;
+    TEST_ASSERT_TRUE(world_begin(&world, &config));
+    TEST_ASSERT_NULL(world_refusal(&world));
+    world_identifier(&cfg, &config);
+    cfg.nav.gate = -1;
+    TEST_ASSERT_FALSE(world_listen(&world, &cfg));
+    TEST_ASSERT_EQUAL_STRING("gate", world_refusal(&world)->field);
+    TEST_ASSERT_EQUAL(AUVID_ERR_RANGE, world_refusal(&world)->status);
+    TEST_ASSERT_FALSE(world_begin(&world, &refused));
+    TEST_ASSERT_EQUAL_STRING("roll_max_rad", world_refusal(&world)->field);
+}
+
 static void test_the_simulated_bluerov2_has_the_librarys_parameters(void)
 {
     vehicle_sim_config_t cfg;
@@ -135,6 +153,7 @@ int main(void)
     UNITY_BEGIN();
     RUN_TEST(test_vehicles_and_models_have_names);
     RUN_TEST(test_literal_smoothing_has_rows_without_averaging);
+    RUN_TEST(test_a_world_names_what_the_library_refused);
     RUN_TEST(test_the_simulated_bluerov2_has_the_librarys_parameters);
     RUN_TEST(test_simulator_and_allocation_have_the_same_thrusters);
     RUN_TEST(test_the_bluerov2_hovers_upright);

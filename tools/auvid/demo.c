@@ -263,7 +263,9 @@ static int run_once(run_t *run, const options_t *options, uint64_t seed, const c
         csv_discard(&writer);
     }
     if (!done) {
-        return report_error("demo: the identifier refused its configuration");
+        const auvid_refusal_t *why = world_refusal(&run->world);
+        return why != NULL ? report_refused("demo", why->status, why)
+                           : report_error("demo: the simulator refused its configuration");
     }
     return path == NULL ? 0 : csv_commit(&writer);
 }

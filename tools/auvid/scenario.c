@@ -400,7 +400,9 @@ static int play(scenario_run_t *run, int which)
     }
     bool as_expected = scenarios[which].run(run);
     if (run->result.vehicle == NULL) {
-        return report_error("demo: the identifier refused its configuration");
+        const auvid_refusal_t *why = world_refusal(&run->world);
+        return why != NULL ? report_refused("demo", why->status, why)
+                           : report_error("demo: the simulator refused its configuration");
     }
     const second_result_t second = {run->other_key, &run->other, NULL};
     if (options->json) {

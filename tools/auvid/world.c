@@ -106,6 +106,17 @@ bool world_listen(world_t *world, const auvid_identifier_config_t *cfg)
     return world->nodes < WORLD_NODES && begin_node(world, &node, cfg);
 }
 
+const auvid_refusal_t *world_refusal(const world_t *world)
+{
+    for (int i = 0; i < world->nodes; ++i) {
+        if (!world->node[i].ready && world->node[i].id.refusal.status < 0) {
+            return &world->node[i].id.refusal;
+        }
+    }
+    bool attached = world->nodes == 0 || world->node[0].id.actuation != NULL;
+    return !attached && world->actuation.refusal.status < 0 ? &world->actuation.refusal : NULL;
+}
+
 /* Passes frames to a node up to the tick frame, and sends its answer. */
 static void step(world_t *world, int i)
 {

@@ -72,8 +72,12 @@ auvid_status_t world_excite(auvid_node_t *node, auvid_actuation_t *actuation,
                             const world_config_t *config);
 
 /** Starts. The operator arms the node one second after it navigates.
- * Returns false if the library or the simulator refuses the configuration. */
+ * Returns false if the library, see world_refusal, or the simulator refuses the configuration. */
 bool world_begin(world_t *world, const world_config_t *config);
+
+/** What the library refused in a world that did not begin, or a node that cannot listen; NULL if it
+ * was not the library that refused. */
+const auvid_refusal_t *world_refusal(const world_t *world);
 
 /** Adds a second node that listens. Returns false if there is no room or cfg is refused. */
 bool world_listen(world_t *world, const auvid_identifier_config_t *cfg);

@@ -46,7 +46,7 @@ void auvid_check_that(auvid_refusal_t *why, bool met, auvid_status_t status, con
 void auvid_check_count(auvid_refusal_t *why, auvid_status_t status, const char *field,
                        uint32_t count, uint32_t max)
 {
-    auvid_check_limit(why, count >= 1 && count <= max, status, field, (auvid_real_t)count,
+    auvid_check_limit(why, count - 1u < max, status, field, (auvid_real_t)count,
                       (auvid_real_t)(count < 1 ? 1 : max));
 }
 
