@@ -2,10 +2,11 @@
 """Is the state plain data, and laid out alike everywhere?
 
 usage: layout.py [--write] NAME=OBJECT...
-OBJECT is auvid_checkpoint_layout.c, compiled with debugging information for a machine. Its list of
-blocks says what a checkpoint holds. In a block there must be no pointer, no enumeration, no gap,
-and no scalar off a multiple of its width. The layout must be the one listed in layout.csv, whose
-checksum is in auvid_checkpoint_layout_internal.h. For a NAME that ends in "sizes" (other sizes, or
+OBJECT is auvid_checkpoint_layout.c, compiled with debugging information for a machine. Its lists of
+blocks say what a checkpoint holds, and of which members the configuration's checksum is. In a block
+there must be no pointer, no enumeration, no gap, and no scalar off a multiple of its width. The
+layout of the state must be the one listed in layout.csv, whose checksum is in
+auvid_checkpoint_layout_internal.h. For a NAME that ends in "sizes" (other sizes, or
 double) it is not compared. Prints "ok" or "not ok" for each object, naming the member.
 --write writes both files, after a change of the layout; checkpoints saved before are then refused.
 """
@@ -79,13 +80,13 @@ def leaves(die, path, at):
         yield path, at, size_of(scalar), count_of(die) if array else 1, kind
 
 
-def layout(path):
-    """{block: [(member, offset, width, count, kind)]} of an object, in the order of the stream."""
+def layout(path, table):
+    """{block: [(member, offset, width, count, kind)]} of a list of blocks, in its order."""
     with open(path, "rb") as file:
         types = {name_of(die): die for unit in ELFFile(file).get_dwarf_info().iter_CUs()
                  for die in unit.get_top_DIE().iter_children() if die.tag == "DW_TAG_typedef"}
         text = SOURCE.read_text()
-        text = text[text.index("auvid_checkpoint_block["):]
+        text = text[text.index(f"auvid_checkpoint_{table}["):]
         found = {}
         for root, first, last in BLOCK.findall(text[:text.index("};")]):
             root = root or "auvid_identifier_t"
@@ -144,7 +145,7 @@ def difference(listed, found):
 
 def main():
     objects = dict(a.split("=") for a in sys.argv[1:] if a != "--write")
-    found = {name: layout(path) for name, path in objects.items()}
+    found = {name: layout(path, "block") for name, path in objects.items()}
     if "--write" in sys.argv:
         text = "\n".join(lines(next(iter(found.values())))) + "\n"
         LISTED.write_text(text)
@@ -153,7 +154,7 @@ def main():
     text = LISTED.read_text()
     number = CHECKSUM.search(HEADER.read_text())[2]
     for name, blocks in found.items():
-        what = "; ".join(faults(blocks))
+        what = "; ".join([*faults(blocks), *faults(layout(objects[name], "configured"))])
         if not what and not name.endswith("sizes"):
             what = difference(text.split(), lines(blocks))
         if not what and f"{zlib.crc32(text.encode()):08x}" != number:
