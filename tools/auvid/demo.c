@@ -264,7 +264,7 @@ static int run_once(run_t *run, const options_t *options, uint64_t seed, const c
     }
     if (!done) {
         const auvid_refusal_t *why = world_refusal(&run->world);
-        return why != NULL ? report_refused("demo", why->status, why)
+        return why != NULL ? report_refused("demo", why->status, why, NULL)
                            : report_error("demo: the simulator refused its configuration");
     }
     return path == NULL ? 0 : csv_commit(&writer);

@@ -401,7 +401,7 @@ static int play(scenario_run_t *run, int which)
     bool as_expected = scenarios[which].run(run);
     if (run->result.vehicle == NULL) {
         const auvid_refusal_t *why = world_refusal(&run->world);
-        return why != NULL ? report_refused("demo", why->status, why)
+        return why != NULL ? report_refused("demo", why->status, why, NULL)
                            : report_error("demo: the simulator refused its configuration");
     }
     const second_result_t second = {run->other_key, &run->other, NULL};

@@ -2,8 +2,6 @@
 
 #include <string.h>
 
-#include "report_error.h"
-
 /* Moment of the disturbance relative to its force [m]. */
 #define DISTURBANCE_ARM 0.4
 
@@ -60,12 +58,7 @@ static bool begin_node(world_t *world, const auvid_node_config_t *node,
     int i = world->nodes++;
     bool good = !world->is_literal || literal_identifier(&world->literal[i], &cfg) == AUVID_OK;
     literal_attach(&world->literal[i], &world->node[i].id.metric);
-    auvid_status_t status =
-        good ? auvid_node_init(&world->node[i], node, world->allocation, &cfg) : AUVID_OK;
-    if (status < 0) {
-        (void)report_refused("demo", status, &world->node[i].id.refusal, &cfg);
-    }
-    return good && status >= 0 &&
+    return good && auvid_node_init(&world->node[i], node, world->allocation, &cfg) >= 0 &&
            auvid_identifier_attach_prediction(&world->node[i].id, &world->prediction[i]) >= 0;
 }
 

@@ -388,10 +388,6 @@ const uint8_t auvid_can_first[AUVID_CAN_KINDS] = {{
 const uint8_t auvid_can_node_kinds[AUVID_CAN_KINDS] = {{
 {numbers(node_kinds)},
 }};
-
-const uint16_t auvid_can_cycles_ms[AUVID_CAN_KINDS] = {{
-{numbers(m.cycle_ms for m in messages)},
-}};
 """
 
 

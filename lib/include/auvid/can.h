@@ -107,10 +107,6 @@ auvid_can_node_kind_t auvid_can_node_kind(auvid_can_kind_t kind);
  * @param ids NULL: defaults */
 uint16_t auvid_can_id(const auvid_can_ids_t *ids, auvid_can_kind_t kind);
 
-/** Returns the time between two frames of a message [us]. Returns 0 if the message is sent on event
- * or does not exist. */
-uint32_t auvid_can_cycle_us(auvid_can_kind_t kind);
-
 /** Returns the CRC of a frame: CRC-8H2F (polynomial 0x2F, initial value 0xFF, inverted at the end)
  * over data[1..7] and the message's data id. */
 uint8_t auvid_can_crc(const uint8_t data[AUVID_CAN_BYTES], uint8_t data_id);

@@ -77,13 +77,13 @@
 #endif
 
 /* The following sizes are derived from those above. Define one only to save memory, or for a model
- * that needs more. AUVID_TOKEN_x is the part of link-time names. */
+ * that needs more. AUVID_TOKEN_x is the part of link-time names; 0: derived. */
 
 /** Largest population m of the controlled random search (m >= n + 1); default 4 n, which is also
  * the optimizer's. 2..1024. */
 #ifndef AUVID_MAX_POPULATION
 #define AUVID_MAX_POPULATION (4 * AUVID_MAX_PARAMETERS)
-#define AUVID_TOKEN_POPULATION derived
+#define AUVID_TOKEN_POPULATION 0
 #else
 #define AUVID_TOKEN_POPULATION AUVID_MAX_POPULATION
 #endif
@@ -108,7 +108,7 @@
  * equation has c free parameters needs (c + 3)(c + 4) / 2. 10..8192. */
 #ifndef AUVID_MAX_FACTOR
 #define AUVID_MAX_FACTOR AUVID_MODEL_FACTOR
-#define AUVID_TOKEN_FACTOR derived
+#define AUVID_TOKEN_FACTOR 0
 #else
 #define AUVID_TOKEN_FACTOR AUVID_MAX_FACTOR
 #endif
@@ -117,7 +117,7 @@
  * are for the wrench). A model on the residual path needs 33 and three for each command. Range:
  * 33 + 3 AUVID_MAX_COMMANDS..512, or 10..512 with AUVID_MAX_COMMANDS 0. */
 #ifndef AUVID_MAX_COLUMNS
-#define AUVID_TOKEN_COLUMNS derived
+#define AUVID_TOKEN_COLUMNS 0
 #if AUVID_MAX_COMMANDS > 0 && 33 + 3 * AUVID_MAX_COMMANDS > AUVID_MODEL_COLUMNS
 #define AUVID_MAX_COLUMNS (33 + 3 * AUVID_MAX_COMMANDS)
 #else
@@ -131,7 +131,7 @@
  * rounded up; default for five cells. 1..64. */
 #ifndef AUVID_MAX_OVERLAP
 #define AUVID_MAX_OVERLAP ((AUVID_MAX_TAPS + 4) / 5)
-#define AUVID_TOKEN_OVERLAP derived
+#define AUVID_TOKEN_OVERLAP 0
 #else
 #define AUVID_TOKEN_OVERLAP AUVID_MAX_OVERLAP
 #endif
@@ -184,7 +184,7 @@
 
 /* The link-time name of a function contains the arithmetic and, if its arguments depend on them,
  * the sizes; tests/lint/sources.py reports a function whose name lacks them. A derived size is in
- * the name only where it is defined explicitly; otherwise it follows from the others. */
+ * the name only where it is defined explicitly, else 0: it follows from the others. */
 #ifdef AUVID_REAL_DOUBLE
 #define AUVID_SIZED0(name) name##_f64
 #else

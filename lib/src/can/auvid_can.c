@@ -165,11 +165,6 @@ uint16_t auvid_can_id(const auvid_can_ids_t *ids, auvid_can_kind_t kind)
     return (uint16_t)(base + (uint32_t)kind);
 }
 
-uint32_t auvid_can_cycle_us(auvid_can_kind_t kind)
-{
-    return (uint32_t)kind < AUVID_CAN_KINDS ? auvid_can_cycles_ms[kind] * 1000u : 0u;
-}
-
 auvid_status_t auvid_can_sender_init(auvid_can_sender_t *sender, const auvid_can_ids_t *ids)
 {
     ids = ids != NULL ? ids : &can_default_ids;

@@ -109,8 +109,3 @@ const uint8_t auvid_can_first[AUVID_CAN_KINDS] = {
 const uint8_t auvid_can_node_kinds[AUVID_CAN_KINDS] = {
     0, 1, 2, 3, 4, 14, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 14, 14, 14, 14, 14, 14, 14, 14, 14,
 };
-
-const uint16_t auvid_can_cycles_ms[AUVID_CAN_KINDS] = {
-    0, 20, 20, 20, 0, 0, 20, 20, 20, 20, 200, 200, 200, 100, 1000, 100, 100, 100, 100, 100, 200,
-    1000, 500, 200, 200,
-};

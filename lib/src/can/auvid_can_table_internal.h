@@ -39,7 +39,7 @@ typedef struct {
  * no other. */
 #define AUVID_CAN_DATA_ID(kind)                                                                    \
     ((uint8_t)((uint32_t)(kind) >= AUVID_CAN_FAST_KINDS                                            \
-                   ? (uint32_t)(kind) - AUVID_CAN_FAST_KINDS + 7u                                  \
+                   ? (uint32_t)(kind)-AUVID_CAN_FAST_KINDS + 7u                                    \
                    : (uint32_t)(kind) + ((uint32_t)(kind) < 6u ? 1u : 240u)))
 
 _Static_assert(AUVID_CAN_KINDS < 245, "AUVID_CAN_DATA_ID");
@@ -48,6 +48,5 @@ extern const auvid_can_type_t auvid_can_types[];
 extern const auvid_can_signal_t auvid_can_signals[];
 extern const uint8_t auvid_can_first[AUVID_CAN_KINDS];      /**< first signal of each message */
 extern const uint8_t auvid_can_node_kinds[AUVID_CAN_KINDS]; /**< auvid_can_node_kind_t */
-extern const uint16_t auvid_can_cycles_ms[AUVID_CAN_KINDS]; /**< 0: on event */
 
 #endif

@@ -410,14 +410,6 @@ static void test_wrong_calls_return_their_statuses(void)
     TEST_ASSERT_EQUAL(AUVID_ERR_STATE, auvid_can_pack(&sender, &message, &frame));
 }
 
-static void test_cycle_times_are_those_of_the_dbc(void)
-{
-    TEST_ASSERT_EQUAL_UINT32(20000, auvid_can_cycle_us(AUVID_CAN_TICK));
-    TEST_ASSERT_EQUAL_UINT32(1000000, auvid_can_cycle_us(AUVID_CAN_GPS));
-    TEST_ASSERT_EQUAL_UINT32(0, auvid_can_cycle_us(AUVID_CAN_ABORT));
-    TEST_ASSERT_EQUAL_UINT32(0, auvid_can_cycle_us(AUVID_CAN_KINDS));
-}
-
 static void test_a_wrapped_time_is_extended_forwards_and_backwards(void)
 {
     const uint64_t t = 0x500000000ull;
@@ -455,7 +447,6 @@ int main(void)
     RUN_TEST(test_blocks_that_overlap_or_do_not_fit_are_refused);
     RUN_TEST(test_every_identifier_maps_to_its_message_and_back);
     RUN_TEST(test_wrong_calls_return_their_statuses);
-    RUN_TEST(test_cycle_times_are_those_of_the_dbc);
     RUN_TEST(test_a_wrapped_time_is_extended_forwards_and_backwards);
     return UNITY_END();
 }

@@ -78,7 +78,7 @@ class Binding:
             die = self._bare(self._named[name])
             found = self._enum(die) if die.tag == "DW_TAG_enumeration_type" else self._whole(die)
         else:
-            sized = re.compile(re.escape(name) + r"(_f(32|64)(_\d+|_derived)*)?$")
+            sized = re.compile(re.escape(name) + r"(_f(32|64)(_\d+)*)?$")
             hits = [n for n in [*self._functions, *self._variables] if sized.match(n)]
             if len(hits) != 1:
                 raise AttributeError(f"{self.path} has {len(hits)} of {name}")
