@@ -59,49 +59,47 @@ void auvid_check_in(auvid_refusal_t *why, const char *field, auvid_real_t value,
                       in_low ? high : low);
 }
 
-/* Set *value to an element, and *limit to the end of the range beyond which it is. @return whether
- * it is within the range */
-static bool refusal_in_range(const unsigned char *element, const auvid_field_t *field,
-                             auvid_real_t *value, auvid_real_t *limit)
+static void refusal_check_whole(auvid_refusal_t *why, const auvid_field_t *field,
+                                const unsigned char *element)
 {
-    bool in_low, in_high;
-    if (field->size >= FIELD_REAL) {
-        memcpy(value, element, sizeof *value);
-        in_low = field->size == FIELD_REAL ? *value >= field->low : *value > field->low;
-        in_high = *value <= field->high;
-    } else {
-        uint32_t whole = *element;
-        uint16_t half;
-        if (field->size == sizeof whole) {
-            memcpy(&whole, element, sizeof whole);
-        } else if (field->size == sizeof half) {
-            memcpy(&half, element, sizeof half);
-            whole = half;
-        }
-        *value = (auvid_real_t)whole;
-        in_low = whole >= (uint32_t)field->low;
-        /* 2^32: no upper limit */
-        in_high = field->high >= AUVID_C(4294967296.0) || whole <= (uint32_t)field->high;
+    uint32_t whole = *element;
+    uint16_t half;
+    if (field->size == sizeof whole) {
+        memcpy(&whole, element, sizeof whole);
+    } else if (field->size == sizeof half) {
+        memcpy(&half, element, sizeof half);
+        whole = half;
     }
-    *limit = in_low ? field->high : field->low;
-    return in_low && in_high;
+    bool in_low = whole >= (uint32_t)field->low;
+    /* 2^32: no upper limit */
+    bool in_high = field->high >= AUVID_C(4294967296.0) || whole <= (uint32_t)field->high;
+    auvid_check_limit(why, in_low && in_high, AUVID_ERR_RANGE, field->name, (auvid_real_t)whole,
+                      in_low ? field->high : field->low);
+}
+
+static void refusal_check_real(auvid_refusal_t *why, const auvid_field_t *field,
+                               const unsigned char *element)
+{
+    auvid_real_t value;
+    memcpy(&value, element, sizeof value);
+    auvid_check_in(why, field->name, value, field->low, field->high);
+    auvid_check_limit(why, field->size == FIELD_REAL || value > field->low, AUVID_ERR_RANGE,
+                      field->name, value, field->low);
 }
 
 void auvid_check_fields(auvid_refusal_t *why, const void *cfg, const auvid_field_t *field, size_t n)
 {
+    int named = why->element;
     for (; n > 0; --n, ++field) {
-        size_t size = field->size >= FIELD_REAL ? sizeof(auvid_real_t) : field->size;
+        const unsigned char *element = (const unsigned char *)cfg + field->offset;
         for (int i = 0; i < field->n; ++i) {
-            auvid_real_t value, limit;
-            bool met =
-                refusal_in_range((const unsigned char *)cfg + field->offset + (size_t)i * size,
-                                 field, &value, &limit);
-            if (!met && field->n > 1 && why->element < 0) {
-                auvid_check_element(why, i);
+            auvid_check_element(why, field->n > 1 && named < 0 ? i : named);
+            if (field->size >= FIELD_REAL) {
+                refusal_check_real(why, field, element + (size_t)i * sizeof(auvid_real_t));
+            } else {
+                refusal_check_whole(why, field, element + (size_t)i * field->size);
             }
-            auvid_check_limit(why, met,
-                              auvid_is_finite(value) ? AUVID_ERR_RANGE : AUVID_ERR_NOT_FINITE,
-                              field->name, value, limit);
         }
     }
+    auvid_check_element(why, named);
 }
