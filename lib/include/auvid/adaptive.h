@@ -23,10 +23,10 @@
  * the abandoned parameters; estimate.confidence holds the reason.
  *
  * Girona500, 100 N and 40 Nm, disturbance 1 N, 100 runs: all 13 parameters are identifiable after
- * 93 s. With the plan of excitation.h it takes 110 s with all DoFs at the same time, 425 s one by
+ * 97 s. With the plan of excitation.h it takes 110 s with all DoFs at the same time, 425 s one by
  * one. The signals carry nearly the same information. Use the adaptive excitation to end the run as
  * soon as the data suffice, for vehicles with unknown time constants, and for weak thrusters.
- * Started with a prior record (prior.h) it ends after 62 s instead of 104 s, mean of ten dives.
+ * Started with a prior record (prior.h) it ends after 68 s instead of 110 s, mean of ten dives.
  *
  * All else is as with a sequence: arm, excite, stop, abort and guard of actuation.h, peak within
  * the limits of the thrusters, amplitude never exceeded, excursion limit.

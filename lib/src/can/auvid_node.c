@@ -126,6 +126,7 @@ static const uint8_t node_samples[AUVID_INPUT_SAMPLES] = {
 #define NODE_VALUES(name, input, event, kind, axis, axes, ...)                                     \
     _Static_assert(AUVID_CAN_##name##_VALUES == axes, "values of message " #name);
 AUVID_SENSORS(NODE_VALUES)
+_Static_assert(AUVID_CAN_IMU_ATTITUDE_VALUES == 3 && AUVID_CAN_IMU_RATES_VALUES == 3, "values");
 
 static void node_take_sample(auvid_node_t *node, const auvid_can_message_t *m)
 {
@@ -161,17 +162,11 @@ static void node_take_imu(auvid_node_t *node, const auvid_can_message_t *m)
         return;
     }
     if (attitude) {
-        const auvid_can_imu_attitude_t *a = &m->as.imu_attitude;
-        node->in.imu.attitude[0] = a->phi;
-        node->in.imu.attitude[1] = a->theta;
-        node->in.imu.attitude[2] = a->psi;
+        memcpy(node->in.imu.attitude, &m->as, sizeof node->in.imu.attitude);
         node->attitude_us = node_age_us(age);
         node->attitude = node->new_attitude = true;
     } else {
-        const auvid_can_imu_rates_t *r = &m->as.imu_rates;
-        node->in.imu.rates[0] = r->p;
-        node->in.imu.rates[1] = r->q;
-        node->in.imu.rates[2] = r->r;
+        memcpy(node->in.imu.rates, &m->as, sizeof node->in.imu.rates);
         node->rates_us = node_age_us(age);
         node->rates = node->new_rates = true;
     }

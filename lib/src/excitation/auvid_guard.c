@@ -131,6 +131,13 @@ static bool guard_set_trip_time(auvid_guard_trip_t *trip, auvid_guard_cause_t ca
     return guard_set_trip(trip, cause, guard_to_s(us), guard_to_s(limit_us));
 }
 
+/* Set the trip and return true if it took longer. */
+static bool guard_too_long(const auvid_guard_t *g, auvid_guard_trip_t *trip,
+                           auvid_guard_cause_t cause, uint64_t us, uint64_t limit_us)
+{
+    return guard_is_on(g, cause) && us > limit_us && guard_set_trip_time(trip, cause, us, limit_us);
+}
+
 /* Set the trip and return true unless value <= limit. */
 static bool guard_above(const auvid_guard_t *g, auvid_guard_trip_t *trip, auvid_guard_cause_t cause,
                         auvid_real_t value, auvid_real_t limit)
@@ -195,15 +202,7 @@ static bool guard_any_stale(const auvid_guard_t *g, auvid_guard_trip_t *trip,
             guard_stale(g, trip, AUVID_GUARD_APPLIED_STALE, &applied, cfg->applied_stale_us));
 }
 
-/* Test a limit of motion over ground: without a fresh measurement it is a breach. */
-static bool guard_above_ground(const auvid_guard_t *g, auvid_guard_trip_t *trip,
-                               auvid_guard_cause_t cause, bool fresh, auvid_real_t value,
-                               auvid_real_t limit)
-{
-    return guard_above(g, trip, cause, fresh ? value : AUVID_LARGEST, limit);
-}
-
-/* Test the limits of the motion. */
+/* Test the limits of the motion. Over ground, it is a breach without a fresh measurement. */
 static bool guard_any_exceeded(const auvid_guard_t *g, auvid_guard_trip_t *trip,
                                const auvid_guard_input_t *in)
 {
@@ -211,6 +210,9 @@ static bool guard_any_exceeded(const auvid_guard_t *g, auvid_guard_trip_t *trip,
     const auvid_real_t *v = in->velocity_ground;
     bool altitude = guard_is_fresh(&in->altitude, trip->t_us, cfg->altitude_stale_us);
     bool ground = guard_is_fresh(&in->ground, trip->t_us, cfg->velocity_stale_us);
+    auvid_real_t speed = guard_norm(v[0], v[1], v[2]);
+    auvid_real_t distance =
+        guard_norm(in->position[0] - g->home[0], in->position[1] - g->home[1], AUVID_C(0.0));
     return (!guard_at_surface(g, in) &&
             guard_below(g, trip, AUVID_GUARD_DEPTH_MIN, in->position[2], cfg->depth_min_m)) ||
            (guard_watches_depth(g, in) &&
@@ -219,28 +221,23 @@ static bool guard_any_exceeded(const auvid_guard_t *g, auvid_guard_trip_t *trip,
             guard_below(g, trip, AUVID_GUARD_ALTITUDE, in->altitude_m, cfg->altitude_min_m)) ||
            guard_above(g, trip, AUVID_GUARD_ROLL, auvid_abs(in->roll), cfg->roll_max_rad) ||
            guard_above(g, trip, AUVID_GUARD_PITCH, auvid_abs(in->pitch), cfg->pitch_max_rad) ||
-           guard_above_ground(g, trip, AUVID_GUARD_SPEED, ground, guard_norm(v[0], v[1], v[2]),
-                              cfg->speed_max) ||
+           guard_above(g, trip, AUVID_GUARD_SPEED, ground ? speed : AUVID_LARGEST,
+                       cfg->speed_max) ||
            guard_above(g, trip, AUVID_GUARD_YAW_RATE, auvid_abs(in->rates[2]), cfg->yaw_rate_max) ||
-           guard_above_ground(
-               g, trip, AUVID_GUARD_DISTANCE, ground,
-               guard_norm(in->position[0] - g->home[0], in->position[1] - g->home[1], AUVID_C(0.0)),
-               cfg->distance_max_m);
+           guard_above(g, trip, AUVID_GUARD_DISTANCE, ground ? distance : AUVID_LARGEST,
+                       cfg->distance_max_m);
 }
 
 /* Test the limits of run time and saturation time. */
 static bool guard_any_too_long(const auvid_guard_t *g, auvid_guard_trip_t *trip)
 {
-    uint64_t run_us = trip->t_us - g->excite_us;
-    uint64_t run_max_us = (uint64_t)g->cfg.run_max_s * 1000000u;
-    if (g->state == AUVID_GUARD_EXCITING && guard_is_on(g, AUVID_GUARD_RUN_TIME) &&
-        run_us > run_max_us) {
-        return guard_set_trip_time(trip, AUVID_GUARD_RUN_TIME, run_us, run_max_us);
-    }
-    uint64_t saturated_us = trip->t_us - g->saturated_us;
-    return g->saturated && guard_is_on(g, AUVID_GUARD_SATURATION) &&
-           saturated_us >= g->cfg.saturation_us &&
-           guard_set_trip_time(trip, AUVID_GUARD_SATURATION, saturated_us, g->cfg.saturation_us);
+    uint64_t run_us = trip->t_us - g->excite_us, saturated_us = trip->t_us - g->saturated_us;
+    return (g->state == AUVID_GUARD_EXCITING &&
+            guard_too_long(g, trip, AUVID_GUARD_RUN_TIME, run_us,
+                           (uint64_t)g->cfg.run_max_s * 1000000u)) ||
+           (g->saturated && guard_is_on(g, AUVID_GUARD_SATURATION) &&
+            saturated_us >= g->cfg.saturation_us &&
+            guard_set_trip_time(trip, AUVID_GUARD_SATURATION, saturated_us, g->cfg.saturation_us));
 }
 
 /* Test that time advances, by at most max_tick_us, and that the heartbeat is recent. */
@@ -250,13 +247,10 @@ static bool guard_timing_violation(const auvid_guard_t *g, auvid_guard_trip_t *t
         return guard_set_trip(trip, AUVID_GUARD_TIME, -guard_to_s(g->t_us - trip->t_us),
                               AUVID_C(0.0));
     }
-    uint64_t tick_us = trip->t_us - g->t_us;
-    if (guard_is_on(g, AUVID_GUARD_TICK) && tick_us > g->cfg.max_tick_us) {
-        return guard_set_trip_time(trip, AUVID_GUARD_TICK, tick_us, g->cfg.max_tick_us);
-    }
     uint64_t silence_us = guard_abs_diff_us(trip->t_us, g->heartbeat_us);
-    return g->cfg.heartbeat_timeout_us > 0 && silence_us > g->cfg.heartbeat_timeout_us &&
-           guard_set_trip_time(trip, AUVID_GUARD_LINK, silence_us, g->cfg.heartbeat_timeout_us);
+    return guard_too_long(g, trip, AUVID_GUARD_TICK, trip->t_us - g->t_us, g->cfg.max_tick_us) ||
+           (g->cfg.heartbeat_timeout_us > 0 &&
+            guard_too_long(g, trip, AUVID_GUARD_LINK, silence_us, g->cfg.heartbeat_timeout_us));
 }
 
 /* Remember which optional sensors exist. */
