@@ -7,7 +7,7 @@
 
 #include "../base/auvid_math_internal.h"
 #include "../base/auvid_refusal_internal.h"
-#include "../excitation/auvid_allocation_internal.h"
+#include "../excitation/auvid_excitation_init_internal.h"
 #include "../identifier/auvid_identifier_internal.h"
 #include "../identifier/auvid_input_internal.h"
 #include "../navigation/auvid_sensors_internal.h"

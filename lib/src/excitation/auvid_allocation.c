@@ -10,7 +10,7 @@
  *   B+ = Q' S^-1 U'
  * U U' projects onto the wrenches that the thrusters can produce: e_i is one iff (U U')_ii = 1.
  */
-#include "auvid_allocation_internal.h"
+#include "auvid_excitation_init_internal.h"
 
 #include <string.h>
 

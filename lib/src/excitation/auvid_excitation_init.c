@@ -7,11 +7,6 @@
 
 #include "../base/auvid_refusal_internal.h"
 
-bool auvid_excitation_in(auvid_real_t x, auvid_real_t low, auvid_real_t high)
-{
-    return x >= low && x <= high;
-}
-
 /* Whole seconds and fraction are separate: in float 3600 s has a resolution of 0.2 ms. */
 uint64_t auvid_excitation_us(auvid_real_t s)
 {

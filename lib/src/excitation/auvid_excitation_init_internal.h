@@ -1,19 +1,22 @@
 /**
  * @file auvid_excitation_init_internal.h
- * Private: functions shared by the files of the excitation.
+ * Private: functions shared by the files of the excitation, and the inits of this folder.
  */
 #ifndef AUVID_EXCITATION_INIT_INTERNAL_H
 #define AUVID_EXCITATION_INIT_INTERNAL_H
 
+#include "auvid/allocation.h"
 #include "auvid/excitation.h"
-
+#include "auvid/guard.h"
 #include "../base/auvid_math_internal.h"
-
-/** Return whether x is in low..high; false if one of them is NaN. */
-bool auvid_excitation_in(auvid_real_t x, auvid_real_t low, auvid_real_t high);
 
 /** auvid_excitation_init, with *why instead of a status: nothing happens if it is refused. */
 void auvid_excitation_set_up(auvid_excitation_t *e, const auvid_excitation_config_t *cfg,
+                             auvid_refusal_t *why);
+/** The same of auvid_guard_init. */
+void auvid_guard_set_up(auvid_guard_t *g, const auvid_guard_config_t *cfg, auvid_refusal_t *why);
+/** The same of auvid_allocation_init. */
+void auvid_allocation_set_up(auvid_allocation_t *a, const auvid_allocation_config_t *cfg,
                              auvid_refusal_t *why);
 
 /** Low level of steps: two speeds separate linear from quadratic drag. */

@@ -66,8 +66,8 @@ auvid_status_t auvid_excitation_schedule(auvid_excitation_config_t *cfg,
         !auvid_all_finite(amplitude, AUVID_DOF_COUNT)) {
         return AUVID_ERR_NOT_FINITE;
     }
-    if (!auvid_excitation_in(set_s, AUVID_C(5.0), AUVID_C(600.0)) ||
-        !auvid_excitation_in(pause_s, AUVID_C(0.0), AUVID_C(600.0)) || sets < 1 || sets > 1000) {
+    if (set_s < AUVID_C(5.0) || set_s > AUVID_C(600.0) || pause_s < AUVID_C(0.0) ||
+        pause_s > AUVID_C(600.0) || sets < 1 || sets > 1000) {
         return AUVID_ERR_RANGE;
     }
     for (int dof = 0; dof < AUVID_DOF_COUNT; ++dof) {

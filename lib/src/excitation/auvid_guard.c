@@ -1,7 +1,7 @@
 /*
  * The guard of the excitation. Every limit is tested as !(value <= limit), so that NaN is a breach.
  */
-#include "auvid_guard_internal.h"
+#include "auvid_excitation_init_internal.h"
 
 #include <string.h>
 

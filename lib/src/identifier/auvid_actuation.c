@@ -11,7 +11,6 @@
 #include "../base/auvid_math_internal.h"
 #include "../base/auvid_refusal_internal.h"
 #include "../excitation/auvid_excitation_init_internal.h"
-#include "../excitation/auvid_guard_internal.h"
 #include "../navigation/auvid_nav_internal.h"
 
 static auvid_guard_seen_t actuation_last_seen(const auvid_nav_t *nav, auvid_nav_sensor_t sensor)
