@@ -24,4 +24,15 @@ objects=()
 for name in host m4f m0plus double-sizes wide-sizes odd-sizes; do
     objects+=("$name=$to/$name.o")
 done
-third_party/validation/bin/python tests/validation/layout.py "$@" "${objects[@]}"
+check=(third_party/validation/bin/python tests/validation/layout.py)
+"${check[@]}" "$@" "${objects[@]}"
+
+# Would it be noticed?
+rm -rf $to/include
+cp -r lib/include $to
+sed -i 's/ bool depth_known; / uint8_t extra; &/' $to/include/auvid/guard.h
+build changed "${CC:-gcc}" -I$to/include
+case $("${check[@]}" changed=$to/changed.o) in
+"not ok - changed: guard.extra is new") echo "ok - a new member is named" ;;
+*) echo "not ok - a new member is not named" ;;
+esac

@@ -53,7 +53,7 @@ const auvid_checkpoint_block_t auvid_checkpoint_block[CHECKPOINT_BLOCKS] = {
 /* One struct, or an array of `count`. */
 #define STRUCTS(table, root, type, member, count, parts)                                           \
     {                                                                                              \
-        table, root, parts, count, (uint32_t)offsetof(type, member),                               \
+        TABLE_##table, root, parts, count, (uint32_t)offsetof(type, member),                       \
             (uint32_t)(sizeof(((type *)0)->member) / (count))                                      \
     }
 #define IN_ID(table, member, count, parts)                                                         \
@@ -62,44 +62,44 @@ const auvid_checkpoint_block_t auvid_checkpoint_block[CHECKPOINT_BLOCKS] = {
     STRUCTS(table, ROOT_ACTUATION, auvid_actuation_t, member, count, PART_ACTUATION)
 #define WHOLE(table, root, type, parts)                                                            \
     {                                                                                              \
-        table, root, parts, 1, 0, sizeof(type)                                                     \
+        TABLE_##table, root, parts, 1, 0, sizeof(type)                                             \
     }
 
 const auvid_checkpoint_struct_t auvid_checkpoint_struct[] = {
-    WHOLE(TABLE_IDENTIFIER, ROOT_IDENTIFIER, auvid_identifier_t, 0),
-    IN_ID(TABLE_NAV, nav, 1, 0),
-    IN_ID(TABLE_VELOCITY_SAMPLE, nav.ground, 1, 0),
-    IN_ID(TABLE_VELOCITY_SAMPLE, nav.water, 1, 0),
-    IN_ID(TABLE_DIAGNOSTICS, nav.diagnostics, AUVID_NAV_SENSOR_COUNT, 0),
-    IN_ID(TABLE_RECORDER, recorder, 1, 0),
-    IN_ID(TABLE_STREAM, recorder.stream, 5, 0),
-    IN_ID(TABLE_METRIC, metric, 1, 0),
-    IN_ID(TABLE_SET, metric.sets.set, AUVID_MAX_SETS, 0),
-    IN_ID(TABLE_ESTIMATE, estimate, 1, 0),
-    IN_ID(TABLE_CONFIDENCE, estimate.confidence, 1, 0),
-    IN_ID(TABLE_ESTIMATE, accepted_estimate, 1, 0),
-    IN_ID(TABLE_CONFIDENCE, accepted_estimate.confidence, 1, 0),
-    IN_ID(TABLE_CHANGE_TEST, change_test, 1, 0),
-    IN_ID(TABLE_SEEN, applied, 1, 0),
-    IN_ID(TABLE_CRS, optimizer.crs, 1, PART_GLOBAL),
-    IN_ID(TABLE_LINE_SEARCH, optimizer.line_search, 1, PART_LOCAL),
-    IN_ID(TABLE_OPTIMIZER, optimizer, 1, SEARCHING),
-    IN_ID(TABLE_SEARCH, optimizer.cfg, 1, SEARCHING),
-    IN_ID(TABLE_OPTIMUM, optimum, 1, PART_OPTIMUM),
-    IN_ID(TABLE_JOB, confidence, 1, PART_CONFIDENCE),
-    IN_ID(TABLE_CONFIDENCE, confidence.result, 1, PART_CONFIDENCE),
-    WHOLE(TABLE_ACTUATION, ROOT_ACTUATION, auvid_actuation_t, PART_ACTUATION),
-    IN_ACTUATION(TABLE_EXCITATION, excitation, 1),
-    IN_ACTUATION(TABLE_CHANNEL, excitation.channel, AUVID_DOF_COUNT),
-    IN_ACTUATION(TABLE_GUARD, guard, 1),
-    IN_ACTUATION(TABLE_TRIP, guard.trip, 1),
-    IN_ACTUATION(TABLE_TRIP, guard.refused, 1),
-    IN_ACTUATION(TABLE_SEEN, altitude, 1),
-    WHOLE(TABLE_ADAPTIVE, ROOT_ADAPTIVE, auvid_adaptive_t, PART_ADAPTIVE),
-    WHOLE(TABLE_PREDICTION, ROOT_PREDICTION, auvid_validation_t, PART_SIMULATED),
-    STRUCTS(TABLE_SAMPLE, ROOT_PREDICTION, auvid_validation_t, last, 1, PART_SIMULATED),
-    WHOLE(TABLE_ROW, ROOT_ROWS, auvid_row_t, PART_RESIDUAL),
-    WHOLE(TABLE_SAMPLE, ROOT_ROWS, auvid_row_t, PART_RESIDUAL), /* each begins with one */
+    WHOLE(identifier, ROOT_IDENTIFIER, auvid_identifier_t, 0),
+    IN_ID(nav, nav, 1, 0),
+    IN_ID(nav_velocity_sample, nav.ground, 1, 0),
+    IN_ID(nav_velocity_sample, nav.water, 1, 0),
+    IN_ID(nav_diagnostics, nav.diagnostics, AUVID_NAV_SENSOR_COUNT, 0),
+    IN_ID(recorder, recorder, 1, 0),
+    IN_ID(recorder_stream, recorder.stream, 5, 0),
+    IN_ID(metric, metric, 1, 0),
+    IN_ID(set, metric.sets.set, AUVID_MAX_SETS, 0),
+    IN_ID(estimate, estimate, 1, 0),
+    IN_ID(confidence, estimate.confidence, 1, 0),
+    IN_ID(estimate, accepted_estimate, 1, 0),
+    IN_ID(confidence, accepted_estimate.confidence, 1, 0),
+    IN_ID(change_test, change_test, 1, 0),
+    IN_ID(guard_seen, applied, 1, 0),
+    IN_ID(crs, optimizer.crs, 1, PART_GLOBAL),
+    IN_ID(line_search, optimizer.line_search, 1, PART_LOCAL),
+    IN_ID(optimizer, optimizer, 1, SEARCHING),
+    IN_ID(search_config, optimizer.cfg, 1, SEARCHING),
+    IN_ID(bounded_ls, optimum, 1, PART_OPTIMUM),
+    IN_ID(confidence_job, confidence, 1, PART_CONFIDENCE),
+    IN_ID(confidence, confidence.result, 1, PART_CONFIDENCE),
+    WHOLE(actuation, ROOT_ACTUATION, auvid_actuation_t, PART_ACTUATION),
+    IN_ACTUATION(excitation, excitation, 1),
+    IN_ACTUATION(excitation_channel, excitation.channel, AUVID_DOF_COUNT),
+    IN_ACTUATION(guard, guard, 1),
+    IN_ACTUATION(guard_trip, guard.trip, 1),
+    IN_ACTUATION(guard_trip, guard.refused, 1),
+    IN_ACTUATION(guard_seen, altitude, 1),
+    WHOLE(adaptive, ROOT_ADAPTIVE, auvid_adaptive_t, PART_ADAPTIVE),
+    WHOLE(validation, ROOT_PREDICTION, auvid_validation_t, PART_SIMULATED),
+    STRUCTS(sample, ROOT_PREDICTION, auvid_validation_t, last, 1, PART_SIMULATED),
+    WHOLE(row, ROOT_ROWS, auvid_row_t, PART_RESIDUAL),
+    WHOLE(sample, ROOT_ROWS, auvid_row_t, PART_RESIDUAL), /* each begins with one */
 };
 const size_t auvid_checkpoint_structs =
     sizeof auvid_checkpoint_struct / sizeof auvid_checkpoint_struct[0];

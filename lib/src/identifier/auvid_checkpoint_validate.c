@@ -21,17 +21,19 @@ typedef struct {
 
 /* ---- numbers ---- */
 
-/* Where the byte at `offset` of a root is in the body; NULL: it is not saved. */
-static const uint8_t *checkpoint_find(const auvid_checkpoint_view_t *v, uint8_t root, size_t offset)
+/* Where so many bytes from `offset` of a root on are in the body; NULL: they are not saved. */
+static const uint8_t *checkpoint_find(const auvid_checkpoint_view_t *v, uint8_t root, size_t offset,
+                                      size_t bytes)
 {
     const uint8_t *at = v->body;
     for (int k = 0; k < CHECKPOINT_BLOCKS; ++k) {
         const auvid_checkpoint_block_t *block = &auvid_checkpoint_block[k];
-        uint32_t bytes = auvid_checkpoint_bytes(v, block);
-        if (block->root == root && offset >= block->offset && offset - block->offset < bytes) {
+        uint32_t size = auvid_checkpoint_bytes(v, block);
+        if (block->root == root && offset >= block->offset &&
+            offset - block->offset + bytes <= size) {
             return at + (offset - block->offset);
         }
-        at += bytes;
+        at += size;
     }
     return NULL;
 }
@@ -77,7 +79,8 @@ static bool checkpoint_check_structs(const auvid_checkpoint_view_t *v,
         const auvid_checkpoint_limit_t *limit = &auvid_checkpoint_limit[l];
         for (uint32_t k = 0; limit->table == structs->table && good && k < count; ++k) {
             const uint8_t *at = checkpoint_find(
-                v, structs->root, structs->offset + (size_t)k * structs->size + limit->first);
+                v, structs->root, structs->offset + (size_t)k * structs->size + limit->first,
+                (size_t)limit->count * limit->width);
             good = at == NULL || checkpoint_is_within(limit, at);
         }
     }
@@ -86,20 +89,18 @@ static bool checkpoint_check_structs(const auvid_checkpoint_view_t *v,
 
 /* ---- conditions between members ---- */
 
-/* The member of the identifier at this offset, which is saved. */
-static uint64_t checkpoint_whole_at(const subject_t *s, size_t offset, uint32_t width)
+/* Copy bytes of a root, which are saved. */
+static void checkpoint_copy(const subject_t *s, uint8_t root, size_t offset, void *to, size_t bytes)
 {
-    return checkpoint_whole(checkpoint_find(s->view, ROOT_IDENTIFIER, offset), width);
+    memcpy(to, checkpoint_find(s->view, root, offset, bytes), bytes);
 }
 
-static uint32_t checkpoint_word(const subject_t *s, size_t offset, uint32_t width)
+/* An unsigned member of the identifier. */
+static uint32_t checkpoint_word(const subject_t *s, size_t offset, size_t width)
 {
-    return (uint32_t)checkpoint_whole_at(s, offset, width);
-}
-
-static auvid_real_t checkpoint_real_at(const subject_t *s, size_t offset)
-{
-    return checkpoint_real(checkpoint_find(s->view, ROOT_IDENTIFIER, offset));
+    uint32_t x = 0;
+    checkpoint_copy(s, ROOT_IDENTIFIER, offset, &x, width);
+    return x;
 }
 
 #define MEMBER(member) offsetof(auvid_identifier_t, member)
@@ -109,7 +110,7 @@ static auvid_real_t checkpoint_real_at(const subject_t *s, size_t offset)
 #define WORD_AT(at, type, member)                                                                  \
     checkpoint_word(s, (at) + offsetof(type, member), sizeof(((type *)0)->member))
 /* Copies as many bytes as *to has, from byte `at` of the identifier. */
-#define COPY(to, at) memcpy(to, checkpoint_find(s->view, ROOT_IDENTIFIER, at), sizeof *(to))
+#define COPY(to, at) checkpoint_copy(s, ROOT_IDENTIFIER, at, to, sizeof *(to))
 
 static uint32_t checkpoint_count_bits(uint32_t mask)
 {
@@ -125,11 +126,12 @@ static bool checkpoint_check_nav(const subject_t *s)
 {
     uint32_t holding = WORD(nav.holding);
     bool good = WORD(nav.gps_start) == 0 || WORD(nav.gps_count) < WORD(nav.gps_start);
-    for (size_t i = 0; i < AUVID_NAV_SENSOR_COUNT; ++i) {
-        uint64_t held_us = checkpoint_whole_at(s, MEMBER(nav.held_us[0]) + i * 8, 8);
-        uint64_t ahead_us = held_us - checkpoint_whole_at(s, MEMBER(nav.t_us), 8); /* or huge */
-        good = good &&
-               ((holding >> i & 1u) == 0 || (ahead_us > 0 && ahead_us <= s->id->nav.max_age_us[i]));
+    uint64_t held_us[AUVID_NAV_SENSOR_COUNT], t_us;
+    COPY(&held_us, MEMBER(nav.held_us));
+    COPY(&t_us, MEMBER(nav.t_us));
+    for (int i = 0; i < AUVID_NAV_SENSOR_COUNT; ++i) {
+        bool ahead = held_us[i] > t_us && held_us[i] - t_us <= s->id->nav.max_age_us[i];
+        good = good && ((holding >> i & 1u) == 0 || ahead);
     }
     return good && (holding == 0 || WORD(nav.ready) == NAV_RUNNING);
 }
@@ -281,12 +283,13 @@ static bool checkpoint_check_metric(const subject_t *s)
 static bool checkpoint_is_inside(const subject_t *s, size_t point, size_t lower, size_t upper,
                                  uint32_t n)
 {
+    auvid_real_t x[AUVID_MAX_PARAMETERS], low[AUVID_MAX_PARAMETERS], high[AUVID_MAX_PARAMETERS];
     bool inside = true;
-    for (size_t i = 0; i < n; ++i) {
-        size_t k = i * sizeof(auvid_real_t);
-        auvid_real_t x = checkpoint_real_at(s, point + k);
-        inside = inside && x >= checkpoint_real_at(s, lower + k) &&
-                 x <= checkpoint_real_at(s, upper + k);
+    COPY(&x, point);
+    COPY(&low, lower);
+    COPY(&high, upper);
+    for (uint32_t i = 0; i < n; ++i) {
+        inside = inside && x[i] >= low[i] && x[i] <= high[i];
     }
     return inside;
 }
@@ -296,8 +299,8 @@ static bool checkpoint_check_crs(const subject_t *s)
     uint32_t n = WORD(optimizer.cfg.n), m = WORD(optimizer.cfg.population);
     bool filling = WORD(optimizer.state) <= AUVID_OPTIMIZER_FILL;
     bool good = n < m && filling == (WORD(optimizer.work.crs) < m);
-    for (size_t k = 0; k < m; ++k) {
-        good = good && checkpoint_word(s, MEMBER(optimizer.crs.order) + 2 * k, 2) < m;
+    for (size_t k = 0; good && k < m; ++k) {
+        good = checkpoint_word(s, MEMBER(optimizer.crs.order) + 2 * k, 2) < m;
     }
     return good && WORD(optimizer.crs.known) <= m && WORD(optimizer.crs.best) < m &&
            WORD(optimizer.crs.worst) < m;
@@ -307,7 +310,8 @@ static bool checkpoint_check_line_search(const subject_t *s)
 {
     uint32_t n = WORD(optimizer.cfg.n), move = WORD(optimizer.line_search.move);
     uint32_t direction = WORD(optimizer.line_search.direction);
-    auvid_real_t axis_step = checkpoint_real_at(s, MEMBER(optimizer.line_search.axis_step));
+    auvid_real_t axis_step;
+    COPY(&axis_step, MEMBER(optimizer.line_search.axis_step));
     bool pattern = direction == 2u * n;
     return direction <= 2u * n && WORD(optimizer.line_search.built) <= n &&
            WORD(optimizer.line_search.probe) < (move == MOVE_PROBE ? direction / 2u : n) &&
@@ -383,10 +387,9 @@ static bool checkpoint_check_job(const subject_t *s)
 static bool checkpoint_check_prediction(const subject_t *s)
 {
     uint32_t compared[AUVID_DOF_COUNT], cells;
-    const size_t at = offsetof(auvid_validation_t, compared);
-    memcpy(compared, checkpoint_find(s->view, ROOT_PREDICTION, at), sizeof compared);
-    memcpy(&cells, checkpoint_find(s->view, ROOT_PREDICTION, offsetof(auvid_validation_t, cells)),
-           sizeof cells);
+    checkpoint_copy(s, ROOT_PREDICTION, offsetof(auvid_validation_t, compared), compared,
+                    sizeof compared);
+    checkpoint_copy(s, ROOT_PREDICTION, offsetof(auvid_validation_t, cells), &cells, sizeof cells);
     bool good = identifier_vehicle(s->id)->acceleration != NULL;
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
         good = good && compared[j] <= cells;
