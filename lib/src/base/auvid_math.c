@@ -13,7 +13,6 @@
  * Error bounds, e = AUVID_EPSILON (tests/unit/base/test_math.c tests them):
  *   sin, cos: 0.75 e absolute for |x| <= 1e4; sin also 1.25 e relative for |x| <= pi
  *   atan2:    2 e relative if the angle is not denormal
- *   wrap_pi:  1.25 e absolute
  */
 #include "auvid_math_internal.h"
 
@@ -292,22 +291,6 @@ auvid_real_t auvid_atan2(auvid_real_t y, auvid_real_t x)
     turn *= AUVID_C(0.25);
     a = turn * AUVID_PI + (a + turn * PI_TAIL);
     return y < AUVID_C(0.0) ? -a : a;
-}
-
-auvid_real_t auvid_wrap_pi(auvid_real_t x)
-{
-    if (x >= -AUVID_PI && x <= AUVID_PI) {
-        return x;
-    }
-    if (!math_in_range(x)) {
-        return math_nan();
-    }
-    int32_t n = 4 * (int32_t)auvid_half_further(x * AUVID_C(0.15915494309189533577));
-    auvid_real_t r = math_reduce(x, n);
-    if (r > AUVID_PI || r < -AUVID_PI) { /* x / (2 pi) was rounded to the wrong side of a half */
-        r = math_reduce(x, r > AUVID_C(0.0) ? n + 4 : n - 4);
-    }
-    return auvid_clamp(r, -AUVID_PI, AUVID_PI);
 }
 
 /* auvid_sincos(), without a call if x is small. */

@@ -122,9 +122,6 @@ auvid_real_t auvid_sin_turned(auvid_real_t x, uint32_t quarters);
 /** Returns the angle of (x, y) in [-pi, pi]; 0 for (0, 0). Relative error below 2 AUVID_EPSILON. */
 auvid_real_t auvid_atan2(auvid_real_t y, auvid_real_t x);
 
-/** Wraps x into [-pi, pi], |x| <= 1e4, else NaN. The error is below 1.25 AUVID_EPSILON. */
-auvid_real_t auvid_wrap_pi(auvid_real_t x);
-
 /** Computes the rotation from body to world, R(phi, theta, psi) = Rz(psi) Ry(theta) Rx(phi) (Fossen
  * 2011, Eq. 2.18). r[i][j]: row i world axis, column j body axis. */
 void auvid_rotation(auvid_real_t phi, auvid_real_t theta, auvid_real_t psi, auvid_real_t r[3][3]);

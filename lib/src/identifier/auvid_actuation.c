@@ -265,7 +265,7 @@ auvid_status_t auvid_identifier_attach_actuation(auvid_identifier_t *id, auvid_a
 
 /* ---- orders ---- */
 
-static auvid_status_t actuation_check(const auvid_identifier_t *id)
+auvid_status_t auvid_actuation_check(const auvid_identifier_t *id)
 {
     if (id == NULL) {
         return AUVID_ERR_NULL;
@@ -278,7 +278,7 @@ static auvid_status_t actuation_check(const auvid_identifier_t *id)
 auvid_status_t auvid_identifier_arm(auvid_identifier_t *id)
 {
     auvid_guard_input_t seen;
-    auvid_status_t status = actuation_check(id);
+    auvid_status_t status = auvid_actuation_check(id);
     if (status < 0) {
         return status;
     }
@@ -296,7 +296,7 @@ auvid_status_t auvid_identifier_arm(auvid_identifier_t *id)
 
 auvid_status_t auvid_identifier_excite(auvid_identifier_t *id)
 {
-    auvid_status_t status = actuation_check(id);
+    auvid_status_t status = auvid_actuation_check(id);
     if (status == AUVID_OK) {
         status = auvid_guard_excite(&id->actuation->guard, id->t_us);
         id->actuation->starting = id->actuation->starting || status == AUVID_OK;
@@ -306,7 +306,7 @@ auvid_status_t auvid_identifier_excite(auvid_identifier_t *id)
 
 auvid_status_t auvid_identifier_stop(auvid_identifier_t *id)
 {
-    auvid_status_t status = actuation_check(id);
+    auvid_status_t status = auvid_actuation_check(id);
     if (status < 0) {
         return status;
     }
@@ -323,7 +323,7 @@ auvid_status_t auvid_identifier_stop(auvid_identifier_t *id)
 
 auvid_status_t auvid_identifier_abort(auvid_identifier_t *id)
 {
-    auvid_status_t status = actuation_check(id);
+    auvid_status_t status = auvid_actuation_check(id);
     if (status == AUVID_OK) {
         bool before = id->actuation->guard.state == AUVID_GUARD_ABORTED;
         status = auvid_guard_abort(&id->actuation->guard, id->t_us);
@@ -334,6 +334,6 @@ auvid_status_t auvid_identifier_abort(auvid_identifier_t *id)
 
 auvid_status_t auvid_identifier_disarm(auvid_identifier_t *id)
 {
-    auvid_status_t status = actuation_check(id);
+    auvid_status_t status = auvid_actuation_check(id);
     return status < 0 ? status : auvid_guard_disarm(&id->actuation->guard);
 }

@@ -16,4 +16,8 @@ typedef struct auvid_actuation_functions {
     void (*refuse)(auvid_identifier_t *id, const auvid_input_t *in, auvid_output_t *out);
 } auvid_actuation_functions_t;
 
+/** Is there an identifier with an acting half? @return AUVID_OK; AUVID_ERR_NULL; AUVID_ERR_STATE
+ * (not initialised); AUVID_ERR_DETACHED. */
+auvid_status_t auvid_actuation_check(const auvid_identifier_t *id);
+
 #endif

@@ -25,6 +25,7 @@
 #include <string.h>
 
 #include "../metric/auvid_confidence_notes_internal.h"
+#include "auvid_actuation_internal.h"
 #include "auvid_identifier_internal.h"
 #include "../base/auvid_refusal_internal.h"
 #include "../excitation/auvid_excitation_init_internal.h"
@@ -359,17 +360,15 @@ static void adaptive_plan(auvid_identifier_t *id, const auvid_adaptive_config_t 
 auvid_status_t auvid_adaptive_begin(auvid_identifier_t *id, auvid_adaptive_t *storage,
                                     const auvid_adaptive_config_t *cfg)
 {
-    if (id == NULL || storage == NULL || cfg == NULL) {
-        return AUVID_ERR_NULL;
+    auvid_status_t status =
+        storage == NULL || cfg == NULL ? AUVID_ERR_NULL : auvid_actuation_check(id);
+    if (status == AUVID_OK && id->actuation->guard.state != AUVID_GUARD_DISARMED &&
+        id->actuation->guard.state != AUVID_GUARD_DONE) {
+        status = AUVID_ERR_STATE;
     }
-    if (identifier_is_ready(id) && id->actuation == NULL) {
-        return AUVID_ERR_DETACHED;
+    if (status == AUVID_OK) {
+        status = adaptive_check_config(cfg);
     }
-    if (!identifier_is_ready(id) || (id->actuation->guard.state != AUVID_GUARD_DISARMED &&
-                                     id->actuation->guard.state != AUVID_GUARD_DONE)) {
-        return AUVID_ERR_STATE;
-    }
-    auvid_status_t status = adaptive_check_config(cfg);
     if (status == AUVID_OK) {
         status = adaptive_check_thrusters(id, cfg);
     }

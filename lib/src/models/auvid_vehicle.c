@@ -247,6 +247,7 @@ static bool vehicle_g500_acceleration(const void *context, const auvid_sample_t 
 }
 
 #define G500_BIT(name) (1u << AUVID_G500_##name)
+#define G500_FORCES (G500_BIT(M_U) | G500_BIT(M_V) | G500_BIT(M_W) | G500_BIT(W_B))
 #if AUVID_MAX_PARAMETERS >= 17
 #define BIAS(name) G500_BIT(name)
 #else
@@ -269,12 +270,9 @@ static bool vehicle_g500_acceleration(const void *context, const auvid_sample_t 
     {                                                                                              \
         .built_for = AUVID_BUILD, .path = &auvid_path_regressor, .name = title,                    \
         .parameters = AUVID_G500_COUNT, .parameter = g500_parameter,                               \
-        .columns = {[AUVID_SURGE] = G500_BIT(M_U) | G500_BIT(M_V) | G500_BIT(M_W) |                \
-                                    G500_BIT(W_B) | G500_BIT(X_U) | G500_BIT(X_UU) | BIAS(X_0),    \
-                    [AUVID_SWAY] = G500_BIT(M_U) | G500_BIT(M_V) | G500_BIT(M_W) | G500_BIT(W_B) | \
-                                   G500_BIT(Y_V) | G500_BIT(Y_VV) | BIAS(Y_0),                     \
-                    [AUVID_HEAVE] = G500_BIT(M_U) | G500_BIT(M_V) | G500_BIT(M_W) |                \
-                                    G500_BIT(W_B) | G500_BIT(Z_W) | G500_BIT(Z_WW) | BIAS(Z_0),    \
+        .columns = {[AUVID_SURGE] = G500_FORCES | G500_BIT(X_U) | G500_BIT(X_UU) | BIAS(X_0),      \
+                    [AUVID_SWAY] = G500_FORCES | G500_BIT(Y_V) | G500_BIT(Y_VV) | BIAS(Y_0),       \
+                    [AUVID_HEAVE] = G500_FORCES | G500_BIT(Z_W) | G500_BIT(Z_WW) | BIAS(Z_0),      \
                     [AUVID_YAW] = G500_BIT(M_U) | G500_BIT(M_V) | G500_BIT(M_R) | G500_BIT(N_R) |  \
                                   G500_BIT(N_RR) | BIAS(N_0)},                                     \
         .free = AUVID_G500_FREE, .regressor = vehicle_g500_regressor,                              \

@@ -51,6 +51,11 @@ static uint32_t search_population(const auvid_search_config_t *c)
     return c->population != 0 ? c->population : m;
 }
 
+static uint32_t search_cap(uint32_t given, uint32_t otherwise)
+{
+    return given != 0 ? given : otherwise;
+}
+
 void auvid_search_resolve(auvid_search_config_t *c)
 {
     auvid_real_t step[3];
@@ -63,15 +68,9 @@ void auvid_search_resolve(auvid_search_config_t *c)
     c->alpha0 = step[0];
     c->sigma = step[1];
     c->epsilon_line = step[2];
-    if (c->max_evaluations_crs == 0) {
-        c->max_evaluations_crs = 40u * c->population;
-    }
-    if (c->max_evaluations_line == 0) {
-        c->max_evaluations_line = 1000u * c->n;
-    }
-    if (c->max_rejections == 0) {
-        c->max_rejections = 50u * c->population;
-    }
+    c->max_evaluations_crs = search_cap(c->max_evaluations_crs, 40u * c->population);
+    c->max_evaluations_line = search_cap(c->max_evaluations_line, 1000u * c->n);
+    c->max_rejections = search_cap(c->max_rejections, 50u * c->population);
 }
 
 void auvid_search_check_fields(const auvid_search_config_t *c, auvid_refusal_t *why)

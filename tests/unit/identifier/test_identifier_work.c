@@ -306,11 +306,13 @@ static void test_the_search_is_the_one_configured(void)
     cfg.id.search.omega = 500;
     cfg.id.search.paper = true;
     cfg.id.search.scale_by_bounds = true;
+    cfg.id.search.max_evaluations_line = 77;
     record(1);
     ask_first();
     TEST_ASSERT_EQUAL_UINT16(20, chain.id.optimizer.cfg.population);
     TEST_ASSERT_TRUE(chain.id.optimizer.cfg.omega == 500);
     TEST_ASSERT_TRUE(chain.id.optimizer.cfg.paper);
+    TEST_ASSERT_EQUAL_UINT32(77, chain.id.optimizer.cfg.max_evaluations_line);
     TEST_ASSERT_TRUE(chain.id.optimizer.scale[0] == 1000); /* half the width of the box */
 }
 

@@ -340,6 +340,10 @@ static void test_a_field_of_the_search_is_named(void)
     NAMED(POPULATION, "search", "population", -1, AUVID_MAX_POPULATION + 1, AUVID_MAX_POPULATION,
           s->population = AUVID_MAX_POPULATION + 1);
     NAMED(RANGE, "search", "omega", -1, -1, 0, s->omega = -1);
+    NAMED(RANGE, "search", "sigma", -1, 2, 1, s->sigma = 2);
+    NAMED(RANGE, "search", "delta", -1, 1, 1, s->delta = 1);
+    NAMED(RANGE, "search", "alpha0", -1, 2e-6, 3e-6, s->alpha0 = AUVID_C(2e-6));
+    NAMED(RANGE, "search", "phases", -1, 3, 2, s->phases = AUVID_SEARCH_LOCAL + 1);
     NAMED(NOT_FINITE, "search", "good", 12, NAN, 1000,
           (s->has_good = true, s->good[12] = (auvid_real_t)NAN));
     NAMED(BOUNDS, "search", "lower", 6, 2000, 1000, /* the number of the parameter */
