@@ -54,6 +54,11 @@ POINTERS = PATHS | {
     r"a->shape\(": r"auvid_adaptive\.c:adaptive_apply$",
     r"node->arm\(": r"auvid_actuation\.c:auvid_identifier_arm",
     r"m->apply_prior\(": r"auvid_metric_prior\.c:metric_apply_prior$",
+    r"change_functions->begin\(": r"auvid_identifier_validate\.c:identifier_begin_test$",
+    r"phase->metric\(": r"auvid_metric_(cost|measure|linearise)$",
+    r"phase->run\(": r"_(work|validate)\.c:identifier_(merge|ask|linearise|confidence|change)$",
+    r"(phase->next|->restart)\(": r"_(work|validate)\.c:(identifier_(begin|end|restart|publish)_"
+                                 r"\w+|auvid_identifier_begin_tests)$",
     r"listener->command\(": r"auvid_thrusters\.c:thrusters_listen$",
     r"listener->set\(": r"auvid_thrusters\.c:thrusters_drop_lost_sets$",
     r"listener->lead_us\(": r"auvid_thrusters\.c:thrusters_lead_us$",

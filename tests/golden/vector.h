@@ -132,7 +132,7 @@ static inline void vector_state(const auvid_guard_t *guard, unsigned tick)
 static inline void vector_look(const auvid_identifier_t *id, uint32_t events)
 {
     unsigned tick = vector_tick(id->t_us);
-    vector_add(&id->work_last, sizeof id->work_last);
+    vector_add(&id->work.last_units, sizeof id->work.last_units);
     vector_add(&events, sizeof events);
     if (events != vector_events && events != 0) {
         golden_put("tick %u events %x\n", tick, (unsigned)events);

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # A model names its path (vehicle.h). The linker drops the other one, and neither init nor step
-# needs any.
+# needs any. What is not attached to the identifier is not linked either.
 cd "$(dirname "$0")/../.." || exit 1
 scratch=$(mktemp -d)
 trap 'rm -rf "$scratch"' EXIT
@@ -10,7 +10,7 @@ report() {
     [ "${2:-$?}" = 0 ] && echo "ok - $1" || echo "not ok - $1"
 }
 
-# program NAME PATH FUNCTION: main with a model on that path; no PATH: without a model.
+# program NAME PATH FUNCTION SIZES OTHER: main with a model on that path; no PATH: without a model.
 program() {
     cat >"$scratch/$1.c" <<END
 #include "auvid/identifier.h"
@@ -40,13 +40,17 @@ int main(void)
     auvid_identifier_defaults(&cfg, &mine);
     cfg.metric.rows = rows;
     auvid_status_t status = auvid_identifier_init(&id, &cfg);
+#ifdef CHANGE
+    static auvid_change_detector_t change;
+    status |= auvid_identifier_attach_change_test(&id, &change);
+#endif
     (void)auvid_identifier_step(&id, &in, &out);
     (void)auvid_identifier_work(&id, 100);
     return -(int)status;
 }
 END
     # shellcheck disable=SC2086
-    gcc -std=c11 -Os -ffunction-sections -fdata-sections -Wl,--gc-sections -Ilib/include $4 \
+    gcc -std=c11 -Os -ffunction-sections -fdata-sections -Wl,--gc-sections -Ilib/include $4 $5 \
         -o "$scratch/$1" "$scratch/$1.c" "$scratch/lib${4:+0}.a" &&
         nm "$scratch/$1" >"$scratch/$1.nm"
 }
@@ -64,6 +68,8 @@ library() {
 only_regressor='metric_add_equations|metric_take_row|metric_evaluate_factor|auvid_path_regressor'
 only_residual='metric_add_motion|metric_store_row|metric_sample_cost|metric_begin_samples'
 only_residual+='|auvid_path_residual|auvid_metric_linearise_sets'
+only_change='auvid_metric_change|auvid_metric_change_begin|identifier_end_test'
+only_change+='|identifier_change_functions'
 
 # holds NAME PATTERN COUNT: so many of these symbols are in the program.
 holds() {
@@ -78,8 +84,15 @@ holds linear "$only_regressor" 4
 report "  with all of its path"
 holds linear "$only_residual" 0
 report "  and nothing of the residual path"
+holds linear "$only_change" 0
+report "  and nothing of the change test"
 "$scratch/linear"
 report "  it initialises"
+program tested '.path = &auvid_path_regressor,' '.regressor = regressor' "" -DCHANGE
+holds tested "$only_change" 4
+report "with a change test attached all of it is linked"
+"$scratch/tested"
+report "  and it initialises"
 program other '.path = &auvid_path_residual,' '.residual = residual'
 report "a model on the residual path links"
 holds other "$only_residual" 6

@@ -96,6 +96,7 @@ static const Parameters truth(simulator_defaults().parameter);
 static const double correlation_s = simulator_defaults().disturbance_s;
 static const double keep = std::exp(-tick_s / correlation_s); // of that force, in a tick
 static auvid_identifier_t id;
+static auvid_change_detector_t change;
 
 inline Noise noise_of(double disturbance_N)
 {
@@ -219,6 +220,7 @@ inline Run fly(const World &world)
                                                       world.excitation_seed));
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_allocation_init(&thrusters, &auvid_allocation_girona500));
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&id, &cfg));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_attach_change_test(&id, &change));
     TEST_ASSERT_EQUAL(AUVID_OK,
                       auvid_identifier_attach_actuation(&id, &actuation, &acting, &thrusters));
 

@@ -32,6 +32,7 @@ void tearDown()
 
 static auvid_row_t store[(AUVID_MAX_SETS + 1) * 150];
 static auvid_identifier_t id;
+static auvid_change_detector_t change;
 
 // ---- the dead band ----
 
@@ -107,6 +108,7 @@ static void begin(const auvid_identifier_config_t &cfg, uint64_t seed)
     TEST_ASSERT_EQUAL(AUVID_OK,
                       auvid_excitation_plan(&acting.excitation, amplitude, 30, SETS, seed));
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&id, &cfg));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_attach_change_test(&id, &change));
     TEST_ASSERT_EQUAL(AUVID_OK,
                       auvid_identifier_attach_actuation(&id, &actuation, &acting, nullptr));
 }

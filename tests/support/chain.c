@@ -41,6 +41,12 @@ auvid_status_t chain_init(chain_t *chain, const chain_config_t *cfg)
     if (status >= 0) {
         status = auvid_identifier_attach_prediction(&chain->id, &chain->prediction);
     }
+    if (status >= 0) {
+        status = auvid_identifier_attach_change_test(&chain->id, &chain->change);
+    }
+    if (status >= 0) {
+        status = auvid_identifier_attach_prior(&chain->id, &chain->prior);
+    }
     if (status >= 0 && !cfg->passive && limited) {
         status = auvid_allocation_init(&chain->allocation, &cfg->thrusters);
     }
@@ -79,6 +85,8 @@ void chain_copy(chain_t *to, const chain_t *from)
 {
     *to = *from;
     to->id.prediction = &to->prediction;
+    to->id.change = &to->change;
+    to->id.metric.prior = &to->prior;
     if (from->id.actuation != NULL) {
         to->id.actuation = &to->actuation;
         to->actuation.shape_context = from->actuation.shape != NULL ? &to->adaptive : NULL;
@@ -94,9 +102,13 @@ bool chain_is_same(const chain_t *a, const chain_t *b)
     actuation = a->actuation;
     id.actuation = b->id.actuation;
     id.prediction = b->id.prediction;
+    id.change = b->id.change;
+    id.metric.prior = b->id.metric.prior;
     actuation.allocation = b->actuation.allocation;
     return memcmp(&id, &b->id, sizeof id) == 0 &&
            memcmp(&actuation, &b->actuation, sizeof actuation) == 0 &&
+           memcmp(&a->prior, &b->prior, sizeof a->prior) == 0 &&
+           memcmp(&a->change, &b->change, sizeof a->change) == 0 &&
            memcmp(&a->prediction, &b->prediction, sizeof a->prediction) == 0;
 }
 
@@ -145,9 +157,9 @@ static void work(chain_t *chain, uint32_t budget)
 {
     chain->work = chain->cfg.literal != NULL ? literal_work(&chain->id, budget)
                                              : auvid_identifier_work(&chain->id, budget);
-    chain->over_budget = chain->over_budget || chain->id.work_last > budget;
+    chain->over_budget = chain->over_budget || chain->id.work.last_units > budget;
     chain->max_units =
-        chain->id.work_last > chain->max_units ? chain->id.work_last : chain->max_units;
+        chain->id.work.last_units > chain->max_units ? chain->id.work.last_units : chain->max_units;
 }
 
 void chain_tick(chain_t *chain)

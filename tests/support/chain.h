@@ -14,6 +14,7 @@
 #define CHAIN_H
 
 #include "auvid/adaptive.h"
+#include "auvid/prior.h"
 #include "literal.h"
 #include "simulator.h"
 
@@ -48,6 +49,8 @@ typedef struct chain {
     auvid_actuation_t actuation; /**< attached unless passive */
     auvid_adaptive_t adaptive;   /**< for auvid_adaptive_begin */
     auvid_validation_t prediction;
+    auvid_change_detector_t change;
+    auvid_prior_t prior;
     auvid_excitation_t driver;
     uint32_t tick;                        /**< ticks so far */
     uint64_t t_us;                        /**< of the last one */

@@ -58,6 +58,7 @@ enum { SETS = 8, SET_ROWS = 150 };
 static auvid_identifier_t id;
 static auvid_actuation_t actuation;
 static auvid_validation_t prediction;
+static auvid_change_detector_t change;
 static auvid_row_t store[(SETS + 1) * SET_ROWS];
 
 static inline void configure(auvid_identifier_config_t *cfg, uint64_t seed)
@@ -88,6 +89,7 @@ static inline void begin(const auvid_identifier_config_t *cfg, uint64_t seed)
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&id, cfg));
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_attach_actuation(&id, &actuation, &acting, NULL));
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_attach_prediction(&id, &prediction));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_attach_change_test(&id, &change));
 }
 
 /** Called at each step, before the work of its tick; may be NULL. */
@@ -137,7 +139,7 @@ static inline void identify(uint64_t seed, uint32_t sets, uint32_t budget, doubl
             each_step(&id, &out);
         }
         (void)auvid_identifier_work(&id, budget);
-        TEST_ASSERT_TRUE(id.work_last <= budget);
+        TEST_ASSERT_TRUE(id.work.last_units <= budget);
     }
     finish_work(&id, budget);
 }

@@ -19,7 +19,7 @@ static inline void finish_work(auvid_identifier_t *id, uint32_t budget)
 {
     for (uint32_t calls = 0; auvid_identifier_work(id, budget) == AUVID_PENDING;) {
         finish_turn(&calls, 1000000);
-        TEST_ASSERT_TRUE(id->work_last <= budget);
+        TEST_ASSERT_TRUE(id->work.last_units <= budget);
     }
 }
 

@@ -27,6 +27,7 @@ static auvid_row_t store[(SETS + 1) * SET_S * 2];
 static auvid_thrusters_t thrusters;
 static auvid_allocation_t allocation;
 static auvid_identifier_t id;
+static auvid_change_detector_t change;
 static auvid_actuation_t actuation;
 static sim_config_t world;
 
@@ -79,6 +80,7 @@ static inline void configure(uint64_t seed)
     TEST_ASSERT_EQUAL(AUVID_OK,
                       auvid_excitation_plan(&acting.excitation, amplitude, SET_S, SETS, seed));
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&id, &cfg));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_attach_change_test(&id, &change));
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_attach_actuation(&id, &actuation, &acting, NULL));
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_allocation_init(&allocation, &auvid_allocation_girona500));
 }

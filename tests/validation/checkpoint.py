@@ -19,11 +19,10 @@ from auvid_validation.dwarf import Binding
 DEAD = ("cfg.", "refusal.", "actuation.refusal.", "metric.evaluator.regressor",
         "confidence.regressor", "metric.layout.", "metric.cfg.velocity_us", "default_scale")
 # Costs and residuals, infinite or not a number where a model fails.
-MAY_FAIL = ("predicted", "metric.evaluator.window", "metric.evaluator.sum",
-            "metric.evaluator.compensation", "metric.evaluator.squares",
+MAY_FAIL = ("change.predicted", "change.statistic", "metric.evaluator.window",
+            "metric.evaluator.sum", "metric.evaluator.compensation", "metric.evaluator.squares",
             "metric.evaluator.band_sse", "metric.evaluator.z", "metric.result.cost",
-            "metric.result.sse", "metric.result.predicted", "metric.result.change",
-            "optimizer.trial")
+            "metric.result.sse", "optimizer.trial")
 # Members that decide on forces stay those of init.
 KEPT = tuple("actuation." + name for name in (
     "excitation.cfg.", "excitation.duration_us", "excitation.pause_us", "excitation.fade_us",
@@ -35,8 +34,8 @@ LIVE = (("confidence.", CONFIDENCE, GLOBAL), ("optimum.", LINEARISE, GLOBAL),
         ("optimizer.crs.", ASK, GLOBAL),
         ("optimizer.", ASK, LOCAL), ("", ASK, GLOBAL))
 # Pointers that saving follows. Of the last two, it saves whether they are NULL.
-FOLLOWED = ("metric.cfg.vehicle", "metric.cfg.rows", "actuation", "prediction",
-            "prediction.vehicle", "actuation.shape", "actuation.shape_context")
+FOLLOWED = ("metric.cfg.vehicle", "metric.cfg.rows", "metric.prior", "actuation", "change",
+            "prediction", "prediction.vehicle", "actuation.shape", "actuation.shape_context")
 SET_ROWS = 2
 ROOM = 1 << 18
 REFUSED = -6, -10, -16, -27  # impossible; of other storage, another model, another configuration
@@ -85,6 +84,10 @@ class Subject:
         plan.amplitude[0] = 100
         self.adaptive = lib.auvid_adaptive_t()
         assert lib.auvid_adaptive_begin(self.id, self.adaptive, plan) == 0
+        self.change = lib.auvid_change_detector_t()
+        assert lib.auvid_identifier_attach_change_test(self.id, self.change) == 0
+        self.prior = lib.auvid_prior_t()
+        assert lib.auvid_identifier_attach_prior(self.id, self.prior) == 0
         self.prediction = lib.auvid_validation_t()
         assert lib.auvid_identifier_attach_prediction(self.id, self.prediction) == 0
         self.prediction.vehicle = ctypes.pointer(self.vehicle)
@@ -93,8 +96,8 @@ class Subject:
         """Set up a possible state of a search for two values, or of its result's confidence. The
         model has a regressor for the phase that finds the minimum cost, else none."""
         ctypes.memset(ctypes.byref(self.id.optimizer), 0, ctypes.sizeof(self.id.optimizer))
-        self.id.phase, self.id.searching = phase, phase == ASK
-        self.id.metric.result.excited = self.id.metric.result.dof_rows[0] = self.id.active = 1
+        self.id.work.phase, self.id.work.searching = phase, phase == ASK
+        self.id.metric.result.excited = self.id.metric.result.dof_rows[0] = self.id.work.active = 1
         self.id.metric.sets.held = True
         self.vehicle.path = self.regressor if phase == LINEARISE else self.residual
         if phase == LINEARISE:
@@ -153,6 +156,7 @@ def main():
     subject, looked, bad = Subject(sys.argv[1]), 0, []
     for whole, name in ((subject.id, ""), (subject.actuation, "actuation"),
                         (subject.adaptive, "adaptive"), (subject.prediction, "prediction"),
+                        (subject.change, "change"), (subject.prior, "prior"),
                         (subject.rows, "rows")):
         for path, at, kind in leaves(type(whole), name):
             if path.startswith(DEAD + KEPT) or path in FOLLOWED:

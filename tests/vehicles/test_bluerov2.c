@@ -28,6 +28,7 @@ enum { N = AUVID_FOSSEN_COUNT, SETS = 8, SET_S = 90, TICKS_PER_S = 1000000 / SIM
 static sim_t sim;
 static sim_config_t world;
 static auvid_identifier_t id;
+static auvid_change_detector_t change;
 static auvid_identifier_config_t cfg;
 static auvid_actuation_config_t acting;
 static auvid_actuation_t actuation;
@@ -139,6 +140,7 @@ static void identify(uint64_t seed, const auvid_vehicle_t *vehicle)
     configure(seed, vehicle);
     TEST_ASSERT_TRUE(sim_init(&sim, &world));
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&id, &cfg));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_attach_change_test(&id, &change));
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_allocation_init(&allocation, &thrusters));
     TEST_ASSERT_EQUAL(AUVID_OK,
                       auvid_identifier_attach_actuation(&id, &actuation, &acting, &allocation));

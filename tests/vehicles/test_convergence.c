@@ -74,6 +74,7 @@ static world_t unbounded(void)
 
 static sim_t sim;
 static auvid_identifier_t id;
+static auvid_change_detector_t change;
 static auvid_identifier_config_t cfg;
 
 void setUp(void)
@@ -107,6 +108,7 @@ static void configure(const world_t *world, uint64_t seed)
         cfg.search.lower[i] = -cfg.search.upper[i];
     }
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&id, &cfg));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_attach_change_test(&id, &change));
 }
 
 /* Records a row of the log every 0.1 s. */

@@ -68,7 +68,7 @@ static void identify(uint64_t seed, const double c[2])
 static void take_rows(void)
 {
     static const int dof[DOFS] = {AUVID_SURGE, AUVID_SWAY, AUVID_HEAVE, AUVID_YAW};
-    double s = (double)id->delay_s / 0.3;
+    double s = (double)id->work.delay_s / 0.3;
     const double l[3] = {0.5 * (s - 1.0) * (s - 2.0), s * (2.0 - s), 0.5 * s * (s - 1.0)};
     rows = 0;
     for (int age = SETS - 1; age >= 0; --age) {

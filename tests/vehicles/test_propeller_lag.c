@@ -44,6 +44,7 @@ typedef struct {
 static sim_t sim;
 static sim_config_t world;
 static auvid_identifier_t id;
+static auvid_change_detector_t change;
 static auvid_identifier_config_t cfg;
 static auvid_actuation_config_t acting;
 static auvid_actuation_t actuation;
@@ -200,6 +201,7 @@ static void begin(int v, auvid_allocation_result_t *hover)
     auvid_real_t lift[AUVID_DOF_COUNT] = {0};
     TEST_ASSERT_TRUE(sim_init(&sim, &world));
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&id, &cfg));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_attach_change_test(&id, &change));
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_allocation_init(&allocation, &thrusters));
     TEST_ASSERT_EQUAL(AUVID_OK,
                       auvid_identifier_attach_actuation(&id, &actuation, &acting, &allocation));

@@ -26,6 +26,7 @@ static auvid_thrusters_t thrusters;
 static auvid_current_t current;
 static auvid_identifier_config_t cfg;
 static auvid_identifier_t id;
+static auvid_change_detector_t change;
 static sim_config_t world;
 static const double thruster_pi[] = {80, 60, 0.1, 0.2};
 
@@ -49,10 +50,10 @@ static void record_outputs(const auvid_output_t *out)
 {
     double t_s = 1e-6 * (double)id.t_us;
     seen.dropped = seen.dropped || (out->events & AUVID_EVENT_ROWS_DROPPED) != 0;
-    if (id.searches > seen.begun) {
+    if (id.work.searches > seen.begun) {
         ++seen.begun;
         seen.begun_s = t_s;
-        TEST_ASSERT_EQUAL_UINT32(seen.begun, id.searches);
+        TEST_ASSERT_EQUAL_UINT32(seen.begun, id.work.searches);
         TEST_ASSERT_EQUAL_UINT32(seen.estimates + 1, seen.begun); /* the previous one has ended */
     }
     if (out->events & AUVID_EVENT_ESTIMATE) {
@@ -114,7 +115,7 @@ static void run(double seconds, uint32_t estimates, const auvid_real_t *amplitud
         TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_step(&id, &in, &out));
         record_outputs(&out);
         (void)auvid_identifier_work(&id, AUVID_DEFAULT_BUDGET);
-        TEST_ASSERT_TRUE(id.work_last <= AUVID_DEFAULT_BUDGET);
+        TEST_ASSERT_TRUE(id.work.last_units <= AUVID_DEFAULT_BUDGET);
         uint64_t next_us = (uint64_t)(tick + 1) * SIM_TICK_US;
         if (auvid_excitation_step(&driver, next_us, wrench) != AUVID_OK) {
             begin_excitation(amplitude, next_us, &driver);
@@ -137,8 +138,8 @@ static void check(double seconds)
     TEST_ASSERT_EQUAL(seen.dropped, id.metric.sets.rows_dropped > 0);
     while (auvid_identifier_work(&id, 1000000) == AUVID_PENDING) {
     }
-    TEST_ASSERT_TRUE(id.estimate.number >= id.searches);
-    TEST_ASSERT_TRUE(id.phase == AUVID_WORK_IDLE);
+    TEST_ASSERT_TRUE(id.estimate.number >= id.work.searches);
+    TEST_ASSERT_TRUE(id.work.phase == AUVID_WORK_IDLE);
 }
 
 static void test_thrusters_with_continuous_excitation_give_estimates(void)
@@ -163,6 +164,7 @@ static void test_thrusters_with_continuous_excitation_give_estimates(void)
     cfg.metric.fixed[AUVID_G500_M_U] = (auvid_real_t)world.parameter[SIM_M_U];
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_thrusters_configure(&thrusters, &cfg));
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&id, &cfg));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_attach_change_test(&id, &change));
     run(seconds, UINT32_MAX, amplitude);
     check(seconds);
 }
@@ -180,6 +182,7 @@ static void test_a_current_with_continuous_excitation_gives_estimates(void)
     TEST_ASSERT_EQUAL(AUVID_OK,
                       auvid_current_bounds(&current, 1, cfg.search.lower, cfg.search.upper));
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&id, &cfg));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_attach_change_test(&id, &change));
     run(seconds, UINT32_MAX, amplitude);
     check(seconds);
 }

@@ -75,6 +75,7 @@ static void test_thrusters_can_wrap_a_hull_in_a_current(void)
     cfg.metric.fixed[AUVID_G500_M_U] = (auvid_real_t)truth[AUVID_G500_M_U];
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_thrusters_configure(&thrusters, &cfg));
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&id, &cfg));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_attach_change_test(&id, &change));
     for (uint64_t t_us = 0; t_us < 20000000; t_us += PERIOD_US) {
         auvid_thrusters_command(&thrusters, t_us, ahead);
     }

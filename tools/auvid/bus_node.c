@@ -24,6 +24,8 @@ typedef struct {
     auvid_node_t node;
     auvid_actuation_t actuation;
     auvid_validation_t prediction;
+    auvid_change_detector_t change;
+    auvid_prior_t prior;
     link_t link;
     vehicle_sim_t vehicle_sim; /* --bus memory: the vehicle in this process */
     bus_memory_t hub;          /* its ends: node, vehicle */
@@ -48,12 +50,13 @@ static int begin(run_t *run)
         return report_refused("node", status, &run->node.id.refusal, &identifier);
     }
     (void)auvid_identifier_attach_prediction(&run->node.id, &run->prediction);
+    (void)auvid_identifier_attach_change_test(&run->node.id, &run->change);
     status = o->excite ? world_excite(&run->node, &run->actuation, &world) : AUVID_OK;
     if (status < 0) {
         return report_refused("node", status, &run->actuation.refusal, NULL);
     }
     if (o->prior != NULL) {
-        (void)prior_file_read(&run->node.id, o->prior);
+        (void)prior_file_read(&run->node.id, &run->prior, o->prior);
     }
     if (!run->simulated) {
         return link_open(&run->link, "node", o);

@@ -22,6 +22,8 @@ typedef struct {
     auvid_node_t node;
     auvid_actuation_t actuation; /* obeys the logged orders; the commands go nowhere */
     auvid_validation_t prediction;
+    auvid_change_detector_t change;
+    auvid_prior_t prior;
     bus_candump_t log;
     csv_writer_t csv;
     auvid_can_frame_t sent[WAITING]; /* a ring buffer */
@@ -150,11 +152,13 @@ static int begin(run_t *run)
         return report_refused("replay", status, &run->node.id.refusal, &identifier);
     }
     (void)auvid_identifier_attach_prediction(&run->node.id, &run->prediction);
+    (void)auvid_identifier_attach_change_test(&run->node.id, &run->change);
     status = world_excite(&run->node, &run->actuation, &world);
     if (status < 0) {
         return report_refused("replay", status, &run->actuation.refusal, NULL);
     }
-    if (run->options->prior != NULL && !prior_file_read(&run->node.id, run->options->prior)) {
+    if (run->options->prior != NULL &&
+        !prior_file_read(&run->node.id, &run->prior, run->options->prior)) {
         return EXIT_REFUSED;
     }
     if (bus_candump_open(&run->log, run->options->log, NULL) != BUS_OK) {

@@ -243,6 +243,7 @@ bool field_run(field_run_t *run, const field_run_config_t *config, field_record_
     memset(run, 0, sizeof *run);
     field_run_identifier(config, &run->averaged, cfg);
     if (!field_init(&run->field, &config->field) || auvid_identifier_init(&run->id, cfg) < 0 ||
+        auvid_identifier_attach_change_test(&run->id, &run->change) < 0 ||
         (config->field.driver == FIELD_EXCITED && !excite(run, config))) {
         return false;
     }

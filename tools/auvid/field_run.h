@@ -59,6 +59,7 @@ typedef struct {
     field_t field;
     auvid_averaged_t averaged;
     auvid_identifier_t id;
+    auvid_change_detector_t change;
     auvid_allocation_t allocation;
     auvid_actuation_t actuation;
     field_projection_t projection;

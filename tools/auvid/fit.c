@@ -33,6 +33,7 @@
 typedef struct {
     auvid_identifier_t id;
     auvid_validation_t prediction;
+    auvid_change_detector_t change;
     literal_t literal; /* if chosen */
 } fitted_t;
 
@@ -314,6 +315,7 @@ static bool record(const job_t *job, const auvid_vehicle_t *vehicle, fitted_t *f
         return false;
     }
     (void)auvid_identifier_attach_prediction(&fitted->id, &fitted->prediction);
+    (void)auvid_identifier_attach_change_test(&fitted->id, &fitted->change);
     if (!literal) {
         replay_identify(&job->train, &job->replay, &fitted->id);
     } else if (!replay_literal(job, &fitted->literal, &fitted->id)) {

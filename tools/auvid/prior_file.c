@@ -9,7 +9,7 @@
 #include "report_error.h"
 #include "prior_file.h"
 
-bool prior_file_read(auvid_identifier_t *id, const char *path)
+bool prior_file_read(auvid_identifier_t *id, auvid_prior_t *storage, const char *path)
 {
     uint8_t record[AUVID_PRIOR_BYTES + 1]; /* one byte too many, to detect a longer file */
     FILE *file = fopen(path, "rb");
@@ -19,7 +19,8 @@ bool prior_file_read(auvid_identifier_t *id, const char *path)
     }
     size_t bytes = fread(record, 1, sizeof record, file);
     (void)fclose(file);
-    auvid_status_t status = auvid_prior_load(id, record, (uint32_t)bytes);
+    auvid_status_t status = auvid_identifier_attach_prior(id, storage);
+    status = status < 0 ? status : auvid_prior_load(id, record, (uint32_t)bytes);
     if (status < 0) {
         const char *why = status == AUVID_ERR_MODEL  ? "the prior record of another model"
                           : status == AUVID_ERR_SIZE ? "not a prior record"

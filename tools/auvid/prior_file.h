@@ -7,8 +7,9 @@
 
 #include "auvid/identifier.h"
 
-/** Sets the prior from the file. Returns false, without a prior, after one line on stderr. */
-bool prior_file_read(auvid_identifier_t *id, const char *path);
+/** Attaches `storage`, and sets the prior from the file. Returns false, without a prior, after one
+ * line on stderr. */
+bool prior_file_read(auvid_identifier_t *id, auvid_prior_t *storage, const char *path);
 
 /** Writes the last estimate, completely or not at all. Returns false after one line on stderr. */
 bool prior_file_write(const auvid_identifier_t *id, const char *path);

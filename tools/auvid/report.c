@@ -42,7 +42,7 @@ void report_gather(result_t *result, const auvid_identifier_t *id, uint64_t seed
                          .free = id->metric.cfg.free,
                          .estimate = id->estimate,
                          .budget = AUVID_DEFAULT_BUDGET,
-                         .max_work = id->max_work,
+                         .max_work = id->work.max_units,
                          .change_test = id->change_test,
                          .has_guard = a != NULL && a->excitation.cfg.segments > 0,
                          .guard = a != NULL ? a->guard.state : AUVID_GUARD_DISARMED};

@@ -59,7 +59,8 @@ static bool begin_node(world_t *world, const auvid_node_config_t *node,
     bool good = !world->is_literal || literal_identifier(&world->literal[i], &cfg) == AUVID_OK;
     literal_attach(&world->literal[i], &world->node[i].id.metric);
     return good && auvid_node_init(&world->node[i], node, world->allocation, &cfg) >= 0 &&
-           auvid_identifier_attach_prediction(&world->node[i].id, &world->prediction[i]) >= 0;
+           auvid_identifier_attach_prediction(&world->node[i].id, &world->prediction[i]) >= 0 &&
+           auvid_identifier_attach_change_test(&world->node[i].id, &world->change[i]) >= 0;
 }
 
 bool world_begin(world_t *world, const world_config_t *config)

@@ -55,6 +55,7 @@ typedef struct {
     auvid_actuation_t actuation;    /**< of node[0]; all zeros if `passive` */
     auvid_adaptive_t adaptive;      /**< of node[0], if `adaptive` */
     auvid_validation_t prediction[WORLD_NODES];
+    auvid_change_detector_t change[WORLD_NODES];
     const auvid_allocation_config_t *allocation;
     int nodes;
     bool both_locks, is_literal;        /**< see world_config_t */

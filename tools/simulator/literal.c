@@ -215,17 +215,17 @@ void literal_tick(literal_t *l, auvid_identifier_t *id)
 
 auvid_status_t literal_work(auvid_identifier_t *id, uint32_t budget)
 {
-    uint32_t left = budget, max_work = id->max_work;
+    uint32_t left = budget, max_work = id->work.max_units;
     auvid_status_t status = AUVID_PENDING;
     while (left > 0 && status == AUVID_PENDING) {
         status = auvid_identifier_work(id, 1);
-        left -= id->work_last;
+        left -= id->work.last_units;
         end_merge(&id->metric);
-        if (id->phase == AUVID_WORK_IDLE) {
+        if (id->work.phase == AUVID_WORK_IDLE) {
             break; /* a set that waits is for the next call */
         }
     }
-    id->work_last = budget - left;
-    id->max_work = id->work_last > max_work ? id->work_last : max_work;
+    id->work.last_units = budget - left;
+    id->work.max_units = id->work.last_units > max_work ? id->work.last_units : max_work;
     return status;
 }

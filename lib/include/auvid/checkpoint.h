@@ -22,10 +22,10 @@
  *     auvid_status_t status = auvid_checkpoint_next(&saving, page, &bytes);
  *     flash_write(page, bytes);                       until it is AUVID_OK
  *
- * Also copy what is attached: the acting half (actuation.h), the storage of adaptive excitation and
- * of the prediction. Set copy.actuation, its shape_context and copy.prediction to the copies. On
- * the residual path also copy the model's storage (metric.rows), and set copy.metric.cfg.rows to
- * the copy.
+ * Also copy what is attached: the acting half (actuation.h), the storage of adaptive excitation, of
+ * the change test, of the prior and of the prediction. Set copy.actuation, its shape_context,
+ * copy.change, copy.metric.prior and copy.prediction to the copies. On the residual path also copy
+ * the model's storage (metric.rows), and set copy.metric.cfg.rows to the copy.
  *
  * Called from the control task, between ticks. Cost on a Cortex-M4F (-O2): 29 instructions a byte
  * to save (7.4k a page of 256), 70 to restore, and 13k to begin. Size: 20 to 26 KB with default
@@ -52,8 +52,8 @@ enum { AUVID_CHECKPOINT_HEAD = 28, AUVID_CHECKPOINT_TAIL = 4 };
  * regressor, else 0. */
 #define AUVID_CHECKPOINT_MAX(rows)                                                                 \
     (AUVID_CHECKPOINT_HEAD + sizeof(auvid_identifier_t) + sizeof(auvid_actuation_t) +              \
-     sizeof(auvid_adaptive_t) + sizeof(auvid_validation_t) + (rows) * sizeof(auvid_row_t) +        \
-     AUVID_CHECKPOINT_TAIL)
+     sizeof(auvid_adaptive_t) + sizeof(auvid_change_detector_t) + sizeof(auvid_prior_t) +          \
+     sizeof(auvid_validation_t) + (rows) * sizeof(auvid_row_t) + AUVID_CHECKPOINT_TAIL)
 
 /** Cursor of a checkpoint being saved. Only the functions below write it; `bytes` is public to
  * read. */

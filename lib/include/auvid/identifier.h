@@ -207,6 +207,15 @@ typedef struct {
     auvid_guard_cause_t cause; /**< why ABORTED; value, limit and time are in guard.trip */
 } auvid_output_t;
 
+/** The memory of the change test. Private. */
+typedef struct {
+    auvid_estimate_t accepted;       /* the last accepted estimate */
+    auvid_metric_change_t statistic; /* of the newest sets */
+    auvid_real_t predicted;          /* cost of the last estimate on the new set */
+    bool straddles_change;           /* the set before may be from before and after a change */
+    uint8_t reserved[sizeof(auvid_real_t) - 1];
+} auvid_change_detector_t;
+
 /** Phase of auvid_identifier_work. */
 typedef enum {
     AUVID_WORK_IDLE,        /**< nothing to do until a set completes */
@@ -224,6 +233,25 @@ typedef enum {
     AUVID_WORK_PHASE_COUNT
 } auvid_work_phase_t;
 
+/** The optimization under way. Private where it says nothing else. */
+typedef struct {
+    auvid_real_t candidate[AUVID_MAX_PARAMETERS]; /* all parameters of the point under evaluation */
+    auvid_real_t delay_s;                         /* its delay, if the search includes it */
+    auvid_real_t cost;                            /* of the search's result */
+    auvid_optimizer_work_t searched;              /* of the search that has ended */
+    uint32_t active;                              /* parameters in the present search */
+    uint32_t sets;       /* completed when the current sets were taken up */
+    uint32_t searches;   /**< begun so far */
+    uint32_t last_units; /**< used by the last call of work */
+    uint32_t max_units;  /**< most units used by any call of work so far */
+    uint8_t phase;       /**< auvid_work_phase_t */
+    uint8_t spent;       /* >= 1: all is merged; units spent of the search's start cost */
+    uint8_t untested;    /* completed sets still to be validated before the merge */
+    bool set_pending, searching, not_converged;
+    bool cold_start;                            /* search without the last estimate */
+    uint8_t parameter_of[AUVID_MAX_PARAMETERS]; /* parameter number of the optimizer's i-th */
+} auvid_identifier_work_t;
+
 /** The identifier. Its modules are public to read; only the functions write. */
 typedef struct auvid_identifier {
     auvid_search_config_t search; /**< as configured; the modules hold the rest */
@@ -236,38 +264,23 @@ typedef struct auvid_identifier {
                                           none */
     auvid_validation_t *validation;    /* receives every cell, if attached */
     const struct auvid_simulate_functions *simulate; /* for these two; NULL: neither was attached */
-    const auvid_listener_t *listener;                /* as configured */
+    auvid_change_detector_t *change;                 /* NULL: no change test is attached */
+    const struct auvid_change_functions *change_functions; /* for it */
+    const auvid_listener_t *listener;                      /* as configured */
     void *listener_context;
     auvid_nav_t nav;
     auvid_recorder_t recorder;
     auvid_metric_t metric;
     /* state: from here on, see checkpoint.h */
-    uint64_t t_us;                                /* last tick */
-    auvid_guard_seen_t applied;                   /* last wrench recorded */
-    auvid_estimate_t estimate;                    /* the last result: read
-                                                     auvid_identifier_estimate */
-    auvid_estimate_t accepted_estimate;           /* the last accepted one */
-    auvid_change_test_t change_test;              /**< of the newest set */
-    auvid_real_t predicted;                       /* cost of the last estimate on the new set */
-    auvid_real_t candidate[AUVID_MAX_PARAMETERS]; /* all parameters of the point under evaluation */
-    auvid_real_t delay_s;                         /* its delay, if the search includes it */
-    auvid_real_t cost;                            /* of the result of the search that has ended */
-    auvid_optimizer_work_t searched;              /* of that search */
-    uint32_t active;                              /* parameters in the present search */
-    uint32_t last_sample;                         /* sequence of the last velocity recorded */
-    uint32_t events;                              /* since the last step */
-    uint32_t searches;                            /**< begun so far */
-    uint32_t sets;      /* completed when the current sets were taken up */
-    uint32_t work_last; /**< units used by the last call of work */
-    uint32_t max_work;  /**< most units used by any call of work so far */
-    uint8_t phase;      /**< auvid_work_phase_t */
-    uint8_t spent;      /* >= 1: all is merged; units spent of the search's start cost */
-    uint8_t untested;   /* completed sets still to be validated before the merge */
+    uint64_t t_us;                   /* last tick */
+    auvid_guard_seen_t applied;      /* last wrench recorded */
+    auvid_estimate_t estimate;       /* the last result: read auvid_identifier_estimate */
+    auvid_change_test_t change_test; /**< of the newest set */
+    uint32_t last_sample;            /* sequence of the last velocity recorded */
+    uint32_t events;                 /* since the last step */
     bool started;
-    bool set_pending, searching, not_converged;
-    bool straddles_change; /* the set before may be from before and after a change */
-    bool cold_start;       /* search without the last estimate */
-    uint8_t parameter_of[AUVID_MAX_PARAMETERS]; /* parameter number of the optimizer's i-th */
+    uint8_t reserved[7];
+    auvid_identifier_work_t work;
     union { /* one after the other: the search is over when its result is assessed */
         auvid_identifier_config_t cfg; /**< may be filled here for init; undefined afterwards */
         auvid_refusal_t refusal;       /**< what init was refused for, until the next init */
@@ -364,6 +377,19 @@ void auvid_identifier_attach(auvid_identifier_t *id, auvid_validation_t *validat
  * attached already); AUVID_ERR_STARTED (it has stepped). After an error nothing has changed. */
 auvid_status_t auvid_identifier_attach_prediction(auvid_identifier_t *id,
                                                   auvid_validation_t *storage);
+
+#define auvid_identifier_attach_change_test AUVID_SIZED(auvid_identifier_attach_change_test)
+/** Test each completed set before it is used: compare how the last estimate and the last accepted
+ * one predict it, and decide whether the vehicle has changed: change_test. An estimate that
+ * predicts worse than the last accepted one is replaced by it (AUVID_EVENT_RESTORED). After a
+ * change the older sets are dropped and the search starts cold (AUVID_EVENT_CHANGED). Call it once,
+ * between auvid_identifier_init and the first step. Without it every set is merged as it comes, no
+ * estimate is `accepted`, and the program does not contain the test.
+ * @param storage written; must outlive the identifier
+ * @return AUVID_OK; AUVID_ERR_NULL; AUVID_ERR_STATE (not initialised); AUVID_ERR_ATTACHED (one is
+ * attached already); AUVID_ERR_STARTED (it has stepped). After an error nothing has changed. */
+auvid_status_t auvid_identifier_attach_change_test(auvid_identifier_t *id,
+                                                   auvid_change_detector_t *storage);
 
 #define auvid_identifier_work AUVID_SIZED(auvid_identifier_work)
 /** Optimize for the time that is left.

@@ -37,11 +37,23 @@ enum { AUVID_PRIOR_BYTES = 236 };
  */
 auvid_status_t auvid_prior_save(const auvid_identifier_t *id, uint8_t *record);
 
+#define auvid_identifier_attach_prior AUVID_SIZED(auvid_identifier_attach_prior)
+/**
+ * Give the identifier memory for a prior. Call it once, between auvid_identifier_init and the first
+ * step. Without it auvid_prior_load and auvid_prior_set return AUVID_ERR_STATE.
+ * @param storage written; must outlive the identifier
+ * @return AUVID_OK; AUVID_ERR_NULL; AUVID_ERR_STATE (not initialised); AUVID_ERR_ATTACHED (one is
+ * attached already); AUVID_ERR_STARTED (it has stepped). After an error nothing has changed.
+ */
+auvid_status_t auvid_identifier_attach_prior(auvid_identifier_t *id, auvid_prior_t *storage);
+
 #define auvid_prior_load AUVID_SIZED(auvid_prior_load)
 /**
- * Start with a prior record. Call it after init, before the first set is complete.
+ * Start with a prior record. Call it after auvid_identifier_attach_prior, before the first set is
+ * complete.
  * @param record [bytes]
- * @return AUVID_OK; AUVID_ERR_NULL; AUVID_ERR_STATE (not initialised, or a set has been completed);
+ * @return AUVID_OK; AUVID_ERR_NULL; AUVID_ERR_STATE (not initialised, no memory
+ * is attached, or a set has been completed);
  * AUVID_ERR_SIZE (not AUVID_PRIOR_BYTES); AUVID_ERR_CHECKSUM (damaged, or of another version);
  * AUVID_ERR_MODEL (of another model, of other free parameters, or of other fixed values);
  * AUVID_ERR_NOT_FINITE, AUVID_ERR_RANGE (the checksum is correct, but a value is not finite, or
@@ -52,12 +64,13 @@ auvid_status_t auvid_prior_load(auvid_identifier_t *id, const uint8_t *record, u
 #define auvid_prior_set AUVID_SIZED(auvid_prior_set)
 /**
  * Start with parameters from another source (a towing tank, a calculation, a sister vehicle), as
- * with a prior record. Call it after init, before the first set is complete. Wrong values are
+ * with a prior record. Call it when auvid_prior_load may be called. Wrong values are
  * discarded like a record of another vehicle, the more reliably the smaller their sigma. Later
  * estimates are assumed to scale with the thrust even so: fix a parameter that is known better.
  * @param pi [n] parameters in the model's order, within +-1e18; fixed ones are not read
  * @param sigma [n] their standard errors, above 5e-31, below 1e30; a large one for a guess
- * @return AUVID_OK; AUVID_ERR_NULL; AUVID_ERR_STATE (not initialised, or a set has been completed);
+ * @return AUVID_OK; AUVID_ERR_NULL; AUVID_ERR_STATE (not initialised, no memory
+ * is attached, or a set has been completed);
  * AUVID_ERR_NOT_FINITE; AUVID_ERR_RANGE (a value or a sigma out of its range). A rejected call
  * changes nothing.
  */

@@ -135,9 +135,9 @@ static void node_report_progress(auvid_node_t *node, auvid_can_frame_t *frame, i
         m.as.progress.cause = (uint32_t)(refused ? guard->refused.cause : guard->trip.cause);
         m.as.progress.percent = (uint32_t)(AUVID_C(100.0) * part);
     }
-    m.as.progress.work = id->phase;
+    m.as.progress.work = id->work.phase;
     m.as.progress.sets = id->metric.sets.recorded % 256u;
-    m.as.progress.searches = id->searches % 256u;
+    m.as.progress.searches = id->work.searches % 256u;
     m.as.progress.excited = id->estimate.excited;
     m.as.progress.changed = id->change_test.changed;
     auvid_node_send(node, &m, frame, count);

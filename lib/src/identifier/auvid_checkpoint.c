@@ -61,13 +61,15 @@ static uint32_t checkpoint_parts(const auvid_identifier_t *id)
     uint32_t parts = auvid_metric_stores_rows(&id->metric) ? PART_RESIDUAL : 0u;
     parts |= id->prediction != NULL && id->prediction->vehicle != NULL ? PART_SIMULATED : 0u;
     parts |= id->actuation != NULL ? PART_ACTUATION : 0u;
+    parts |= id->change != NULL ? PART_CHANGE : 0u;
+    parts |= id->metric.prior != NULL ? PART_PRIOR : 0u;
     parts |= checkpoint_adapts(id) ? PART_ADAPTIVE : 0u;
-    if (id->phase == AUVID_WORK_CONFIDENCE) {
+    if (id->work.phase == AUVID_WORK_CONFIDENCE) {
         parts |= PART_CONFIDENCE;
-    } else if (id->searching) {
+    } else if (id->work.searching) {
         bool global = id->optimizer.state < AUVID_OPTIMIZER_START;
         parts |= global ? PART_GLOBAL : PART_LOCAL;
-    } else if (id->phase == AUVID_WORK_LINEARISE) {
+    } else if (id->work.phase == AUVID_WORK_LINEARISE) {
         parts |= PART_OPTIMUM;
     }
     return parts;
@@ -133,6 +135,8 @@ static void *checkpoint_attached(const auvid_identifier_t *id, uint8_t root)
 {
     return root == ROOT_ACTUATION    ? (void *)id->actuation
            : root == ROOT_ADAPTIVE   ? id->actuation->shape_context
+           : root == ROOT_CHANGE     ? (void *)id->change
+           : root == ROOT_PRIOR      ? (void *)id->metric.prior
            : root == ROOT_PREDICTION ? (void *)id->prediction
                                      : (void *)id->metric.cfg.rows;
 }
@@ -221,7 +225,7 @@ static auvid_status_t checkpoint_check(const auvid_identifier_t *id, const uint8
     }
     bool whole = auvid_get_word(expected + HEAD_BYTES) == bytes &&
                  auvid_get_word(checkpoint + HEAD_BYTES) == bytes;
-    const uint32_t attached = PART_ACTUATION | PART_ADAPTIVE;
+    const uint32_t attached = PART_ACTUATION | PART_ADAPTIVE | PART_CHANGE | PART_PRIOR;
     bool same = ((v->parts ^ checkpoint_parts(id)) & attached) == 0 &&
                 ((v->parts & PART_SIMULATED) == 0 || id->prediction != NULL);
     return !whole ? AUVID_ERR_CHECKSUM : same ? AUVID_OK : AUVID_ERR_STATE;
@@ -256,7 +260,6 @@ auvid_status_t auvid_checkpoint_resume(auvid_identifier_t *id, const uint8_t *ch
         bool simulated = (view.parts & PART_SIMULATED) != 0;
         id->prediction->vehicle = simulated ? identifier_vehicle(id) : NULL;
     }
-    (void)auvid_metric_set_prior(&id->metric, &id->metric.prior); /* sets the function pointer */
     return AUVID_OK;
 }
 

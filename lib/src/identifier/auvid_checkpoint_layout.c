@@ -29,13 +29,12 @@ const auvid_checkpoint_block_t auvid_checkpoint_configured[CHECKPOINT_CONFIGURED
 const auvid_checkpoint_block_t auvid_checkpoint_block[CHECKPOINT_BLOCKS] = {
     OF_ID(nav.ground, nav.reserved, 0),
     OF_ID(recorder.stream, recorder.reserved, 0),
-    OF_ID(metric.prior, metric.prior, 0),
     OF_ID(metric.result.cost, metric.result.first_order_lag, 0),
     OF_ID(metric.evaluator.window_us, metric.evaluator.reserved, 0),
     OF_ID(metric.evaluator.window, metric.evaluator.window, PART_RESIDUAL),
     OF_ID(metric.rows.set, metric.rows.missing, 0),
     OF_ID(metric.sets.until_us, metric.sets.changed, 0),
-    OF_ID(t_us, parameter_of, 0),
+    OF_ID(t_us, work.parameter_of, 0),
     OF_ID(optimizer.cfg, optimizer.reserved, SEARCHING),
     OF_ID(optimizer.crs.theta, optimizer.crs.worst, PART_GLOBAL),
     OF_ID(optimizer.line_search, optimizer.line_search, PART_LOCAL),
@@ -46,6 +45,8 @@ const auvid_checkpoint_block_t auvid_checkpoint_block[CHECKPOINT_BLOCKS] = {
     BLOCK(ROOT_ACTUATION, auvid_actuation_t, guard.t_us, guard.reserved, PART_ACTUATION),
     BLOCK(ROOT_ACTUATION, auvid_actuation_t, altitude, reserved, PART_ACTUATION),
     BLOCK(ROOT_ADAPTIVE, auvid_adaptive_t, run_us, reserved, PART_ADAPTIVE),
+    BLOCK(ROOT_CHANGE, auvid_change_detector_t, accepted, reserved, PART_CHANGE),
+    BLOCK(ROOT_PRIOR, auvid_prior_t, pi, known, PART_PRIOR),
     BLOCK(ROOT_PREDICTION, auvid_validation_t, last, reserved, PART_SIMULATED),
     BLOCK(ROOT_ROWS, auvid_row_t, sample, late, PART_RESIDUAL),
 };
@@ -77,8 +78,6 @@ const auvid_checkpoint_struct_t auvid_checkpoint_struct[] = {
     IN_ID(set, metric.sets.set, AUVID_MAX_SETS, 0),
     IN_ID(estimate, estimate, 1, 0),
     IN_ID(confidence, estimate.confidence, 1, 0),
-    IN_ID(estimate, accepted_estimate, 1, 0),
-    IN_ID(confidence, accepted_estimate.confidence, 1, 0),
     IN_ID(change_test, change_test, 1, 0),
     IN_ID(guard_seen, applied, 1, 0),
     IN_ID(crs, optimizer.crs, 1, PART_GLOBAL),
@@ -96,6 +95,10 @@ const auvid_checkpoint_struct_t auvid_checkpoint_struct[] = {
     IN_ACTUATION(guard_trip, guard.refused, 1),
     IN_ACTUATION(guard_seen, altitude, 1),
     WHOLE(adaptive, ROOT_ADAPTIVE, auvid_adaptive_t, PART_ADAPTIVE),
+    WHOLE(change_detector, ROOT_CHANGE, auvid_change_detector_t, PART_CHANGE),
+    STRUCTS(estimate, ROOT_CHANGE, auvid_change_detector_t, accepted, 1, PART_CHANGE),
+    STRUCTS(confidence, ROOT_CHANGE, auvid_change_detector_t, accepted.confidence, 1, PART_CHANGE),
+    WHOLE(prior, ROOT_PRIOR, auvid_prior_t, PART_PRIOR),
     WHOLE(validation, ROOT_PREDICTION, auvid_validation_t, PART_SIMULATED),
     STRUCTS(sample, ROOT_PREDICTION, auvid_validation_t, last, 1, PART_SIMULATED),
     WHOLE(row, ROOT_ROWS, auvid_row_t, PART_RESIDUAL),
@@ -116,6 +119,8 @@ NO_GAP(auvid_guard_seen_t, reserved);
 NO_GAP(auvid_confidence_t, reserved);
 NO_GAP(auvid_estimate_t, reserved);
 NO_GAP(auvid_change_test_t, reserved);
+NO_GAP(auvid_metric_change_t, reserved);
+NO_GAP(auvid_change_detector_t, reserved);
 NO_GAP(auvid_sample_t, reserved);
 NO_GAP(auvid_row_t, late);
 NO_GAP(auvid_line_search_t, reserved);

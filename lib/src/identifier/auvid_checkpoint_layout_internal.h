@@ -25,28 +25,38 @@ enum {
     PART_ADAPTIVE = 32,   /**< the excitation is adaptive */
     PART_OPTIMUM = 64,    /**< the minimum cost is being found */
     PART_ACTUATION = 128, /**< an acting half is attached */
+    PART_CHANGE = 256,    /**< a change test is attached */
+    PART_PRIOR = 512,     /**< memory for a prior is attached */
     PART_END              /**< the last part + 1 */
 };
-_Static_assert(PART_END - 1 <= UINT8_MAX, "auvid_checkpoint_block_t.parts");
+_Static_assert(PART_END - 1 <= UINT16_MAX, "auvid_checkpoint_block_t.parts");
 
 /** The structs that are saved: the identifier, and what is attached to it. */
-enum { ROOT_IDENTIFIER, ROOT_ACTUATION, ROOT_ADAPTIVE, ROOT_PREDICTION, ROOT_ROWS };
+enum {
+    ROOT_IDENTIFIER,
+    ROOT_ACTUATION,
+    ROOT_ADAPTIVE,
+    ROOT_CHANGE,
+    ROOT_PRIOR,
+    ROOT_PREDICTION,
+    ROOT_ROWS
+};
 
 /** Adjacent members without gaps, and without pointers. */
 typedef struct {
-    uint8_t root;  /**< ROOT_..., the struct that contains them */
-    uint8_t parts; /**< PART_..., see above; 0: always */
+    uint8_t root;   /**< ROOT_..., the struct that contains them */
+    uint16_t parts; /**< PART_..., see above; 0: always */
     uint32_t offset;
     uint32_t bytes; /**< ROOT_ROWS: of each row */
 } auvid_checkpoint_block_t;
 
 /** The state, in the order of the stream; what of the identifier is configured. */
-enum { CHECKPOINT_BLOCKS = 20, CHECKPOINT_CONFIGURED = 5 };
+enum { CHECKPOINT_BLOCKS = 21, CHECKPOINT_CONFIGURED = 5 };
 extern const auvid_checkpoint_block_t auvid_checkpoint_block[CHECKPOINT_BLOCKS];
 extern const auvid_checkpoint_block_t auvid_checkpoint_configured[CHECKPOINT_CONFIGURED];
 
 /** Checksum of the layout with default sizes, float: tests/validation/layout.py computes it. */
-#define AUVID_CHECKPOINT_LAYOUT 0x4db79782u
+#define AUVID_CHECKPOINT_LAYOUT 0x9c822f64u
 
 /** The body of a checkpoint. */
 typedef struct {
@@ -80,6 +90,8 @@ enum {
     TABLE_confidence,
     TABLE_estimate,
     TABLE_change_test,
+    TABLE_change_detector,
+    TABLE_prior,
     TABLE_sample,
     TABLE_validation,
     TABLE_search_config,
@@ -96,10 +108,10 @@ enum {
 
 /** Where structs of a kind are: `count` of them, `size` bytes each. */
 typedef struct {
-    uint8_t table; /**< TABLE_... */
-    uint8_t root;  /**< ROOT_... */
-    uint8_t parts; /**< PART_...; 0: always */
-    uint8_t count; /**< ROOT_ROWS: one in each row */
+    uint8_t table;  /**< TABLE_... */
+    uint8_t root;   /**< ROOT_... */
+    uint16_t parts; /**< PART_...; 0: always */
+    uint8_t count;  /**< ROOT_ROWS: one in each row */
     uint32_t offset;
     uint32_t size;
 } auvid_checkpoint_struct_t;

@@ -89,11 +89,9 @@ const auvid_checkpoint_limit_t auvid_checkpoint_limit[] = {
     SIGNED(set, int8_t, exponent, exponent, -126, 60),
     DOF_BITS(set, excited, excited),
 
-    FINITE(metric, prior.pi, prior.variance_inflation),
     FINITE(metric, result.constant, result.constant),
     DELAY(metric, result.delay_s, result.delay_s),
     COUNT(metric, uint16_t, result.dof_rows, result.dof_rows, MAX_ROWS),
-    BYTE(metric, result.change_rank, result.change_rank, AUVID_MAX_PARAMETERS),
     DOF_BITS(metric, result.excited, result.first_order_lag),
     DELAY(metric, evaluator.linear_delay_s, evaluator.linear_delay_s),
     COUNT(metric, uint16_t, evaluator.at.row, evaluator.at.row, MAX_ROWS + AUVID_METRIC_WINDOW),
@@ -151,6 +149,9 @@ const auvid_checkpoint_limit_t auvid_checkpoint_limit[] = {
     DOF_BITS(estimate, excited, first_order_lag),
     FLAG(estimate, not_converged, accepted),
 
+    BYTE(change_detector, statistic.rank, statistic.rank, AUVID_MAX_PARAMETERS),
+    FLAG(change_detector, straddles_change, straddles_change),
+    FINITE(prior, pi, variance_inflation),
     FINITE(change_test, variance_ratio, r2_velocity),
     DOF_BITS(change_test, excited, simulated),
 
@@ -208,13 +209,14 @@ const auvid_checkpoint_limit_t auvid_checkpoint_limit[] = {
 
     FLAG(guard_seen, known, known),
 
-    BYTE(identifier, phase, phase, AUVID_WORK_PHASE_COUNT - 1),
-    BYTE(identifier, parameter_of, parameter_of, AUVID_MAX_PARAMETERS - 1),
-    VALUE(identifier, candidate, candidate),
-    DELAY(identifier, delay_s, delay_s),
-    COST(identifier, cost, cost),
-    BYTE(identifier, untested, untested, AUVID_MAX_SETS),
-    FLAG(identifier, started, cold_start),
+    BYTE(identifier, work.phase, work.phase, AUVID_WORK_PHASE_COUNT - 1),
+    BYTE(identifier, work.parameter_of, work.parameter_of, AUVID_MAX_PARAMETERS - 1),
+    VALUE(identifier, work.candidate, work.candidate),
+    DELAY(identifier, work.delay_s, work.delay_s),
+    COST(identifier, work.cost, work.cost),
+    BYTE(identifier, work.untested, work.untested, AUVID_MAX_SETS),
+    FLAG(identifier, work.set_pending, work.cold_start),
+    FLAG(identifier, started, started),
 
     UP_TO(actuation, altitude_m, altitude_m, AUVID_C(1e9)),
     LENGTH(actuation, home, home),

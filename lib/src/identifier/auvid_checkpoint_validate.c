@@ -168,9 +168,9 @@ static uint32_t checkpoint_set_rows(const subject_t *s, uint32_t age)
 static bool checkpoint_check_ring(const subject_t *s)
 {
     uint32_t sets = s->id->metric.cfg.sets, from = WORD(metric.sets.from),
-             untested = WORD(untested);
+             untested = WORD(work.untested);
     uint32_t waiting = WORD(metric.sets.waiting), least = WORD(metric.sets.least),
-             phase = WORD(phase);
+             phase = WORD(work.phase);
     bool held = WORD(metric.sets.held) != 0, stored = auvid_metric_stores_rows(&s->id->metric);
     bool full = WORD(metric.sets.full) != 0, changed = WORD(metric.sets.changed) != 0;
     bool tests = phase >= AUVID_WORK_PREPARE && phase <= AUVID_WORK_CHANGE_TEST;
@@ -215,7 +215,7 @@ static bool checkpoint_check_sets(const subject_t *s)
                WORD_AT(at, auvid_set_t, number) <= WORD(metric.sets.recorded) &&
                checkpoint_check_rows(s, rows, rows_of, windows, of_set);
     }
-    bool any = WORD(phase) < AUVID_WORK_MERGE;
+    bool any = WORD(work.phase) < AUVID_WORK_MERGE;
     COPY(&rows_of, MEMBER(metric.result.dof_rows));
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
         bool is_excited = (excited >> j & 1u) != 0;
@@ -229,7 +229,7 @@ static bool checkpoint_check_sets(const subject_t *s)
 static bool checkpoint_check_pass(const subject_t *s)
 {
     const auvid_metric_t *m = &s->id->metric;
-    uint32_t phase = WORD(phase), sets = m->cfg.sets;
+    uint32_t phase = WORD(work.phase), sets = m->cfg.sets;
     auvid_metric_cursor_t at;
     COPY(&at, MEMBER(metric.evaluator.at));
     bool linear = !auvid_metric_stores_rows(m), merges = at.pass <= PASS_PRIOR;
@@ -272,11 +272,7 @@ static bool checkpoint_check_pass(const subject_t *s)
 
 static bool checkpoint_check_metric(const subject_t *s)
 {
-    auvid_prior_t prior;
-    COPY(&prior, MEMBER(metric.prior));
-    return checkpoint_check_ring(s) &&
-           auvid_metric_check_prior(&s->id->metric, &prior) == AUVID_OK &&
-           checkpoint_check_sets(s) && checkpoint_check_pass(s);
+    return checkpoint_check_ring(s) && checkpoint_check_sets(s) && checkpoint_check_pass(s);
 }
 
 /* Are all `n` reals of `point` between the bounds? */
@@ -323,7 +319,7 @@ static bool checkpoint_check_search(const subject_t *s)
     bool global = (s->view->parts & PART_GLOBAL) != 0;
     uint32_t delay = auvid_metric_stores_rows(&s->id->metric) && s->id->metric.cfg.estimate_delay;
     uint32_t n = WORD(optimizer.cfg.n);
-    return n == checkpoint_count_bits(WORD(active)) + delay &&
+    return n == checkpoint_count_bits(WORD(work.active)) + delay &&
            global == (WORD(optimizer.state) < AUVID_OPTIMIZER_START) &&
            (global ? checkpoint_check_crs(s) : checkpoint_check_line_search(s)) &&
            (!WORD(optimizer.asked) ||
@@ -332,12 +328,13 @@ static bool checkpoint_check_search(const subject_t *s)
 }
 
 /* The partner named by a finding is one of the model's parameters. */
-static bool checkpoint_check_notes(const subject_t *s, size_t confidence)
+static bool checkpoint_check_notes(const subject_t *s, uint8_t root, size_t confidence)
 {
     bool good = true;
     uint8_t note[AUVID_MAX_PARAMETERS], partner[AUVID_MAX_PARAMETERS];
-    COPY(&note, confidence + offsetof(auvid_confidence_t, note));
-    COPY(&partner, confidence + offsetof(auvid_confidence_t, partner));
+    checkpoint_copy(s, root, confidence + offsetof(auvid_confidence_t, note), note, sizeof note);
+    checkpoint_copy(s, root, confidence + offsetof(auvid_confidence_t, partner), partner,
+                    sizeof partner);
     for (int i = 0; i < AUVID_MAX_PARAMETERS; ++i) {
         bool names = note[i] == AUVID_NOTE_COMBINATION || note[i] == AUVID_NOTE_BESIDE_BOUND ||
                      note[i] == AUVID_NOTE_DISCREDITED;
@@ -349,7 +346,7 @@ static bool checkpoint_check_notes(const subject_t *s, size_t confidence)
 static bool checkpoint_check_optimum(const subject_t *s)
 {
     uint32_t n = WORD(optimum.n), dof = WORD(optimum.dof);
-    bool good = n == checkpoint_count_bits(WORD(active)) && WORD(optimum.fixed_from) <= n &&
+    bool good = n == checkpoint_count_bits(WORD(work.active)) && WORD(optimum.fixed_from) <= n &&
                 WORD(optimum.at) <= n + 1u && WORD(optimum.changes) < 4u * (n + 1u) &&
                 (dof == AUVID_DOF_COUNT || WORD(optimum.row) <= s->id->metric.layout.count[dof]);
     for (size_t k = 0; good && k < n; ++k) {
@@ -364,7 +361,7 @@ static bool checkpoint_check_job(const subject_t *s)
     const auvid_metric_t *m = &s->id->metric;
     uint32_t n = WORD(confidence.n), phase = WORD(confidence.phase), j = WORD(confidence.at_dof);
     bool good = n <= m->cfg.vehicle->parameters && WORD(confidence.at_set) < m->cfg.sets &&
-                checkpoint_check_notes(s, MEMBER(confidence.result));
+                checkpoint_check_notes(s, ROOT_IDENTIFIER, MEMBER(confidence.result));
     uint8_t column_of[AUVID_MAX_PARAMETERS], parameter_of[AUVID_MAX_PARAMETERS];
     COPY(&column_of, MEMBER(confidence.column_of));
     COPY(&parameter_of, MEMBER(confidence.parameter_of));
@@ -397,16 +394,23 @@ static bool checkpoint_check_prediction(const subject_t *s)
     return good;
 }
 
+static bool checkpoint_check_prior(const subject_t *s)
+{
+    auvid_prior_t prior;
+    checkpoint_copy(s, ROOT_PRIOR, 0, &prior, offsetof(auvid_prior_t, known) + sizeof prior.known);
+    return auvid_metric_check_prior(&s->id->metric, &prior) == AUVID_OK;
+}
+
 static bool checkpoint_search_matches_phase(const subject_t *s)
 {
-    uint32_t phase = WORD(phase);
+    uint32_t phase = WORD(work.phase);
     uint32_t work = s->view->parts & (PART_GLOBAL | PART_LOCAL | PART_CONFIDENCE | PART_OPTIMUM);
-    bool residual = auvid_metric_stores_rows(&s->id->metric), searching = WORD(searching) != 0;
+    bool residual = auvid_metric_stores_rows(&s->id->metric), searching = WORD(work.searching) != 0;
     bool measures = phase == AUVID_WORK_MEASURE; /* again, if a set has entered the ring */
     bool linearises = phase == AUVID_WORK_LINEARISE;
     bool must = phase == AUVID_WORK_ASK || phase == AUVID_WORK_COST ||
                 (residual && (measures || linearises));
-    if (phase >= AUVID_WORK_ASK && WORD(active) == 0) {
+    if (phase >= AUVID_WORK_ASK && WORD(work.active) == 0) {
         return false;
     }
     if (searching) {
@@ -425,12 +429,16 @@ static bool checkpoint_search_matches_phase(const subject_t *s)
 static bool checkpoint_check_identifier(const subject_t *s)
 {
     uint32_t parts = s->view->parts;
-    return parts < 2u * (PART_END - 1u) && WORD(spent) <= SEARCH_START_COST + 1u &&
+    return parts < 2u * (PART_END - 1u) && WORD(work.spent) <= SEARCH_START_COST + 1u &&
            ((parts & PART_RESIDUAL) != 0) == auvid_metric_stores_rows(&s->id->metric) &&
            ((parts & PART_SIMULATED) == 0 || checkpoint_check_prediction(s)) &&
-           (WORD(active) & ~auvid_metric_free_of(&s->id->metric, UINT8_MAX)) == 0 &&
-           checkpoint_check_notes(s, MEMBER(estimate.confidence)) &&
-           checkpoint_check_notes(s, MEMBER(accepted_estimate.confidence)) &&
+           (WORD(work.active) & ~auvid_metric_free_of(&s->id->metric, UINT8_MAX)) == 0 &&
+           checkpoint_check_notes(s, ROOT_IDENTIFIER, MEMBER(estimate.confidence)) &&
+           ((parts & PART_CHANGE) != 0
+                ? checkpoint_check_notes(s, ROOT_CHANGE,
+                                         offsetof(auvid_change_detector_t, accepted.confidence))
+                : WORD(work.untested) == 0) &&
+           ((parts & PART_PRIOR) == 0 || checkpoint_check_prior(s)) &&
            checkpoint_search_matches_phase(s);
 }
 

@@ -41,28 +41,37 @@ static inline bool identifier_is_ready(const auvid_identifier_t *id)
 static inline void identifier_take_set(auvid_identifier_t *id, auvid_status_t status)
 {
     if (status == AUVID_SET_COMPLETE) {
-        id->set_pending = true;
+        id->work.set_pending = true;
         id->events |= AUVID_EVENT_SET;
     } else if (status == AUVID_SET_IDLE) {
         id->events |= AUVID_EVENT_SET | AUVID_EVENT_NOT_EXCITED;
     }
 }
 
-/** Sets are complete: validate the last estimate with each, the oldest first, then merge. */
-void auvid_identifier_begin_sets(auvid_identifier_t *id);
+/** A phase of the work. */
+typedef struct {
+    /** Continues it; one of the two is NULL. @return AUVID_OK: it is complete; AUVID_PENDING; < 0:
+     * the work ends */
+    auvid_status_t (*metric)(auvid_metric_t *metric, uint32_t *budget);
+    auvid_status_t (*run)(auvid_identifier_t *id, uint32_t *budget);
+    void (*next)(auvid_identifier_t *id);    /**< it is complete: begins what follows */
+    void (*restart)(auvid_identifier_t *id); /**< a set has replaced the oldest; NULL: as before */
+} auvid_work_phase_row_t;
 
-/** Validate the last estimate with the oldest set not yet used for that; if there is none, merge.
- * */
-void auvid_identifier_begin_change_test(auvid_identifier_t *id);
+/** What the identifier calls of the change test, if it is attached. */
+typedef struct auvid_change_functions {
+    /** Begins to test the oldest set not yet tested. @return false: there is none */
+    bool (*begin)(auvid_identifier_t *id);
+    auvid_work_phase_row_t phases[AUVID_WORK_CHANGE_TEST - AUVID_WORK_PREPARE + 1];
+} auvid_change_functions_t;
 
-/** End the work: nothing is left to do for the sets of the ring. */
-void auvid_identifier_rest(auvid_identifier_t *id);
+/** Test the last estimate with the oldest set not yet tested; if there is none, merge. */
+void auvid_identifier_begin_tests(auvid_identifier_t *id);
 
-/** Begin to merge the sets; then a search begins. */
-void auvid_identifier_begin_merge(auvid_identifier_t *id);
-
-/** Continue the validation. @return AUVID_OK; AUVID_PENDING */
-auvid_status_t auvid_identifier_change_test(auvid_identifier_t *id, uint32_t *budget);
+/** May `storage` be attached now? @return AUVID_OK; AUVID_ERR_NULL; AUVID_ERR_STATE;
+ * AUVID_ERR_ATTACHED (something is); AUVID_ERR_STARTED */
+auvid_status_t auvid_identifier_check_attach(const auvid_identifier_t *id, const void *storage,
+                                             const void *attached);
 
 /** Regressor path: begin to find the minimum cost within the bounds, from the result in
  * `candidate`. This overwrites the optimizer. */

@@ -18,14 +18,14 @@ void auvid_identifier_begin_optimum(auvid_identifier_t *id)
     auvid_bounded_ls_t *ls = &id->optimum;
     int n = 0;
     for (int i = 0; i < identifier_vehicle(id)->parameters; ++i) {
-        n += (int)(id->active >> i & 1u);
+        n += (int)(id->work.active >> i & 1u);
     }
     auvid_bounded_ls_begin(ls, n);
     for (int i = 0; i < n; ++i) {
-        int p = id->parameter_of[i];
+        int p = id->work.parameter_of[i];
         ls->lower[i] = id->search.lower[p];
         ls->upper[i] = id->search.upper[p];
-        ls->x[i] = id->candidate[p];
+        ls->x[i] = id->work.candidate[p];
     }
 }
 
@@ -44,7 +44,8 @@ auvid_status_t auvid_identifier_optimum(auvid_identifier_t *id, uint32_t *budget
         ls->spent = 0;
         if (ls->dof == AUVID_DOF_COUNT) {
             status = auvid_bounded_ls_step(ls, m->result.constant);
-        } else if (auvid_metric_joint_row(m, ls->dof, ls->row, id->active, id->candidate, row)) {
+        } else if (auvid_metric_joint_row(m, ls->dof, ls->row, id->work.active, id->work.candidate,
+                                          row)) {
             ++ls->row;
             auvid_bounded_ls_add(ls, row);
         } else {
@@ -55,7 +56,7 @@ auvid_status_t auvid_identifier_optimum(auvid_identifier_t *id, uint32_t *budget
     if (status != AUVID_PENDING) {
         auvid_real_t allowed =
             EXCESS_OF_MINIMUM * (ls->cost + m->result.constant) + EXCESS_OF_ZERO * ls->zero;
-        id->not_converged |= !(ls->start - ls->cost <= allowed);
+        id->work.not_converged |= !(ls->start - ls->cost <= allowed);
     }
     return status == AUVID_PENDING ? AUVID_PENDING : AUVID_OK;
 }

@@ -58,20 +58,12 @@ void auvid_identifier_attach(auvid_identifier_t *id, auvid_validation_t *validat
 auvid_status_t auvid_identifier_attach_prediction(auvid_identifier_t *id,
                                                   auvid_validation_t *storage)
 {
-    if (id == NULL || storage == NULL) {
-        return AUVID_ERR_NULL;
+    auvid_status_t status = auvid_identifier_check_attach(
+        id, storage, id == NULL ? NULL : (const void *)id->prediction);
+    if (status == AUVID_OK) {
+        id->prediction = storage;
+        id->simulate = &simulate_functions;
+        simulate_restart(id); /* of a prior record, if there is one */
     }
-    if (!identifier_is_ready(id)) {
-        return AUVID_ERR_STATE;
-    }
-    if (id->prediction != NULL) {
-        return AUVID_ERR_ATTACHED;
-    }
-    if (id->started) {
-        return AUVID_ERR_STARTED;
-    }
-    id->prediction = storage;
-    id->simulate = &simulate_functions;
-    simulate_restart(id); /* of a prior record, if there is one */
-    return AUVID_OK;
+    return status;
 }

@@ -9,8 +9,11 @@
  * disturbance nor a set with other motion raises an alarm.
  */
 #include "auvid_identifier_internal.h"
+
+#include <string.h>
+
 #include "../base/auvid_math_internal.h"
-#include "../metric/auvid_metric_sets_internal.h"
+#include "../metric/auvid_metric_evaluator_internal.h"
 
 /* A prediction is worse only if its cost is larger by this factor. */
 #define MARGIN AUVID_C(1.1)
@@ -27,102 +30,56 @@
 #define LIMIT_TWO AUVID_C(11.0)
 enum { ENOUGH = 6 };
 
-auvid_real_t auvid_identifier_common_delay(const auvid_estimate_t *estimate)
-{
-    auvid_real_t delay_s = AUVID_C(0.0);
-    for (int j = 0; AUVID_MAX_COMMANDS > 0 && j < AUVID_DOF_COUNT; ++j) {
-        delay_s = auvid_max(delay_s, estimate->delay_s[j]); /* the same in all excited DoF */
-    }
-    return delay_s;
-}
-
-/* Longest time from the first row of a set to its last [us]. */
-static uint64_t identifier_set_duration_us(const auvid_metric_config_t *cfg)
-{
-    return (uint64_t)cfg->cell_us * cfg->row_cells * cfg->set_rows;
-}
-
-void auvid_identifier_begin_sets(auvid_identifier_t *id)
-{
-    auvid_metric_t *m = &id->metric;
-    if (id->simulate != NULL) {
-        id->simulate->finish(id);
-    }
-    if (identifier_listener(id) != NULL) {
-        id->listener->set(id->listener_context, m);
-    }
-    id->sets = m->sets.recorded;
-    id->untested = id->estimate.number == 0 ? 0u : auvid_metric_waiting(m);
-    bool limited = identifier_listener(id) != NULL;
-    auvid_metric_hold(m, limited ? id->applied.t_us + identifier_set_duration_us(&m->cfg)
-                                 : UINT64_MAX);
-    auvid_metric_exclude(m, (uint8_t)(id->untested > 0 ? id->untested - 1u : 0u));
-    auvid_identifier_begin_change_test(id);
-}
-
-void auvid_identifier_rest(auvid_identifier_t *id)
-{
-    bool has_log = identifier_listener(id) != NULL && id->listener->lead_us != NULL;
-    uint64_t lead_us = has_log ? id->listener->lead_us(id->listener_context) : 0u;
-    id->searching = false;
-    id->phase = AUVID_WORK_IDLE;
-    identifier_take_set(id, auvid_metric_release(&id->metric, id->applied.t_us + lead_us));
-}
-
-void auvid_identifier_begin_merge(auvid_identifier_t *id)
-{
-    if (auvid_metric_sets(&id->metric) == 0) { /* overwritten: the waiting sets are next */
-        auvid_identifier_rest(id);
-        return;
-    }
-    auvid_metric_merge_begin(&id->metric);
-    id->spent = 0;
-    id->phase = AUVID_WORK_MERGE;
-}
-
 /* A set is validated, or was overwritten before: the next newer one, if there is one, counts. */
 static void identifier_advance_set(auvid_identifier_t *id)
 {
-    if (--id->untested > 0) {
+    if (--id->work.untested > 0) {
         auvid_metric_include_next(&id->metric);
     }
 }
 
-/* The set under validation is the newest one that counts. */
-void auvid_identifier_begin_change_test(auvid_identifier_t *id)
+/* Test the oldest set not yet tested: it is the newest one that counts. */
+static bool identifier_begin_test(auvid_identifier_t *id)
 {
     auvid_metric_t *m = &id->metric;
     const auvid_estimate_t *e = &id->estimate;
-    while (id->untested > 0 && auvid_metric_sets(m) == 0) { /* overwritten before its validation */
+    while (id->work.untested > 0 && auvid_metric_sets(m) == 0) { /* overwritten before its test */
         identifier_advance_set(id);
     }
-    auvid_metric_protect(m, id->untested > 0 && m->cfg.sets >= ENOUGH ? ENOUGH : 0);
-    if (id->untested == 0) {
-        auvid_identifier_begin_merge(id);
-        return;
+    if (id->work.untested == 0) {
+        return false;
     }
-    if (id->straddles_change) {
+    auvid_metric_protect(m, m->cfg.sets >= ENOUGH ? ENOUGH : 0);
+    if (id->change->straddles_change) {
         (void)auvid_metric_drop(m, 1);
     }
     auvid_metric_linearise_begin(m, e->pi, auvid_identifier_common_delay(e), 1);
-    id->phase = AUVID_WORK_PREPARE;
+    id->work.phase = AUVID_WORK_PREPARE;
+    return true;
 }
 
 static void identifier_begin_prediction(auvid_identifier_t *id, const auvid_estimate_t *e,
                                         uint8_t phase)
 {
     auvid_metric_predict_begin(&id->metric, e->pi, auvid_identifier_common_delay(e));
-    id->phase = phase;
+    id->work.phase = phase;
+}
+
+static void identifier_restart_change(auvid_identifier_t *id)
+{
+    auvid_metric_change_begin(&id->metric, &id->change->statistic);
+    id->work.phase = AUVID_WORK_CHANGE_TEST;
 }
 
 /* Cost of the prediction, over the DoF that both estimates identify. */
 static auvid_real_t identifier_predicted_cost(const auvid_identifier_t *id)
 {
     auvid_real_t cost = AUVID_C(0.0);
-    uint8_t both = id->estimate.excited & id->accepted_estimate.excited;
+    uint8_t both = id->estimate.excited & id->change->accepted.excited;
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
         auvid_real_t scale = id->metric.cfg.tau_max[j];
-        cost += (both >> j & 1) ? id->metric.result.predicted[j] / (scale * scale) : AUVID_C(0.0);
+        cost += (both >> j & 1) ? auvid_metric_predicted(&id->metric, j) / (scale * scale)
+                                : AUVID_C(0.0);
     }
     return cost;
 }
@@ -140,31 +97,31 @@ static void identifier_record_prediction(auvid_identifier_t *id)
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
         auvid_real_t residual = id->estimate.confidence.residual_rms[j];
         auvid_real_t rows = (auvid_real_t)set->rows_of[j];
-        auvid_real_t ratio = m->result.predicted[j] / (rows * residual * residual);
+        auvid_real_t ratio = auvid_metric_predicted(m, j) / (rows * residual * residual);
         test->variance_ratio[j] = auvid_is_finite(ratio) ? ratio : AUVID_C(0.0);
         test->change[j] = AUVID_C(0.0);
     }
-    id->predicted = identifier_predicted_cost(id);
+    id->change->predicted = identifier_predicted_cost(id);
 }
 
 /* The accepted estimate's prediction is complete: keep one of the two. An estimate of other DoF is
  * no substitute: its parameters of the remaining DoF are not estimates. */
 static void identifier_compare_estimates(auvid_identifier_t *id)
 {
-    bool worse = id->predicted > MARGIN * identifier_predicted_cost(id);
-    if (worse && id->estimate.excited != id->accepted_estimate.excited) {
+    bool worse = id->change->predicted > MARGIN * identifier_predicted_cost(id);
+    if (worse && id->estimate.excited != id->change->accepted.excited) {
         return;
     }
     if (worse) {
         uint32_t number = id->estimate.number;
-        id->estimate = id->accepted_estimate;
+        id->estimate = id->change->accepted;
         id->estimate.number = number + 1;
         id->estimate.t_us = id->t_us;
         id->events |= AUVID_EVENT_RESTORED;
         identifier_simulate(id);
     } else {
         id->estimate.accepted = true;
-        id->accepted_estimate = id->estimate;
+        id->change->accepted = id->estimate;
     }
 }
 
@@ -174,12 +131,13 @@ static auvid_real_t identifier_weigh_evidence(const auvid_identifier_t *id, int 
                                               auvid_real_t evidence[AUVID_DOF_COUNT])
 {
     const auvid_metric_t *m = &id->metric;
+    const auvid_metric_change_t *statistic = &id->change->statistic;
     bool enough = id->estimate.confidence.sets >= ENOUGH - 1;
     auvid_real_t max_evidence = AUVID_C(0.0), sum = AUVID_C(0.0);
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
         auvid_real_t noise = id->estimate.confidence.effective_noise[j];
-        auvid_real_t f = m->result.change[newest - 1][j] /
-                         ((auvid_real_t)m->result.change_rank[j] * noise * noise);
+        auvid_real_t f =
+            statistic->change[newest - 1][j] / ((auvid_real_t)statistic->rank[j] * noise * noise);
         bool known = enough && auvid_metric_excited_sets(m, j, newest) + newest >= ENOUGH &&
                      (id->change_test.excited >> j & 1) && auvid_is_finite(f);
         auvid_real_t excess = known ? f - AUVID_C(1.0) : AUVID_C(0.0);
@@ -205,7 +163,7 @@ static void identifier_conclude_test(auvid_identifier_t *id)
     }
     test->change[clearest] = auvid_max(by_one, by_two);
     test->changed = (uint8_t)((test->change[clearest] > AUVID_C(1.0)) << clearest);
-    id->straddles_change = false;
+    id->change->straddles_change = false;
     id->events |= AUVID_EVENT_VALIDATED;
     if (test->changed != 0) {
         /* The change may be in the middle of a set: of the newest, if that set by itself raised the
@@ -213,47 +171,64 @@ static void identifier_conclude_test(auvid_identifier_t *id)
         for (int age = 1; age < auvid_metric_sets(&id->metric); ++age) {
             (void)auvid_metric_drop(&id->metric, (uint8_t)age);
         }
-        id->straddles_change = by_one > AUVID_C(1.0);
-        id->cold_start = true;
-        id->searching = false;
+        id->change->straddles_change = by_one > AUVID_C(1.0);
+        id->work.cold_start = true;
+        id->work.searching = false;
         id->events |= AUVID_EVENT_CHANGED;
     }
 }
 
-auvid_status_t auvid_identifier_change_test(auvid_identifier_t *id, uint32_t *budget)
+/* ---- the phases ---- */
+
+static void identifier_begin_predict(auvid_identifier_t *id)
 {
-    auvid_metric_t *m = &id->metric;
-    auvid_status_t status = AUVID_OK;
-    switch (id->phase) {
-    case AUVID_WORK_PREPARE:
-        status = auvid_metric_linearise(m, budget);
-        if (status == AUVID_OK) {
-            identifier_begin_prediction(id, &id->estimate, AUVID_WORK_PREDICT);
-        }
-        break;
-    case AUVID_WORK_PREDICT:
-        status = auvid_metric_measure(m, budget);
-        if (status == AUVID_OK) {
-            identifier_record_prediction(id);
-            identifier_begin_prediction(id, &id->accepted_estimate, AUVID_WORK_COMPARE);
-        }
-        break;
-    case AUVID_WORK_COMPARE:
-        status = id->accepted_estimate.number > 0 ? auvid_metric_measure(m, budget) : AUVID_OK;
-        if (status == AUVID_OK) {
-            identifier_compare_estimates(id);
-            auvid_metric_change_begin(m);
-            id->phase = AUVID_WORK_CHANGE_TEST;
-        }
-        break;
-    default:
-        status = auvid_metric_change(m, budget);
-        if (status == AUVID_OK) {
-            identifier_conclude_test(id);
-            identifier_advance_set(id);
-            auvid_identifier_begin_change_test(id);
-        }
-        break;
+    identifier_begin_prediction(id, &id->estimate, AUVID_WORK_PREDICT);
+}
+
+static void identifier_begin_change(auvid_identifier_t *id)
+{
+    identifier_compare_estimates(id);
+    identifier_restart_change(id);
+}
+
+static void identifier_begin_compare(auvid_identifier_t *id)
+{
+    identifier_record_prediction(id);
+    if (id->change->accepted.number > 0) {
+        identifier_begin_prediction(id, &id->change->accepted, AUVID_WORK_COMPARE);
+    } else {
+        identifier_begin_change(id);
+    }
+}
+
+static auvid_status_t identifier_change(auvid_identifier_t *id, uint32_t *budget)
+{
+    return auvid_metric_change(&id->metric, &id->change->statistic, budget);
+}
+
+static void identifier_end_test(auvid_identifier_t *id)
+{
+    identifier_conclude_test(id);
+    identifier_advance_set(id);
+    auvid_identifier_begin_tests(id);
+}
+
+static const auvid_change_functions_t identifier_change_functions = {
+    identifier_begin_test,
+    {{auvid_metric_linearise, NULL, identifier_begin_predict, auvid_identifier_begin_tests},
+     {auvid_metric_measure, NULL, identifier_begin_compare, auvid_identifier_begin_tests},
+     {auvid_metric_measure, NULL, identifier_begin_change, auvid_identifier_begin_tests},
+     {NULL, identifier_change, identifier_end_test, identifier_restart_change}}};
+
+auvid_status_t auvid_identifier_attach_change_test(auvid_identifier_t *id,
+                                                   auvid_change_detector_t *storage)
+{
+    auvid_status_t status =
+        auvid_identifier_check_attach(id, storage, id == NULL ? NULL : (const void *)id->change);
+    if (status == AUVID_OK) {
+        memset(storage, 0, sizeof *storage);
+        id->change = storage;
+        id->change_functions = &identifier_change_functions;
     }
     return status;
 }

@@ -7,14 +7,34 @@
  *
  * From the validation to the estimate the ring is held (auvid_metric_hold): a search uses the sets
  * that it began with, however slow it is. A set that enters the ring meanwhile replaces the oldest;
- * then the phases that read the ring restart with the remaining sets. The validation is in
- * auvid_identifier_validate.c, LINEARISE for the regressor path in auvid_identifier_optimum.c.
+ * then the phases that read the ring restart with the remaining sets. The validation, if it is
+ * attached, is in auvid_identifier_validate.c; LINEARISE for the regressor path in
+ * auvid_identifier_optimum.c.
  */
 #include <string.h>
 
 #include "auvid_identifier_internal.h"
 #include "../base/auvid_math_internal.h"
 #include "../metric/auvid_metric_evaluator_internal.h"
+
+auvid_real_t auvid_identifier_common_delay(const auvid_estimate_t *estimate)
+{
+    auvid_real_t delay_s = AUVID_C(0.0);
+    for (int j = 0; AUVID_MAX_COMMANDS > 0 && j < AUVID_DOF_COUNT; ++j) {
+        delay_s = auvid_max(delay_s, estimate->delay_s[j]); /* the same in all excited DoF */
+    }
+    return delay_s;
+}
+
+/* End the work: nothing is left to do for the sets of the ring. */
+static void identifier_rest(auvid_identifier_t *id)
+{
+    bool has_log = identifier_listener(id) != NULL && id->listener->lead_us != NULL;
+    uint64_t lead_us = has_log ? id->listener->lead_us(id->listener_context) : 0u;
+    id->work.searching = false;
+    id->work.phase = AUVID_WORK_IDLE;
+    identifier_take_set(id, auvid_metric_release(&id->metric, id->applied.t_us + lead_us));
+}
 
 /* Is the delay one of the parameters of the search? Then it is the last one. */
 static bool identifier_searches_delay(const auvid_identifier_t *id)
@@ -26,14 +46,14 @@ static auvid_status_t identifier_begin_search(auvid_identifier_t *id)
 {
     auvid_search_config_t *search = &id->optimizer.cfg;
     auvid_real_t scale[AUVID_MAX_PARAMETERS], last[AUVID_MAX_PARAMETERS];
-    id->active = auvid_metric_searched(&id->metric);
+    id->work.active = auvid_metric_searched(&id->metric);
     *search = id->search;
-    search->seed += id->searches;
-    auvid_identifier_select(search, id->active, id->parameter_of);
+    search->seed += id->work.searches;
+    auvid_identifier_select(search, id->work.active, id->work.parameter_of);
     auvid_metric_scale(&id->metric, scale);
     for (int i = 0; i < search->n; ++i) { /* in place: the i-th is the i-th or a later one */
         auvid_real_t half = AUVID_C(0.5) * (search->upper[i] - search->lower[i]);
-        int p = id->parameter_of[i];
+        int p = id->work.parameter_of[i];
         scale[i] = auvid_min(scale[p], half);
         last[i] = id->estimate.pi[p];
     }
@@ -49,11 +69,11 @@ static auvid_status_t identifier_begin_search(auvid_identifier_t *id)
     if (status < 0) {
         return status;
     }
-    ++id->searches;
-    if (id->estimate.number > 0 && !id->cold_start) {
+    ++id->work.searches;
+    if (id->estimate.number > 0 && !id->work.cold_start) {
         (void)auvid_optimizer_add_point(&id->optimizer, last);
     }
-    id->cold_start = false;
+    id->work.cold_start = false;
     return AUVID_OK;
 }
 
@@ -61,34 +81,11 @@ static auvid_status_t identifier_begin_search(auvid_identifier_t *id)
 static void identifier_expand(auvid_identifier_t *id, const auvid_real_t *theta)
 {
     const int n = id->optimizer.cfg.n - identifier_searches_delay(id);
-    memcpy(id->candidate, id->metric.cfg.fixed, sizeof id->candidate);
+    memcpy(id->work.candidate, id->metric.cfg.fixed, sizeof id->work.candidate);
     for (int i = 0; i < n; ++i) {
-        id->candidate[id->parameter_of[i]] = theta[i];
+        id->work.candidate[id->work.parameter_of[i]] = theta[i];
     }
-    id->delay_s = identifier_searches_delay(id) ? theta[n] : id->metric.cfg.delay_s[0];
-}
-
-/* Begin to measure the result's residuals, on the remaining sets. */
-static void identifier_begin_measure(auvid_identifier_t *id)
-{
-    auvid_metric_measure_begin(&id->metric, id->candidate, id->delay_s);
-    id->phase = AUVID_WORK_MEASURE;
-}
-
-static AUVID_NOINLINE void identifier_ask(auvid_identifier_t *id)
-{
-    auvid_real_t theta[AUVID_MAX_PARAMETERS];
-    auvid_status_t status = auvid_optimizer_ask(&id->optimizer, theta);
-    if (status == AUVID_OK) {
-        identifier_expand(id, theta);
-        auvid_metric_cost_begin(&id->metric, id->candidate, id->delay_s);
-        id->phase = AUVID_WORK_COST;
-    } else if (status != AUVID_PENDING) {
-        identifier_expand(id, auvid_optimizer_best(&id->optimizer, &id->cost));
-        id->searched = id->optimizer.work;
-        id->not_converged = status != AUVID_FINISHED || !(id->cost < AUVID_COST_FAILED);
-        identifier_begin_measure(id);
-    }
+    id->work.delay_s = identifier_searches_delay(id) ? theta[n] : id->metric.cfg.delay_s[0];
 }
 
 /* Largest speeds in the sets of the estimate. */
@@ -110,149 +107,206 @@ static void identifier_publish_estimate(auvid_identifier_t *id)
     auvid_estimate_t *e = &id->estimate;
     ++e->number;
     e->t_us = id->t_us;
-    e->sets = id->sets;
+    e->sets = id->work.sets;
     e->identified = auvid_metric_active(&id->metric);
     e->excited = id->metric.result.excited;
-    memcpy(e->pi, id->candidate, sizeof e->pi);
-    e->cost = id->cost;
+    memcpy(e->pi, id->work.candidate, sizeof e->pi);
+    e->cost = id->work.cost;
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
         bool common = auvid_metric_stores_rows(&id->metric) && (e->excited >> j & 1);
-        e->delay_s[j] = common ? id->delay_s : id->metric.result.delay_s[j];
+        e->delay_s[j] = common ? id->work.delay_s : id->metric.result.delay_s[j];
     }
     e->first_order_lag = id->metric.result.first_order_lag;
     auvid_metric_r2(&id->metric, e->r2_force);
     identifier_collect_speeds(&id->metric, e);
-    e->not_converged = id->not_converged;
-    e->evaluations_crs = id->searched.crs;
-    e->evaluations_line = id->searched.line_search;
+    e->not_converged = id->work.not_converged;
+    e->evaluations_crs = id->work.searched.crs;
+    e->evaluations_line = id->work.searched.line_search;
     e->confidence = id->confidence.result;
     memcpy(e->covariance, id->confidence.covariance, sizeof e->covariance);
     e->accepted = false;
     identifier_simulate(id);
     id->events |= AUVID_EVENT_ESTIMATE;
-    auvid_identifier_rest(id);
+    identifier_rest(id);
 }
 
-/* Assess the result: its residuals, then their derivatives or (regressor path) the minimum, then
- * the standard errors. */
-static auvid_status_t identifier_assess(auvid_identifier_t *id, uint32_t *budget)
+/* ---- from sets to the merge ---- */
+
+/* Longest time from the first row of a set to its last [us]. */
+static uint64_t identifier_set_duration_us(const auvid_metric_config_t *cfg)
+{
+    return (uint64_t)cfg->cell_us * cfg->row_cells * cfg->set_rows;
+}
+
+static void identifier_begin_merge(auvid_identifier_t *id)
+{
+    if (auvid_metric_sets(&id->metric) == 0) { /* overwritten: the waiting sets are next */
+        identifier_rest(id);
+        return;
+    }
+    auvid_metric_merge_begin(&id->metric);
+    id->work.spent = 0;
+    id->work.phase = AUVID_WORK_MERGE;
+}
+
+void auvid_identifier_begin_tests(auvid_identifier_t *id)
+{
+    if (id->work.untested == 0 || !id->change_functions->begin(id)) {
+        auvid_metric_protect(&id->metric, 0);
+        identifier_begin_merge(id);
+    }
+}
+
+/* Sets are complete: test the last estimate with each, the oldest first, then merge. */
+static void identifier_begin_sets(auvid_identifier_t *id)
 {
     auvid_metric_t *m = &id->metric;
-    auvid_status_t status = AUVID_OK;
-    if (id->phase == AUVID_WORK_MEASURE) {
-        status = auvid_metric_measure(m, budget);
-        if (status == AUVID_OK && auvid_metric_stores_rows(&id->metric)) {
-            auvid_metric_linearise_begin(m, id->candidate, id->delay_s, m->cfg.sets);
-        } else if (status == AUVID_OK) {
-            id->searching = false;
-            auvid_identifier_begin_optimum(id);
-        }
-        id->phase = status == AUVID_OK ? AUVID_WORK_LINEARISE : id->phase;
-    } else if (id->phase == AUVID_WORK_LINEARISE) {
-        status = auvid_metric_stores_rows(&id->metric) ? auvid_metric_linearise(m, budget)
-                                                       : auvid_identifier_optimum(id, budget);
-        if (status == AUVID_OK) {
-            id->searching = false;
-            auvid_confidence_begin(&id->confidence, m, id->candidate, id->dry_mass_kg,
-                                   &id->uncertainty);
-            auvid_confidence_limits(&id->confidence, id->search.lower, id->search.upper,
-                                    id->not_converged && !auvid_metric_stores_rows(&id->metric));
-            id->phase = AUVID_WORK_CONFIDENCE;
-        }
-    } else {
-        status = auvid_confidence_work(&id->confidence, m, budget);
-        if (status == AUVID_OK) {
-            identifier_publish_estimate(id);
-        }
+    const auvid_listener_t *listener = identifier_listener(id);
+    bool tests = id->change_functions != NULL && id->estimate.number > 0;
+    if (id->simulate != NULL) {
+        id->simulate->finish(id);
     }
-    return status;
+    if (listener != NULL) {
+        listener->set(id->listener_context, m);
+    }
+    id->work.sets = m->sets.recorded;
+    id->work.untested = tests ? auvid_metric_waiting(m) : 0u;
+    auvid_metric_hold(m, listener == NULL ? UINT64_MAX
+                                          : id->applied.t_us + identifier_set_duration_us(&m->cfg));
+    auvid_metric_exclude(m, (uint8_t)(id->work.untested > 0 ? id->work.untested - 1u : 0u));
+    auvid_identifier_begin_tests(id);
 }
+
+/* ---- the phases ---- */
 
 /* Merge, then spend the start cost of a search, then begin it. */
-static auvid_status_t identifier_finish_merge(auvid_identifier_t *id, uint32_t *budget)
+static auvid_status_t identifier_merge(auvid_identifier_t *id, uint32_t *budget)
 {
-    auvid_status_t status = AUVID_OK;
-    if (id->spent == 0) {
-        status = auvid_metric_merge(&id->metric, budget);
-        id->spent = status == AUVID_OK;
-    } else {
-        --*budget;
-        if (id->spent++ == SEARCH_START_COST) {
-            status = identifier_begin_search(id);
-            id->searching = true;
-            id->phase = AUVID_WORK_ASK;
-        }
+    if (id->work.spent == 0) {
+        auvid_status_t status = auvid_metric_merge(&id->metric, budget);
+        id->work.spent = status == AUVID_OK;
+        return status == AUVID_OK ? AUVID_PENDING : status;
     }
-    if (status < 0) {
-        auvid_identifier_rest(id);
+    --*budget;
+    return id->work.spent++ == SEARCH_START_COST ? identifier_begin_search(id) : AUVID_PENDING;
+}
+
+static void identifier_end_merge(auvid_identifier_t *id)
+{
+    id->work.searching = true;
+    id->work.phase = AUVID_WORK_ASK;
+}
+
+/* Begin to measure the result's residuals, on the remaining sets. */
+static void identifier_begin_measure(auvid_identifier_t *id)
+{
+    auvid_metric_measure_begin(&id->metric, id->work.candidate, id->work.delay_s);
+    id->work.phase = AUVID_WORK_MEASURE;
+}
+
+/* The search has ended with this status: measure its result. */
+static void identifier_end_search(auvid_identifier_t *id, auvid_status_t status)
+{
+    identifier_expand(id, auvid_optimizer_best(&id->optimizer, &id->work.cost));
+    id->work.searched = id->optimizer.work;
+    id->work.not_converged = status != AUVID_FINISHED || !(id->work.cost < AUVID_COST_FAILED);
+    identifier_begin_measure(id);
+}
+
+static AUVID_NOINLINE auvid_status_t identifier_ask(auvid_identifier_t *id, uint32_t *budget)
+{
+    auvid_real_t theta[AUVID_MAX_PARAMETERS];
+    --*budget;
+    auvid_status_t status = auvid_optimizer_ask(&id->optimizer, theta);
+    if (status == AUVID_OK) {
+        identifier_expand(id, theta);
+    } else if (status != AUVID_PENDING) {
+        identifier_end_search(id, status);
+        status = AUVID_PENDING;
     }
     return status;
 }
 
-/* A set has replaced the oldest: restart the phase that reads the ring. */
-static void identifier_restart_phase(auvid_identifier_t *id)
+static void identifier_begin_cost(auvid_identifier_t *id)
 {
-    switch ((auvid_work_phase_t)id->phase) {
-    case AUVID_WORK_PREPARE:
-    case AUVID_WORK_PREDICT:
-    case AUVID_WORK_COMPARE:
-        auvid_identifier_begin_change_test(id);
-        break;
-    case AUVID_WORK_CHANGE_TEST:
-        auvid_metric_change_begin(&id->metric);
-        break;
-    case AUVID_WORK_MERGE:
-        auvid_identifier_begin_merge(id);
-        break;
-    case AUVID_WORK_MEASURE:
-    case AUVID_WORK_LINEARISE:
-    case AUVID_WORK_CONFIDENCE:
-        identifier_begin_measure(id);
-        break;
-    case AUVID_WORK_IDLE:
-    case AUVID_WORK_ASK:
-    case AUVID_WORK_COST:
-    case AUVID_WORK_PHASE_COUNT:
-    default: /* the search uses the merged sets */
-        break;
+    auvid_metric_cost_begin(&id->metric, id->work.candidate, id->work.delay_s);
+    id->work.phase = AUVID_WORK_COST;
+}
+
+static void identifier_end_cost(auvid_identifier_t *id)
+{
+    (void)auvid_optimizer_tell(&id->optimizer, id->metric.result.cost);
+    id->work.phase = AUVID_WORK_ASK;
+}
+
+static void identifier_begin_linearise(auvid_identifier_t *id)
+{
+    if (auvid_metric_stores_rows(&id->metric)) {
+        auvid_metric_linearise_begin(&id->metric, id->work.candidate, id->work.delay_s,
+                                     id->metric.cfg.sets);
+    } else {
+        id->work.searching = false;
+        auvid_identifier_begin_optimum(id);
     }
+    id->work.phase = AUVID_WORK_LINEARISE;
+}
+
+static auvid_status_t identifier_linearise(auvid_identifier_t *id, uint32_t *budget)
+{
+    return auvid_metric_stores_rows(&id->metric) ? auvid_metric_linearise(&id->metric, budget)
+                                                 : auvid_identifier_optimum(id, budget);
+}
+
+static void identifier_begin_confidence(auvid_identifier_t *id)
+{
+    id->work.searching = false;
+    auvid_confidence_begin(&id->confidence, &id->metric, id->work.candidate, id->dry_mass_kg,
+                           &id->uncertainty);
+    auvid_confidence_limits(&id->confidence, id->search.lower, id->search.upper,
+                            id->work.not_converged && !auvid_metric_stores_rows(&id->metric));
+    id->work.phase = AUVID_WORK_CONFIDENCE;
+}
+
+static auvid_status_t identifier_confidence(auvid_identifier_t *id, uint32_t *budget)
+{
+    return auvid_confidence_work(&id->confidence, &id->metric, budget);
+}
+
+/* The search reads only the merged sets. */
+static const auvid_work_phase_row_t identifier_phases[AUVID_WORK_PHASE_COUNT] = {
+    [AUVID_WORK_MERGE] = {NULL, identifier_merge, identifier_end_merge, identifier_begin_merge},
+    [AUVID_WORK_ASK] = {NULL, identifier_ask, identifier_begin_cost, NULL},
+    [AUVID_WORK_COST] = {auvid_metric_cost, NULL, identifier_end_cost, NULL},
+    [AUVID_WORK_MEASURE] = {auvid_metric_measure, NULL, identifier_begin_linearise,
+                            identifier_begin_measure},
+    [AUVID_WORK_LINEARISE] = {NULL, identifier_linearise, identifier_begin_confidence,
+                              identifier_begin_measure},
+    [AUVID_WORK_CONFIDENCE] = {NULL, identifier_confidence, identifier_publish_estimate,
+                               identifier_begin_measure},
+};
+
+static const auvid_work_phase_row_t *identifier_phase(const auvid_identifier_t *id)
+{
+    uint32_t phase = id->work.phase, test = phase - AUVID_WORK_PREPARE;
+    return test <= AUVID_WORK_CHANGE_TEST - AUVID_WORK_PREPARE && id->change_functions != NULL
+               ? &id->change_functions->phases[test]
+               : &identifier_phases[phase < AUVID_WORK_PHASE_COUNT ? phase : AUVID_WORK_IDLE];
 }
 
 /* Continue the present phase. */
 static auvid_status_t identifier_advance(auvid_identifier_t *id, uint32_t *budget)
 {
-    auvid_status_t status = AUVID_OK;
-    switch ((auvid_work_phase_t)id->phase) {
-    case AUVID_WORK_MERGE:
-        status = identifier_finish_merge(id, budget);
-        break;
-    case AUVID_WORK_ASK:
-        --*budget;
-        identifier_ask(id);
-        break;
-    case AUVID_WORK_COST:
-        status = auvid_metric_cost(&id->metric, budget);
-        if (status == AUVID_OK) {
-            (void)auvid_optimizer_tell(&id->optimizer, id->metric.result.cost);
-            id->phase = AUVID_WORK_ASK;
-        }
-        break;
-    case AUVID_WORK_MEASURE:
-    case AUVID_WORK_LINEARISE:
-    case AUVID_WORK_CONFIDENCE:
-        status = identifier_assess(id, budget);
-        break;
-    case AUVID_WORK_PREPARE:
-    case AUVID_WORK_PREDICT:
-    case AUVID_WORK_COMPARE:
-    case AUVID_WORK_CHANGE_TEST:
-        status = auvid_identifier_change_test(id, budget);
-        break;
-    case AUVID_WORK_IDLE:
-    case AUVID_WORK_PHASE_COUNT:
-    default:
-        id->phase = AUVID_WORK_IDLE;
-        break;
+    const auvid_work_phase_row_t *phase = identifier_phase(id);
+    if (phase->next == NULL) { /* damaged */
+        id->work.phase = AUVID_WORK_IDLE;
+        return AUVID_OK;
+    }
+    auvid_status_t status =
+        phase->metric != NULL ? phase->metric(&id->metric, budget) : phase->run(id, budget);
+    if (status == AUVID_OK) {
+        phase->next(id);
+    } else if (status < 0) {
+        identifier_rest(id);
     }
     return status;
 }
@@ -267,18 +321,21 @@ auvid_status_t auvid_identifier_work(auvid_identifier_t *id, uint32_t budget)
     }
     uint32_t left = budget;
     auvid_status_t status = AUVID_OK;
-    if (budget > 0 && auvid_metric_ring_changed(&id->metric)) {
-        identifier_restart_phase(id);
+    if (budget > 0 && auvid_metric_ring_changed(&id->metric) &&
+        identifier_phase(id)->restart != NULL) {
+        identifier_phase(id)->restart(id);
     }
-    if (budget > 0 && id->set_pending && id->phase == AUVID_WORK_IDLE) {
-        id->set_pending = false;
-        auvid_identifier_begin_sets(id);
+    if (budget > 0 && id->work.set_pending && id->work.phase == AUVID_WORK_IDLE) {
+        id->work.set_pending = false;
+        identifier_begin_sets(id);
     }
-    while (left > 0 && id->phase != AUVID_WORK_IDLE && status >= 0) {
+    while (left > 0 && id->work.phase != AUVID_WORK_IDLE && status >= 0) {
         status = identifier_advance(id, &left);
     }
-    id->work_last = budget - left;
-    id->max_work = id->work_last > id->max_work ? id->work_last : id->max_work;
-    bool idle = id->phase == AUVID_WORK_IDLE && !id->set_pending;
+    id->work.last_units = budget - left;
+    if (id->work.last_units > id->work.max_units) {
+        id->work.max_units = id->work.last_units;
+    }
+    bool idle = id->work.phase == AUVID_WORK_IDLE && !id->work.set_pending;
     return status < 0 || idle ? status : AUVID_PENDING;
 }

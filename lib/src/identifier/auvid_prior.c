@@ -157,10 +157,21 @@ static void prior_publish(auvid_identifier_t *id, const auvid_prior_t *prior, bo
     id->events |= AUVID_EVENT_ESTIMATE;
 }
 
-/* Is this before the first set? */
+auvid_status_t auvid_identifier_attach_prior(auvid_identifier_t *id, auvid_prior_t *storage)
+{
+    auvid_status_t status = auvid_identifier_check_attach(
+        id, storage, id == NULL ? NULL : (const void *)id->metric.prior);
+    if (status == AUVID_OK) {
+        auvid_metric_attach_prior(&id->metric, storage);
+    }
+    return status;
+}
+
+/* Is this before the first set, and is there memory? */
 static bool prior_is_allowed(const auvid_identifier_t *id)
 {
-    return identifier_is_ready(id) && id->metric.sets.recorded == 0 && id->estimate.number == 0;
+    return identifier_is_ready(id) && id->metric.prior != NULL && id->metric.sets.recorded == 0 &&
+           id->estimate.number == 0;
 }
 
 /* scale_errors: sigma does not include the errors of thrust and DVL scale yet. */

@@ -12,39 +12,38 @@
 
 #include <string.h>
 
-void auvid_metric_change_begin(auvid_metric_t *metric)
+void auvid_metric_change_begin(auvid_metric_t *metric, auvid_metric_change_t *change)
 {
-    if (metric != NULL) {
+    if (metric != NULL && change != NULL) {
         auvid_metric_restart_pass(metric, PASS_LAST);
-        memset(metric->result.change, 0, sizeof metric->result.change);
-        memset(metric->result.change_rank, 0, sizeof metric->result.change_rank);
+        memset(change, 0, sizeof *change);
     }
 }
 
 /* DoF j has rotated in set number `step` of the chain: update the statistic. */
-static void metric_record_change(auvid_metric_t *m, int j, int step)
+static void metric_record_change(auvid_metric_t *m, auvid_metric_change_t *to, int j, int step)
 {
     auvid_equation_t e = auvid_metric_equation(m, j);
     int sets = auvid_metric_sets(m);
     auvid_metric_clear_dependent(m, j);
     auvid_real_t u = auvid_metric_unexplained(m, j);
     if (step == sets - 3) {
-        m->result.change[1][j] -= u;
+        to->change[1][j] -= u;
     } else if (step == sets - 2) {
-        m->result.change[0][j] -= u;
+        to->change[0][j] -= u;
     } else if (step == sets - 1) {
-        m->result.change[0][j] += u;
-        m->result.change[1][j] += u;
+        to->change[0][j] += u;
+        to->change[1][j] += u;
         for (int i = 0; i < e.count; ++i) {
             bool usable = !auvid_is_zero(*auvid_equation_row(&e, i));
-            m->result.change_rank[j] = (uint8_t)(m->result.change_rank[j] + usable);
+            to->rank[j] = (uint8_t)(to->rank[j] + usable);
         }
         memset(m->evaluator.merged + m->layout.factor_at[j], 0,
                (size_t)AUVID_QR_FACTOR(e.order) * sizeof u);
     } else if (step == sets) {
-        m->result.change[0][j] -= u;
+        to->change[0][j] -= u;
     } else if (step == sets + 1) {
-        m->result.change[1][j] -= u;
+        to->change[1][j] -= u;
     }
 }
 
@@ -63,9 +62,10 @@ static bool metric_change_row(auvid_metric_t *m, int j, int step)
     return false;
 }
 
-auvid_status_t auvid_metric_change(auvid_metric_t *metric, uint32_t *budget)
+auvid_status_t auvid_metric_change(auvid_metric_t *metric, auvid_metric_change_t *change,
+                                   uint32_t *budget)
 {
-    if (metric == NULL || budget == NULL) {
+    if (metric == NULL || change == NULL || budget == NULL) {
         return AUVID_ERR_NULL;
     }
     auvid_metric_t *m = metric;
@@ -80,7 +80,7 @@ auvid_status_t auvid_metric_change(auvid_metric_t *metric, uint32_t *budget)
             }
             if (auvid_metric_spend(at, budget, AUVID_METRIC_ROTATION) &&
                 metric_change_row(m, j, at->set)) {
-                metric_record_change(m, j, at->set++);
+                metric_record_change(m, change, j, at->set++);
                 at->row = 0;
             }
         }

@@ -87,13 +87,16 @@ auvid_status_t auvid_metric_measure(auvid_metric_t *metric, uint32_t *budget)
     if (auvid_metric_path(m)->evaluate(m, budget) != AUVID_OK) {
         return AUVID_PENDING;
     }
-    const auvid_metric_evaluator_t *ev = &m->evaluator;
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
-        auvid_real_t low = ev->band_sse[0][j], high = ev->band_sse[1][j];
-        m->result.sse[j] = low + high;
-        m->result.predicted[j] = ev->band_weight[0][j] * low + ev->band_weight[1][j] * high;
+        m->result.sse[j] = m->evaluator.band_sse[0][j] + m->evaluator.band_sse[1][j];
     }
     return AUVID_OK;
+}
+
+auvid_real_t auvid_metric_predicted(const auvid_metric_t *metric, int j)
+{
+    const auvid_metric_evaluator_t *ev = &metric->evaluator;
+    return ev->band_weight[0][j] * ev->band_sse[0][j] + ev->band_weight[1][j] * ev->band_sse[1][j];
 }
 
 void auvid_metric_linearise_begin(auvid_metric_t *metric, const auvid_real_t *pi,

@@ -293,7 +293,8 @@ bool auvid_metric_merge_sets(auvid_metric_t *m, uint32_t *budget)
     auvid_status_t status = AUVID_EMPTY;
     while (status == AUVID_EMPTY) {
         if (at->pass == PASS_PRIOR) {
-            status = m->apply_prior == NULL ? AUVID_OK : m->apply_prior(m, budget);
+            bool none = m->prior == NULL || m->prior->known == 0;
+            status = none ? AUVID_OK : m->apply_prior(m, budget);
         } else if (auvid_metric_for_each_row(m, budget) && metric_finish_dofs(m, budget)) {
             auvid_metric_restart_pass(m, (uint8_t)(at->pass + 1));
         } else {

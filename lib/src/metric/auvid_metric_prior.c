@@ -27,7 +27,7 @@ static uint32_t metric_prior_columns(const auvid_metric_t *m, int j)
     for (int k = 0; k < e.count; ++k) {
         int i = e.index[k];
         bool of_dof = (int)m->cfg.vehicle->parameter[i].dof == j;
-        known |= (uint32_t)(of_dof && (m->prior.known >> i & 1u)) << k;
+        known |= (uint32_t)(of_dof && (m->prior->known >> i & 1u)) << k;
     }
     return known;
 }
@@ -38,9 +38,9 @@ static void metric_add_prior_row(auvid_metric_t *m, int j, int k, auvid_real_t n
     auvid_real_t row[AUVID_MAX_PARAMETERS + AUVID_METRIC_DELAYS] = {AUVID_C(0.0)};
     auvid_equation_t e = auvid_metric_equation(m, j);
     int i = e.index[k];
-    row[k] = noise / m->prior.sigma[i];
+    row[k] = noise / m->prior->sigma[i];
     for (int d = 0; d < AUVID_METRIC_DELAYS; ++d) {
-        row[e.count + d] = row[k] * m->prior.pi[i];
+        row[e.count + d] = row[k] * m->prior->pi[i];
     }
     if (auvid_all_within(row + k, (size_t)(e.order - k), METRIC_LARGEST_ENTRY) != AUVID_OK) {
         return; /* its squares would not be finite */
@@ -53,7 +53,7 @@ static bool metric_apply_prior_dof(auvid_metric_t *m, int j)
 {
     auvid_real_t before = auvid_metric_unexplained(m, j),
                  rows = (auvid_real_t)m->result.dof_rows[j];
-    auvid_real_t square = m->prior.variance_inflation[j] * before / rows, degrees = AUVID_C(0.0);
+    auvid_real_t square = m->prior->variance_inflation[j] * before / rows, degrees = AUVID_C(0.0);
     uint32_t known = metric_prior_columns(m, j);
     for (int k = 0; k < m->layout.count[j]; ++k) {
         if (known >> k & 1u) {
@@ -83,8 +83,7 @@ static auvid_status_t metric_apply_prior(auvid_metric_t *m, uint32_t *budget)
             }
         } while (!auvid_metric_spend(at, budget, price));
         if (!metric_apply_prior_dof(m, j)) {
-            m->prior.known = 0;
-            m->apply_prior = NULL;
+            m->prior->known = 0;
             auvid_metric_restart_pass(m, PASS_LAST);
             return AUVID_EMPTY;
         }
@@ -116,19 +115,29 @@ auvid_status_t auvid_metric_check_prior(const auvid_metric_t *metric, const auvi
     return good ? AUVID_OK : AUVID_ERR_RANGE;
 }
 
+void auvid_metric_attach_prior(auvid_metric_t *metric, auvid_prior_t *storage)
+{
+    if (metric != NULL && storage != NULL) {
+        memset(storage, 0, sizeof *storage);
+        metric->prior = storage;
+        metric->apply_prior = metric_apply_prior;
+    }
+}
+
 auvid_status_t auvid_metric_set_prior(auvid_metric_t *metric, const auvid_prior_t *prior)
 {
     if (metric == NULL || prior == NULL) {
         return AUVID_ERR_NULL;
     }
+    if (metric->prior == NULL) {
+        return AUVID_ERR_STATE;
+    }
     auvid_status_t status = auvid_metric_check_prior(metric, prior);
-    if (status < 0) {
-        return status;
+    if (status == AUVID_OK && auvid_metric_stores_rows(metric)) {
+        status = AUVID_ERR_MODEL;
     }
-    if (auvid_metric_stores_rows(metric)) {
-        return AUVID_ERR_MODEL;
+    if (status == AUVID_OK) {
+        *metric->prior = *prior;
     }
-    metric->prior = *prior;
-    metric->apply_prior = prior->known == 0 ? NULL : metric_apply_prior;
-    return AUVID_OK;
+    return status;
 }

@@ -108,6 +108,7 @@ static void metric_sample_from_channels(const auvid_real_t *channel, uint64_t t_
 static void metric_store_row(auvid_metric_t *m, uint64_t t_us, uint32_t slot)
 {
     if (!auvid_metric_takes_row(m, t_us)) {
+        ++m->sets.rows_dropped;
         return;
     }
     const auvid_real_t *channel = m->rows.accumulator[slot];

@@ -58,19 +58,17 @@ static inline bool auvid_metric_drops_rows(const auvid_metric_t *m, uint64_t t_u
     return m->sets.held && (m->sets.full || t_us > m->sets.until_us);
 }
 
+/** Residual path: may a row whose middle is at t_us be stored? */
+static inline bool auvid_metric_takes_row(const auvid_metric_t *m, uint64_t t_us)
+{
+    return !m->sets.full && t_us >= m->sets.resume_us;
+}
+
 /** Record that the ring is held and the cells are now at t_us. @return is a row at t_us stored? */
 static inline bool auvid_metric_takes_cell(auvid_metric_t *m, uint64_t t_us)
 {
     m->sets.full = auvid_metric_drops_rows(m, t_us);
-    return !m->sets.full && t_us >= m->sets.resume_us;
-}
-
-/** Residual path: may a row whose middle is at t_us be stored? If not, it is counted as dropped. */
-static inline bool auvid_metric_takes_row(auvid_metric_t *m, uint64_t t_us)
-{
-    bool takes = !m->sets.full && t_us >= m->sets.resume_us;
-    m->sets.rows_dropped += !takes;
-    return takes;
+    return auvid_metric_takes_row(m, t_us);
 }
 
 /** Number of newest sets that were completed since the ring was last held. */

@@ -24,6 +24,7 @@
 
 static auvid_node_t node; /* the three structs are all the memory that auvid uses */
 static auvid_validation_t prediction;
+static auvid_change_detector_t change;
 static auvid_actuation_t actuation;
 static auvid_can_fifo_t received;
 static auvid_can_frame_t received_storage[16]; /* more than the frames of a tick; a power of two */
@@ -31,7 +32,8 @@ static auvid_can_frame_t received_storage[16]; /* more than the frames of a tick
 /* Of the excitation [N, Nm]. */
 static const auvid_real_t amplitude[AUVID_DOF_COUNT] = {100, 100, 100, 0, 0, 40};
 
-/* Your vehicle: model and thrusters. Each set is compared with a simulation. */
+/* Your vehicle: model and thrusters. Each set is compared with a simulation, and tested for a
+ * change of the vehicle. */
 static bool configure(void)
 {
     auvid_identifier_config_t *cfg = &node.id.cfg; /* undefined after auvid_node_init */
@@ -41,7 +43,8 @@ static bool configure(void)
     memcpy(cfg->metric.tau_max, amplitude, sizeof amplitude); /* 0: what the thrusters give */
     cfg->metric.set_rows = 480 / AUVID_MAX_SETS; /* rows of 0.5 s: 240 s fill the memory */
     return auvid_node_init(&node, &bus, &auvid_allocation_girona500, cfg) >= 0 &&
-           auvid_identifier_attach_prediction(&node.id, &prediction) >= 0;
+           auvid_identifier_attach_prediction(&node.id, &prediction) >= 0 &&
+           auvid_identifier_attach_change_test(&node.id, &change) >= 0;
 }
 
 /* Excitation and limits of the guard. Without this the node listens and identifies, and never

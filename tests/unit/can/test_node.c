@@ -190,7 +190,8 @@ static void identify(void)
 {
     uint32_t limit = SETS * SET_TICKS + 6000;
     while (run.ticks < limit && (node.id.metric.sets.recorded < SETS ||
-                                 node.id.phase != AUVID_WORK_IDLE || node.id.searches == 0)) {
+                                 node.id.work.phase != AUVID_WORK_IDLE ||
+                                 node.id.work.searches == 0)) {
         tick();
     }
     TEST_ASSERT_TRUE(run.ticks < limit);

@@ -19,20 +19,29 @@ static auvid_identifier_t id, other;
 static auvid_actuation_config_t acting;
 static auvid_actuation_t actuation;
 static auvid_validation_t prediction; /* of `id`, and of copies of it */
+static auvid_change_detector_t change, of_other;
+static auvid_prior_t prior;
 static uint8_t saved[AUVID_CHECKPOINT_MAX(ROWS)], again[AUVID_CHECKPOINT_MAX(ROWS)];
 static uint32_t bytes;
+
+static void init(auvid_identifier_t *of)
+{
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(of, &cfg));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_attach_change_test(of, &change));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_attach_prior(of, &prior));
+}
 
 void setUp(void)
 {
     auvid_identifier_defaults(&cfg, &auvid_girona500);
     cfg.metric.set_rows = SET_ROWS;
     auvid_actuation_defaults(&acting);
-    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&id, &cfg));
+    init(&id);
 }
 
 static void init_predicting(auvid_identifier_t *of)
 {
-    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(of, &cfg));
+    init(of);
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_attach_prediction(of, &prediction));
 }
 
@@ -42,7 +51,7 @@ void tearDown(void)
 
 static void init_acting(void)
 {
-    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&id, &cfg));
+    init(&id);
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_attach_actuation(&id, &actuation, &acting, NULL));
 }
 
@@ -101,12 +110,12 @@ static uint32_t save(const auvid_identifier_t *from, uint8_t *to, uint32_t chunk
 /* Save an identifier in the middle of its second search. */
 static void make(void)
 {
-    for (int cell = 1; cell < CELLS && !(id.estimate.number == 1 && id.searching); ++cell) {
+    for (int cell = 1; cell < CELLS && !(id.estimate.number == 1 && id.work.searching); ++cell) {
         move(&id, cell);
     }
-    TEST_ASSERT_TRUE(id.searching);
+    TEST_ASSERT_TRUE(id.work.searching);
     bytes = save(&id, saved, sizeof saved);
-    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&id, &cfg));
+    init(&id);
 }
 
 static void check_refused(auvid_status_t status, const uint8_t *checkpoint, uint32_t size)
@@ -151,14 +160,19 @@ static void test_an_identifier_continues_where_it_was_saved(void)
     uint32_t phases = 0;
     for (int cell = 1; cell < CELLS; ++cell) {
         move(&id, cell);
-        if (cell % 37 == 0 || !(phases >> id.phase & 1u)) {
-            phases |= 1u << id.phase;
+        if (cell % 37 == 0 || !(phases >> id.work.phase & 1u)) {
+            phases |= 1u << id.work.phase;
             bytes = save(&id, saved, 333);
             TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&other, &cfg));
+            TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_attach_change_test(&other, &of_other));
+            TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_attach_prior(&other, &prior));
             move_from_to(&other, 1, 100); /* with a state of its own */
             TEST_ASSERT_EQUAL(AUVID_OK, auvid_checkpoint_restore(&other, saved, bytes));
             static auvid_identifier_t twin;
+            static auvid_change_detector_t of_twin;
             twin = id;
+            of_twin = change;
+            twin.change = &of_twin;
             move_from_to(&twin, cell + 1, cell + 60);
             move_from_to(&other, cell + 1, cell + 60);
             bytes = save(&twin, saved, sizeof saved);
@@ -173,13 +187,16 @@ static void test_an_identifier_continues_where_it_was_saved(void)
 static void test_nothing_is_left_of_the_previous_state(void)
 {
     static auvid_identifier_t twin;
+    static auvid_change_detector_t of_twin;
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&twin, &cfg));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_attach_change_test(&twin, &of_twin));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_attach_prior(&twin, &prior));
     move_from_to(&twin, 1, 9);
     bytes = save(&twin, saved, sizeof saved);
-    for (int cell = 1; cell < CELLS && !(id.estimate.number == 1 && id.searching); ++cell) {
+    for (int cell = 1; cell < CELLS && !(id.estimate.number == 1 && id.work.searching); ++cell) {
         move(&id, cell);
     }
-    TEST_ASSERT_TRUE(id.searching);
+    TEST_ASSERT_TRUE(id.work.searching);
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_checkpoint_restore(&id, saved, bytes));
     TEST_ASSERT_EQUAL_UINT32(bytes, save(&id, again, sizeof again));
     TEST_ASSERT_EQUAL_MEMORY(saved, again, bytes);
@@ -196,17 +213,23 @@ static void test_a_prior_record_is_part_of_it(void)
     static uint8_t record[AUVID_PRIOR_BYTES];
     move_from_to(&id, 1, 240);
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_prior_save(&id, record));
-    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&id, &cfg));
+    init(&id);
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_prior_load(&id, record, sizeof record));
     bytes = save(&id, saved, sizeof saved);
-    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&other, &cfg));
+    auvid_prior_t loaded = prior;
+    TEST_ASSERT_TRUE(loaded.known != 0);
+    init(&other);
+    TEST_ASSERT_EQUAL_HEX32(0, prior.known);
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_checkpoint_restore(&other, saved, bytes));
-    TEST_ASSERT_TRUE(other.metric.apply_prior == id.metric.apply_prior &&
-                     id.metric.apply_prior != NULL);
-    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&id, &cfg)); /* and restore an empty one */
+    TEST_ASSERT_EQUAL_MEMORY(&loaded, &prior, sizeof prior);
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&id, &cfg));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_attach_change_test(&id, &change));
+    check_refused(AUVID_ERR_STATE, saved, bytes); /* no memory for a prior is attached */
+    init(&id);                                    /* and restore an empty one */
     bytes = save(&id, saved, sizeof saved);
-    TEST_ASSERT_EQUAL(AUVID_OK, auvid_checkpoint_restore(&other, saved, bytes));
-    TEST_ASSERT_TRUE(other.metric.apply_prior == NULL);
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_prior_load(&id, record, sizeof record));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_checkpoint_restore(&id, saved, bytes));
+    TEST_ASSERT_EQUAL_HEX32(0, prior.known);
 }
 
 static void test_what_is_attached_stays(void)
@@ -307,17 +330,17 @@ static void test_one_of_another_model_is_refused(void)
 {
     make();
     cfg.metric.free = AUVID_G500_FREE & ~(1u << AUVID_G500_M_R);
-    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&id, &cfg));
+    init(&id);
     check_refused(AUVID_ERR_MODEL, saved, bytes);
     cfg.metric.free = 0;
     auvid_identifier_defaults(&cfg, &auvid_girona500_decoupled);
-    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&id, &cfg));
+    init(&id);
     check_refused(AUVID_ERR_MODEL, saved, bytes);
     static auvid_vehicle_t nameless;
     nameless = auvid_girona500;
     nameless.name = NULL;
     auvid_identifier_defaults(&cfg, &nameless);
-    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&id, &cfg));
+    init(&id);
     check_refused(AUVID_ERR_MODEL, saved, bytes);
 }
 
@@ -345,10 +368,11 @@ static void test_one_of_another_configuration_is_refused(void)
         cfg.search.paper = k == 13;
         cfg.dry_mass_kg += (auvid_real_t)(k == 14);
         cfg.uncertainty.delay_s += AUVID_C(0.1) * (auvid_real_t)(k == 15);
-        TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&id, &cfg));
+        init(&id);
         check_refused(AUVID_ERR_CONFIGURATION, saved, bytes);
     }
-    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&id, &same));
+    cfg = same;
+    init(&id);
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_checkpoint_restore(&id, saved, bytes));
 }
 
@@ -360,10 +384,10 @@ static void test_rows_are_part_of_it_and_other_storage_is_refused(void)
     cfg.vehicle = &vehicle;
     cfg.metric.rows = store[0];
     cfg.metric.sets = 8;
-    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&id, &cfg));
+    init(&id);
     make(); /* with the same contents of its storage */
     cfg.metric.rows = store[1];
-    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&id, &cfg));
+    init(&id);
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_checkpoint_restore(&id, saved, bytes));
     TEST_ASSERT_EQUAL_PTR(store[1], id.metric.cfg.rows);
     TEST_ASSERT_EQUAL_UINT64(store[0][SET_ROWS].sample.t_us, store[1][SET_ROWS].sample.t_us);
@@ -372,10 +396,10 @@ static void test_rows_are_part_of_it_and_other_storage_is_refused(void)
     TEST_ASSERT_EQUAL_UINT32(bytes, save(&id, again, 100));
     TEST_ASSERT_EQUAL_MEMORY(saved, again, bytes);
     cfg.metric.sets = 7;
-    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&id, &cfg));
+    init(&id);
     check_refused(AUVID_ERR_SIZE, saved, bytes);
     cfg.vehicle = &auvid_girona500;
-    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&id, &cfg));
+    init(&id);
     check_refused(AUVID_ERR_MODEL, saved, bytes);
 }
 
@@ -420,9 +444,9 @@ static void test_plan_thrusters_and_limits_are_those_of_init(void)
 
 static void test_work_in_an_unknown_phase_ends(void)
 {
-    id.phase = UINT8_MAX;
+    id.work.phase = UINT8_MAX;
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_work(&id, BUDGET));
-    TEST_ASSERT_EQUAL(AUVID_WORK_IDLE, id.phase);
+    TEST_ASSERT_EQUAL(AUVID_WORK_IDLE, id.work.phase);
 }
 
 /* As auvid_checkpoint_begin writes them if memory is damaged. */
@@ -441,8 +465,8 @@ static void check_good(void)
 
 static void test_impossible_values_are_refused(void)
 {
-    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&good, &cfg));
-    IMPOSSIBLE(phase = UINT8_MAX);
+    init(&good);
+    IMPOSSIBLE(work.phase = UINT8_MAX);
     IMPOSSIBLE(metric.rows.set.rows = SET_ROWS);
     IMPOSSIBLE(metric.sets.set[3].exponent[0] = 100);
     IMPOSSIBLE(metric.sets.set[3].excited = 1); /* without a row */
@@ -467,9 +491,9 @@ static void test_impossible_values_are_refused(void)
     IMPOSSIBLE(metric.sets.held = true); /* no work is under way */
     IMPOSSIBLE(metric.sets.waiting = AUVID_MAX_SETS + 1);
     IMPOSSIBLE(metric.evaluator.sets_merged = AUVID_MAX_SETS + 1);
-    IMPOSSIBLE(untested = 1);
-    IMPOSSIBLE(active = 1u << 31);
-    IMPOSSIBLE(searching = true);
+    IMPOSSIBLE(work.untested = 1);
+    IMPOSSIBLE(work.active = 1u << 31);
+    IMPOSSIBLE(work.searching = true);
     IMPOSSIBLE(estimate.speed[0][0] = -1);
     IMPOSSIBLE(estimate.confidence.lost[0] = 101);
     IMPOSSIBLE(estimate.confidence.note[0] = AUVID_NOTE_THRUST_SCALE + 1);
@@ -516,7 +540,7 @@ static void test_one_with_an_acting_half_is_refused_without_and_vice_versa(void)
     uint32_t acting_bytes = save(&id, again, sizeof again);
     TEST_ASSERT_TRUE(acting_bytes > bytes + 500);
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_checkpoint_restore(&id, again, acting_bytes));
-    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&id, &cfg));
+    init(&id);
     check_refused(AUVID_ERR_STATE, again, acting_bytes);
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_checkpoint_restore(&id, saved, bytes));
 }
@@ -531,12 +555,13 @@ static void test_a_note_that_names_no_parameter_is_refused(void)
     }
     vehicle.free &= ~(1u << vehicle.parameters);
     cfg.vehicle = &vehicle;
-    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&id, &cfg));
-    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&good, &cfg));
+    init(&id);
+    init(&good);
     good.estimate.confidence.note[0] = AUVID_NOTE_BESIDE_BOUND;
-    good.accepted_estimate.confidence.note[0] = AUVID_NOTE_COMBINATION;
+    change.accepted.confidence.note[0] = AUVID_NOTE_COMBINATION;
     IMPOSSIBLE(estimate.confidence.partner[0] = vehicle.parameters);
-    IMPOSSIBLE(accepted_estimate.confidence.partner[0] = vehicle.parameters);
+    IMPOSSIBLE(change->accepted.confidence.partner[0] = vehicle.parameters);
+    change.accepted.confidence.partner[0] = 0;
     good.estimate.confidence.note[0] = AUVID_NOTE_DISCREDITED;
     IMPOSSIBLE(estimate.confidence.partner[0] = vehicle.parameters);
     check_good();
@@ -566,13 +591,13 @@ static void test_a_record_of_too_many_cells_is_refused(void)
 /* Work until this phase, a few units at a time. */
 static void move_to_phase(uint8_t phase)
 {
-    for (int cell = 1; cell < CELLS && id.phase != phase; ++cell) {
+    for (int cell = 1; cell < CELLS && id.work.phase != phase; ++cell) {
         record(&id, cell);
-        for (int k = 0; k < BUDGET && id.phase != phase; ++k) {
+        for (int k = 0; k < BUDGET && id.work.phase != phase; ++k) {
             (void)auvid_identifier_work(&id, 10);
         }
     }
-    TEST_ASSERT_EQUAL(phase, id.phase);
+    TEST_ASSERT_EQUAL(phase, id.work.phase);
     good = id;
 }
 
@@ -590,7 +615,7 @@ static void test_an_impossible_optimum_is_refused(void)
     IMPOSSIBLE(optimum.row = UINT8_MAX);
     IMPOSSIBLE(optimum.x[0] = good.optimum.upper[0] + 1);
     IMPOSSIBLE(optimum.qr_factor[0] = (auvid_real_t)NAN);
-    IMPOSSIBLE(active = 0);
+    IMPOSSIBLE(work.active = 0);
     IMPOSSIBLE(metric.sets.held = false);
     IMPOSSIBLE(metric.sets.waiting = 1); /* it would not be used */
     check_good();
@@ -618,9 +643,9 @@ static void test_a_probe_along_a_direction_not_before_its_own_is_refused(void)
 static void test_sets_that_contradict_the_phase_of_work_are_refused(void)
 {
     move_to_phase(AUVID_WORK_PREDICT); /* of the first estimate, by the next set */
-    TEST_ASSERT_EQUAL(1, good.untested);
-    IMPOSSIBLE(untested = 0);
-    IMPOSSIBLE(untested = 2);
+    TEST_ASSERT_EQUAL(1, good.work.untested);
+    IMPOSSIBLE(work.untested = 0);
+    IMPOSSIBLE(work.untested = 2);
     IMPOSSIBLE(metric.sets.from = 1);
     IMPOSSIBLE(metric.sets.full = true); /* with a regressor */
     IMPOSSIBLE(metric.evaluator.at.to_set = AUVID_MAX_SETS + 1);

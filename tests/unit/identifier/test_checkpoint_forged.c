@@ -47,6 +47,8 @@ static struct {
     auvid_actuation_t actuation;
     auvid_adaptive_t adaptive;
     auvid_validation_t prediction;
+    auvid_change_detector_t change;
+    auvid_prior_t prior;
 } fresh[WORLDS]; /* as in a program that restores */
 static chain_config_t cfg;
 static chain_t chain;
@@ -117,8 +119,8 @@ static uint32_t save(const auvid_identifier_t *from, uint8_t *to)
 static uint32_t kind_of(const auvid_identifier_t *id)
 {
     const auvid_metric_t *m = &id->metric;
-    bool waits = m->sets.held && (m->sets.full || m->sets.waiting > 0 || id->untested > 1);
-    return id->phase + PHASES * ((uint32_t)waits + 2u * (id->nav.holding != 0));
+    bool waits = m->sets.held && (m->sets.full || m->sets.waiting > 0 || id->work.untested > 1);
+    return id->work.phase + PHASES * ((uint32_t)waits + 2u * (id->nav.holding != 0));
 }
 
 /* Save two moments of each kind that occurs in `seconds` of the world, which is excited. */
@@ -134,6 +136,8 @@ static void run(world_t world, double seconds)
     fresh[world].actuation = chain.actuation;
     fresh[world].adaptive = chain.adaptive;
     fresh[world].prediction = chain.prediction;
+    fresh[world].change = chain.change;
+    fresh[world].prior = chain.prior;
     for (int i = 0; world == SEQUENCE && i < AUVID_MAX_PARAMETERS; ++i) {
         sigma[i] = AUVID_C(1e6);
     }
@@ -170,7 +174,7 @@ static void record_all(void)
         for (uint32_t k = 0; k < moments[w]; ++k) {
             const auvid_identifier_t *id = &moment[w][k].chain.id;
             uint32_t kind = kind_of(id);
-            phases |= 1u << id->phase;
+            phases |= 1u << id->work.phase;
             exciting += moment[w][k].chain.actuation.guard.state == AUVID_GUARD_EXCITING;
             waiting += kind / PHASES % 2;
             holding += kind / PHASES / 2;
@@ -350,6 +354,8 @@ static void test_a_forged_checkpoint_is_refused_or_harmless(void)
         chain.actuation = fresh[world].actuation;
         chain.adaptive = fresh[world].adaptive;
         chain.prediction = fresh[world].prediction;
+        chain.change = fresh[world].change;
+        chain.prior = fresh[world].prior;
         (void)alarm(HANG_S);
         auvid_status_t status = resumes ? auvid_checkpoint_resume(&chain.id, forged, m->bytes)
                                         : auvid_checkpoint_restore(&chain.id, forged, m->bytes);
@@ -364,15 +370,21 @@ static void test_a_forged_checkpoint_is_refused_or_harmless(void)
         static auvid_actuation_t actuation;
         static auvid_adaptive_t adaptive;
         static auvid_validation_t prediction;
+        static auvid_change_detector_t change;
+        static auvid_prior_t prior;
         restored = chain.id;
         actuation = chain.actuation;
         adaptive = chain.adaptive;
         prediction = chain.prediction;
+        change = chain.change;
+        prior = chain.prior;
         chain = m->chain;
         chain.id = restored;
         chain.actuation = actuation;
         chain.adaptive = adaptive;
         chain.prediction = prediction;
+        chain.change = change;
+        chain.prior = prior;
         chain.waiting = false;
         check_published(&chain);
         bool longer = ++taken % stride == 0;

@@ -58,6 +58,8 @@ static auvid_identifier_t id;
 static auvid_actuation_t actuation; /* of it, or of chain.id */
 static auvid_allocation_t allocation;
 static auvid_validation_t prediction;
+static auvid_change_detector_t change;
+static auvid_prior_t prior;
 static uint8_t saved[MOST];
 static auvid_rng_t rng;
 static uint8_t known[AUVID_PRIOR_BYTES]; /* before the run */
@@ -105,7 +107,7 @@ static uint32_t answer(const auvid_identifier_t *of, const auvid_output_t *out)
     HASH(out->thruster_N);
     HASH(out->guard);
     HASH(out->cause);
-    HASH(of->work_last);
+    HASH(of->work.last_units);
     HASH(e->number);
     HASH(e->t_us);
     HASH(e->sets);
@@ -167,6 +169,8 @@ static void begin(auvid_identifier_t *to)
     TEST_ASSERT_EQUAL(AUVID_OK,
                       auvid_identifier_attach_actuation(to, &actuation, &cfg.acting, &allocation));
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_attach_prediction(to, &prediction));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_attach_change_test(to, &change));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_attach_prior(to, &prior));
     if (!run.residual) {
         TEST_ASSERT_EQUAL(AUVID_OK, auvid_prior_load(to, known, sizeof known));
     }
@@ -194,12 +198,12 @@ static void record(bool residual)
         chain_tick(&chain);
         memcpy(tick->wrench, chain.wrench, sizeof tick->wrench);
         tick->answer = answer(&chain.id, &chain.out);
-        tick->phase = chain.id.phase;
+        tick->phase = chain.id.work.phase;
         const auvid_metric_t *m = &chain.id.metric;
         tick->late = m->sets.held && (m->sets.full || m->sets.waiting > 0);
     }
     TEST_ASSERT_TRUE(chain.id.metric.sets.recorded >= SETS - 1 && chain.id.estimate.number > 4);
-    TEST_ASSERT_TRUE(residual || chain.id.metric.prior.known != 0);
+    TEST_ASSERT_TRUE(residual || prior.known != 0);
     run.last_bytes = save(&chain.id, run.last);
 }
 
@@ -240,6 +244,8 @@ static int continue_run(const char *run_file, const char *saved_file, uint32_t f
         auvid_allocation_init(&allocation, &cfg.thrusters) != AUVID_OK ||
         auvid_identifier_attach_actuation(&id, &actuation, &cfg.acting, &allocation) != AUVID_OK ||
         auvid_identifier_attach_prediction(&id, &prediction) != AUVID_OK ||
+        auvid_identifier_attach_change_test(&id, &change) != AUVID_OK ||
+        auvid_identifier_attach_prior(&id, &prior) != AUVID_OK ||
         auvid_checkpoint_resume(&id, saved, (uint32_t)size) != AUVID_OK) {
         return -1;
     }
@@ -363,12 +369,16 @@ static void test_an_active_identifier_is_restored_disarmed_and_acts_only_when_ar
         static auvid_identifier_t before;
         static auvid_actuation_t acting_before;
         static auvid_validation_t prediction_before;
+        static auvid_change_detector_t change_before;
+        static auvid_prior_t prior_before;
         auvid_guard_state_t state = actuation.guard.state;
         bool latched = state == AUVID_GUARD_DONE || state == AUVID_GUARD_ABORTED;
         states |= 1u << state;
         before = id;
         acting_before = actuation;
         prediction_before = prediction;
+        change_before = change;
+        prior_before = prior;
         uint32_t bytes = save(&id, saved);
         begin(&id);
         TEST_ASSERT_EQUAL(AUVID_OK, auvid_checkpoint_restore(&id, saved, bytes));
@@ -389,6 +399,8 @@ static void test_an_active_identifier_is_restored_disarmed_and_acts_only_when_ar
         id = before;
         actuation = acting_before;
         prediction = prediction_before;
+        change = change_before;
+        prior = prior_before;
     }
     TEST_ASSERT_EQUAL_HEX32(1u << AUVID_GUARD_DISARMED | 1u << AUVID_GUARD_EXCITING |
                                 1u << AUVID_GUARD_SETTLING,

@@ -127,7 +127,7 @@ static void serve(void)
     TEST_ASSERT_TRUE(auvid_node_step(&node, NULL, frame, &count) >= 0);
     TEST_ASSERT_TRUE(count >= 0 && count <= AUVID_NODE_FRAMES);
     (void)auvid_node_work(&node, units);
-    TEST_ASSERT_TRUE(node.id.work_last <= units);
+    TEST_ASSERT_TRUE(node.id.work.last_units <= units);
     exciting += actuation.guard.state == AUVID_GUARD_EXCITING;
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_node_report(&node, draw(300), frame, &count));
     TEST_ASSERT_TRUE(count >= 0 && count <= AUVID_NODE_FRAMES);
@@ -232,7 +232,7 @@ static void test_no_frames_make_a_node_use_more_than_its_budget(void)
     /* It worked all the time, and excited. */
     TEST_ASSERT_TRUE(node.counters.ticks > end / 2);
     TEST_ASSERT_TRUE(node.id.metric.sets.recorded > end / 1000);
-    TEST_ASSERT_TRUE(node.id.searches > end / 2000);
+    TEST_ASSERT_TRUE(node.id.work.searches > end / 2000);
     TEST_ASSERT_TRUE(exciting > end / 2);
     TEST_ASSERT_TRUE(node.counters.refused > 0 && node.counters.samples_dropped > 0);
 }
@@ -308,14 +308,14 @@ static void test_no_samples_make_an_identifier_use_more_than_its_budget(void)
             TEST_ASSERT_TRUE(fabs((double)out.excitation[j]) <= 1000);
         }
         (void)auvid_identifier_work(&id, units);
-        TEST_ASSERT_TRUE(id.work_last <= units);
+        TEST_ASSERT_TRUE(id.work.last_units <= units);
         exciting += actuation.guard.state == AUVID_GUARD_EXCITING;
         if (manner == HARM && draw(1000) == 0) {
             (void)auvid_identifier_close(&id);
         }
     }
     TEST_ASSERT_TRUE(id.metric.sets.recorded > end / 1000);
-    TEST_ASSERT_TRUE(id.searches > end / 2000);
+    TEST_ASSERT_TRUE(id.work.searches > end / 2000);
     TEST_ASSERT_TRUE(exciting > end / 2);
 }
 

@@ -249,7 +249,7 @@ static void test_the_estimate_says_what_it_is(void)
     identify();
     const auvid_estimate_t *e = &chain.id.estimate;
     TEST_ASSERT_EQUAL_UINT32(SETS, e->number); /* the budget suffices for one search a set */
-    TEST_ASSERT_EQUAL_UINT32(e->number, chain.id.searches);
+    TEST_ASSERT_EQUAL_UINT32(e->number, chain.id.work.searches);
     TEST_ASSERT_EQUAL_UINT32(SETS, e->sets);
     TEST_ASSERT_EQUAL_HEX32(AUVID_G500_FREE, e->identified);
     TEST_ASSERT_EQUAL_HEX32(excited_dofs, e->excited);

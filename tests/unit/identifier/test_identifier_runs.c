@@ -28,7 +28,7 @@ static void test_an_empty_set_cannot_be_closed(void)
     TEST_ASSERT_EQUAL(AUVID_ERR_NO_DATA, auvid_identifier_close(&chain.id));
     TEST_ASSERT_EQUAL_MEMORY(&before, &chain.id, sizeof before);
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_work(&chain.id, 100));
-    TEST_ASSERT_EQUAL_UINT32(0, chain.id.work_last);
+    TEST_ASSERT_EQUAL_UINT32(0, chain.id.work.last_units);
 }
 
 static void test_a_set_may_be_closed_early(void)

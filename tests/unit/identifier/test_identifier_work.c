@@ -137,21 +137,21 @@ static void test_rows_and_trial_points_are_counted(void)
     uint32_t units = 0, turns = 0;
     chain_defaults(&cfg, 2, 1, 0.0);
     record(1);
-    while (chain.id.phase != AUVID_WORK_ASK) {
+    while (chain.id.work.phase != AUVID_WORK_ASK) {
         finish_turn(&turns, 1000000);
         (void)auvid_identifier_work(&chain.id, 1);
     }
-    while (chain.id.phase != AUVID_WORK_MEASURE) {
+    while (chain.id.work.phase != AUVID_WORK_MEASURE) {
         finish_turn(&turns, 1000000);
         (void)auvid_identifier_work(&chain.id, 1);
-        TEST_ASSERT_EQUAL_UINT32(1, chain.id.work_last);
+        TEST_ASSERT_EQUAL_UINT32(1, chain.id.work.last_units);
         ++units;
     }
     auvid_optimizer_work_t done = chain.id.optimizer.work;
     TEST_ASSERT_EQUAL_UINT32(rows_of_girona500() * (done.crs + done.line_search) + done.attempts +
                                  1, /* to find that the search has ended */
                              units);
-    TEST_ASSERT_EQUAL_UINT32(1, chain.id.max_work);
+    TEST_ASSERT_EQUAL_UINT32(1, chain.id.work.max_units);
 }
 
 static void test_a_budget_of_zero_does_nothing_and_reports_waiting_work(void)
@@ -261,10 +261,10 @@ static void test_a_good_point_helps_and_a_bad_one_does_no_harm(void)
 /* Work until a search asks for its first point. */
 static void ask_first(void)
 {
-    uint32_t searches = chain.id.searches;
+    uint32_t searches = chain.id.work.searches;
     for (int k = 0; k < 100000; ++k) {
         (void)auvid_identifier_work(&chain.id, 1);
-        if (chain.id.searches > searches && chain.id.phase == AUVID_WORK_COST) {
+        if (chain.id.work.searches > searches && chain.id.work.phase == AUVID_WORK_COST) {
             return;
         }
     }
@@ -283,7 +283,7 @@ static void test_the_good_point_clipped_to_the_box_is_tried_first(void)
     ask_first();
     for (int i = 0; i < SIM_PARAMETERS; ++i) {
         double expected = (i % 2 ? 1.1 : 1.5) * cfg.sim.parameter[i];
-        TEST_ASSERT_TRUE(chain.id.candidate[i] == (auvid_real_t)expected);
+        TEST_ASSERT_TRUE(chain.id.work.candidate[i] == (auvid_real_t)expected);
     }
 }
 
@@ -296,7 +296,8 @@ static void test_the_last_estimate_is_tried_first(void)
     chain.cfg.budget = 0;
     chain_run(&chain, 15.0);
     ask_first();
-    TEST_ASSERT_EQUAL_MEMORY(chain.id.estimate.pi, chain.id.candidate, sizeof chain.id.candidate);
+    TEST_ASSERT_EQUAL_MEMORY(chain.id.estimate.pi, chain.id.work.candidate,
+                             sizeof chain.id.work.candidate);
 }
 
 static void test_the_search_is_the_one_configured(void)
@@ -338,8 +339,8 @@ static void watch_searches(chain_t *c, auvid_status_t status, const auvid_output
                          w->drops > 0);
         w->validated = id->change_test.set;
     }
-    if (id->searches > w->begun) {
-        w->begun = id->searches;
+    if (id->work.searches > w->begun) {
+        w->begun = id->work.searches;
         w->newest = auvid_metric_newest(&id->metric)->number;
         TEST_ASSERT_TRUE(w->begun == 1 || w->newest == w->validated);
         began = id->metric;
@@ -375,12 +376,12 @@ static void test_a_search_slower_than_a_set_ends_on_the_sets_it_began_with(void)
         TEST_ASSERT_EQUAL(AUVID_OK, chain_run_sets(&chain, &cfg, sets));
         TEST_ASSERT_TRUE(watch.ended >= 2);
         TEST_ASSERT_TRUE(watch.begun <= watch.ended + 1);
-        TEST_ASSERT_TRUE(chain.id.searches < sets || tiny[k] >= 16); /* some took several */
+        TEST_ASSERT_TRUE(chain.id.work.searches < sets || tiny[k] >= 16); /* some took several */
         TEST_ASSERT_EQUAL_UINT32(watch.drops * 60, chain.id.metric.sets.rows_dropped);
         TEST_ASSERT_TRUE(tiny[k] > 1 || watch.drops > 0);
         TEST_ASSERT_TRUE(tiny[k] < 8 || watch.drops == 0);
         finish(tiny[k], 3 * units_of_13(52));
-        TEST_ASSERT_EQUAL_UINT32(chain.id.searches, chain.id.estimate.number);
+        TEST_ASSERT_EQUAL_UINT32(chain.id.work.searches, chain.id.estimate.number);
         for (int i = SIM_M_U; i <= SIM_M_R; ++i) {
             TEST_ASSERT_TRUE(fabs(chain_error(&chain, i)) < 0.05);
         }
@@ -400,7 +401,7 @@ static void test_a_newly_excited_dof_is_searched(void)
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_excitation_plan(&cfg.driver, surge, CHAIN_SET_S, 1, 1));
     TEST_ASSERT_EQUAL(AUVID_OK, chain_run_sets(&chain, &cfg, 1));
     TEST_ASSERT_EQUAL(AUVID_PENDING, auvid_identifier_work(&chain.id, 1000));
-    TEST_ASSERT_TRUE(chain.id.searching);
+    TEST_ASSERT_TRUE(chain.id.work.searching);
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_excitation_init(&chain.driver, &full.acting.excitation));
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_excitation_start(&chain.driver, chain.t_us));
     chain_run(&chain, 32.0);
@@ -420,7 +421,7 @@ static bool is_there(catch_t where)
     bool local = id->optimizer.state >= AUVID_OPTIMIZER_START;
     switch (where) {
     case IN_MERGE:
-        return id->phase == AUVID_WORK_MERGE;
+        return id->work.phase == AUVID_WORK_MERGE;
     case IN_FILL:
         return done.crs == 30;
     case IN_GLOBAL:
@@ -428,7 +429,7 @@ static bool is_there(catch_t where)
     case IN_LOCAL:
         return local && done.line_search == 200;
     case IN_MEASURE:
-        return id->phase == AUVID_WORK_MEASURE;
+        return id->work.phase == AUVID_WORK_MEASURE;
     default:
         return id->estimate.number > 0;
     }
@@ -546,8 +547,8 @@ static void finish_counting(uint32_t budget, uint32_t units)
         residual_calls = 0;
         finish_turn(&turns, units / budget + 1);
         status = auvid_identifier_work(&chain.id, budget);
-        TEST_ASSERT_TRUE(chain.id.work_last <= budget);
-        TEST_ASSERT_TRUE(residual_calls <= chain.id.work_last);
+        TEST_ASSERT_TRUE(chain.id.work.last_units <= budget);
+        TEST_ASSERT_TRUE(residual_calls <= chain.id.work.last_units);
     }
     TEST_ASSERT_EQUAL(AUVID_OK, status);
 }
@@ -583,8 +584,8 @@ static void watch_rows(chain_t *c, auvid_status_t status, const auvid_output_t *
     const auvid_identifier_t *id = &c->id;
     TEST_ASSERT_EQUAL(AUVID_OK, status);
     w->drops += (out->events & AUVID_EVENT_ROWS_DROPPED) != 0;
-    if (id->searches > w->begun) {
-        w->begun = id->searches;
+    if (id->work.searches > w->begun) {
+        w->begun = id->work.searches;
         w->newest = id->metric.sets.stored % (USER_SETS + 1) * USER_ROWS;
         memcpy(began_rows, store, sizeof store);
     }
@@ -618,7 +619,7 @@ static void test_rows_that_come_while_a_full_set_waits_are_dropped_and_counted(v
     TEST_ASSERT_UINT32_WITHIN(2 * USER_ROWS / 10, LONG * USER_ROWS,
                               kept + chain.id.metric.sets.rows_dropped);
     finish(1000, 3 * units_at_most(4, 16, USER_SETS * USER_ROWS));
-    TEST_ASSERT_EQUAL_UINT32(chain.id.searches, chain.id.estimate.number);
+    TEST_ASSERT_EQUAL_UINT32(chain.id.work.searches, chain.id.estimate.number);
     TEST_ASSERT_FALSE(chain.id.estimate.not_converged);
     TEST_ASSERT_DOUBLE_WITHIN(12.0, cfg.sim.parameter[SIM_M_U],
                               (double)chain.id.estimate.pi[USER_M]);

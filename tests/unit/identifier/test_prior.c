@@ -58,7 +58,7 @@ static void test_a_record_brings_the_estimate_into_the_next_dive(void)
         const auvid_confidence_t *c = &known.confidence;
         double ratio =
             c->residual_rms[j] > 0 ? (double)(c->effective_noise[j] / c->residual_rms[j]) : 0;
-        double colour = (double)chain.id.metric.prior.variance_inflation[j];
+        double colour = (double)chain.prior.variance_inflation[j];
         TEST_ASSERT_DOUBLE_WITHIN(1e-5 * ratio * ratio, ratio * ratio, colour);
     }
     for (int i = 0; i < N; ++i) { /* the previous error, aged, with 8 binary digits, not rounded
@@ -81,7 +81,7 @@ static void test_a_record_holds_errors_for_an_exact_thrust_scale(void)
     dive();
     TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &cfg));
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_prior_load(&chain.id, record, sizeof record));
-    memcpy(plain, chain.id.metric.prior.sigma, sizeof plain);
+    memcpy(plain, chain.prior.sigma, sizeof plain);
     cfg.id.uncertainty.thrust_scale = (auvid_real_t)0.05;
     cfg.id.uncertainty.dvl_scale = (auvid_real_t)0.03;
     dive();
@@ -92,7 +92,7 @@ static void test_a_record_holds_errors_for_an_exact_thrust_scale(void)
     TEST_ASSERT_EQUAL_MEMORY(&cfg.id.uncertainty, &c->uncertainty, sizeof c->uncertainty);
     for (int i = 0; i < N; ++i) {
         double scale = 0.05 * fabs((double)chain.id.estimate.pi[i]);
-        double prior = (double)chain.id.metric.prior.sigma[i];
+        double prior = (double)chain.prior.sigma[i];
         TEST_ASSERT_DOUBLE_WITHIN(0.01 * (double)plain[i], (double)plain[i], prior);
         TEST_ASSERT_DOUBLE_WITHIN(1e-4 * scale, scale, fabs((double)c->thrust_error[i]));
         TEST_ASSERT_DOUBLE_WITHIN(1e-4 * scale, (double)dvl[i], (double)c->dvl_error[i]);
@@ -142,7 +142,7 @@ static void test_a_record_brings_only_what_was_identified_with_an_error(void)
         for (int i = 0; i < N; ++i) {
             bool unknown = (left[way] >> i & 1u) != 0;
             TEST_ASSERT_EQUAL(unknown, chain.id.estimate.confidence.sigma[i] == AUVID_LARGEST);
-            TEST_ASSERT_EQUAL(unknown, chain.id.metric.prior.sigma[i] == 0);
+            TEST_ASSERT_EQUAL(unknown, chain.prior.sigma[i] == 0);
         }
     }
 }
@@ -154,7 +154,7 @@ static double sigma_after_reload(const auvid_identifier_t *dived, double sigma)
     ended = *dived;
     ended.estimate.covariance[0] = (auvid_real_t)(sigma * sigma);
     next_dive(&ended);
-    return (double)chain.id.metric.prior.sigma[0];
+    return (double)chain.prior.sigma[0];
 }
 
 /* The record has upper halves of single precision: 1 and 1 + 1/128 are exact, values between them
@@ -283,6 +283,26 @@ static void test_calls_out_of_order_are_refused(void)
     check_refused(AUVID_ERR_STATE, record, sizeof record); /* a set has been completed */
 }
 
+static void test_memory_is_attached_once_before_the_first_step(void)
+{
+    static auvid_prior_t memory;
+    const auvid_input_t in = {.t_us = 1};
+    auvid_output_t out;
+    memset(&chain.id, 0, sizeof chain.id);
+    TEST_ASSERT_EQUAL(AUVID_ERR_STATE, auvid_identifier_attach_prior(&chain.id, &memory));
+    TEST_ASSERT_EQUAL(AUVID_ERR_NULL, auvid_identifier_attach_prior(NULL, &memory));
+    TEST_ASSERT_EQUAL(AUVID_ERR_NULL, auvid_identifier_attach_prior(&chain.id, NULL));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&chain.id, &cfg.id));
+    check_refused(AUVID_ERR_STATE, record, sizeof record); /* no memory */
+    memory.known = 1;
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_attach_prior(&chain.id, &memory));
+    TEST_ASSERT_EQUAL_HEX32(0, memory.known);
+    TEST_ASSERT_EQUAL(AUVID_ERR_ATTACHED, auvid_identifier_attach_prior(&chain.id, &memory));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&chain.id, &cfg.id));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_step(&chain.id, &in, &out));
+    TEST_ASSERT_EQUAL(AUVID_ERR_STARTED, auvid_identifier_attach_prior(&chain.id, &memory));
+}
+
 /* ---- a record with wrong content and a correct checksum ---- */
 
 enum { KNOWN = 8, COLOUR = 12, VALUE = 36, SIGMA = 164, CHECK = 232 };
@@ -377,6 +397,7 @@ static void test_a_forged_record_is_refused_or_harmless(void)
         if (n % 1000 == 0) {
             choose_path(n / 1000 % 2 == 1);
             TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&chain.id, &cfg.id));
+            TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_attach_prior(&chain.id, &chain.prior));
         }
         memcpy(record, genuine, sizeof record);
         forge(&rng);
@@ -391,11 +412,12 @@ static void test_a_forged_record_is_refused_or_harmless(void)
             TEST_ASSERT_EQUAL(AUVID_OK, auvid_prior_load(&chain.id, record, sizeof record));
             while (chain.id.metric.sets.recorded < 1 || chain.work == AUVID_PENDING) {
                 chain_tick(&chain);
-                TEST_ASSERT_TRUE(chain.id.work_last <= AUVID_DEFAULT_BUDGET);
+                TEST_ASSERT_TRUE(chain.id.work.last_units <= AUVID_DEFAULT_BUDGET);
             }
             TEST_ASSERT_TRUE(publishes_finite_numbers(&chain.id));
         }
         TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&chain.id, &cfg.id));
+        TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_attach_prior(&chain.id, &chain.prior));
     }
     printf("%u forged records: %u taken, %u of these through a set\n", (unsigned)forgeries,
            (unsigned)taken, (unsigned)run_through);
@@ -512,7 +534,7 @@ static void test_an_impossible_prior_is_refused(void)
     TEST_ASSERT_EQUAL(AUVID_ERR_NOT_FINITE, auvid_metric_set_prior(metric, &prior));
     TEST_ASSERT_EQUAL(AUVID_ERR_NULL, auvid_metric_set_prior(NULL, &prior));
     TEST_ASSERT_EQUAL(AUVID_ERR_NULL, auvid_metric_set_prior(metric, NULL));
-    TEST_ASSERT_EQUAL_HEX32(1, metric->prior.known);
+    TEST_ASSERT_EQUAL_HEX32(1, metric->prior->known);
 }
 
 /* ---- benefit ---- */
@@ -553,7 +575,7 @@ static void dive_again(uint32_t seed, start_t start, double heavier, worth_t *wo
         all = all || e->confidence.identifiable == (1u << N) - 1u;
         worth->seconds += all ? 0.0 : 0.02;
     }
-    worth->kept += chain.id.metric.prior.known != 0;
+    worth->kept += chain.prior.known != 0;
 }
 
 /* @return number of dives */
@@ -633,6 +655,7 @@ int main(void)
     RUN_TEST(test_a_record_of_another_model_is_refused);
     RUN_TEST(test_a_model_without_a_name_is_another_model);
     RUN_TEST(test_calls_out_of_order_are_refused);
+    RUN_TEST(test_memory_is_attached_once_before_the_first_step);
     RUN_TEST(test_a_record_of_impossible_numbers_is_refused_with_and_without_regressor);
     RUN_TEST(test_a_forged_record_is_refused_or_harmless);
     RUN_TEST(test_known_parameters_are_the_first_estimate);

@@ -479,8 +479,8 @@ static void test_work_accounts_for_every_slot_that_a_row_reads(void)
     rows_worked = 0;
     for (int call = 0; rows_worked < 300 && call < 100000; ++call) {
         TEST_ASSERT_EQUAL(AUVID_PENDING, auvid_identifier_work(&id, AUVID_DEFAULT_BUDGET));
-        TEST_ASSERT_TRUE(id.work_last <= AUVID_DEFAULT_BUDGET);
-        units += id.work_last;
+        TEST_ASSERT_TRUE(id.work.last_units <= AUVID_DEFAULT_BUDGET);
+        units += id.work.last_units;
     }
     TEST_ASSERT_EQUAL_UINT32(300, rows_worked);
     TEST_ASSERT_TRUE(250 * units >= (uint64_t)20 * slots * MANY * rows_worked);
@@ -605,7 +605,7 @@ static void identify(uint64_t seed, double disturbance_N, uint16_t set_s, uint16
         TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_applied(&id, in.t_us, nominal, all));
         TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_applied(&ideal, in.t_us, nominal, NULL));
         (void)auvid_identifier_work(&id, budget);
-        TEST_ASSERT_TRUE(id.work_last <= budget);
+        TEST_ASSERT_TRUE(id.work.last_units <= budget);
     }
     finish_work(&id, UINT32_MAX);
     finish_work(&ideal, UINT32_MAX);
@@ -799,7 +799,7 @@ static void test_a_restart_with_checkpoint_and_log_continues_to_the_same_bits(vo
     static auvid_estimate_t expected_estimate;
     identify(1, 0.0, 30, 5, 0);
     uint32_t number = id.estimate.number;
-    id.set_pending = true; /* evaluates all sets once more */
+    id.work.set_pending = true; /* evaluates all sets once more */
     for (int i = 0; i < 200; ++i) {
         TEST_ASSERT_EQUAL(AUVID_PENDING, auvid_identifier_work(&id, 10007));
     }
@@ -819,7 +819,7 @@ static void test_sets_whose_log_was_lost_in_a_restart_are_dropped(void)
     identify(1, 0.0, 30, 5, 0);
     restart(false);
     auvid_thrusters_command(&thrusters, id.t_us + PERIOD_US, NULL);
-    id.set_pending = true;
+    id.work.set_pending = true;
     (void)finish_search(&id);
     TEST_ASSERT_EQUAL_UINT32(SETS, id.estimate.sets);
     for (int age = 0; age < SETS; ++age) {

@@ -57,7 +57,7 @@ static void test_a_budget_smaller_than_one_evaluation_gives_the_same_estimate(vo
     memcpy(pi, id.estimate.pi, sizeof pi);
     TEST_ASSERT_EQUAL_UINT32(SETS, id.estimate.sets);
     TEST_ASSERT_EQUAL_UINT32(SETS, id.metric.sets.recorded);
-    TEST_ASSERT_TRUE(id.max_work > 1350);
+    TEST_ASSERT_TRUE(id.work.max_units > 1350);
     identify(1, SETS, 700, 0.0, 0.0);
     for (int i = 0; i < PARAMETERS; ++i) {
         TEST_ASSERT_DOUBLE_WITHIN(0.01 * fabs(truth[i]), (double)pi[i], (double)id.estimate.pi[i]);

@@ -187,13 +187,16 @@ static void test_a_held_ring_delays_a_set_of_the_residual_path(void)
         TEST_ASSERT_EQUAL(AUVID_OK, auvid_metric_release(&metric, 0)); /* nothing waits */
     }
     TEST_ASSERT_EQUAL(AUVID_ERR_NULL, auvid_metric_release(NULL, 0));
-    auvid_prior_t prior;
+    auvid_prior_t prior, memory;
     memset(&prior, 0, sizeof prior);
+    TEST_ASSERT_EQUAL(AUVID_ERR_STATE, auvid_metric_set_prior(&metric, &prior));
+    auvid_metric_attach_prior(&metric, &memory);
     TEST_ASSERT_EQUAL(AUVID_ERR_MODEL, auvid_metric_set_prior(&metric, &prior));
 }
 
 static void test_a_budget_of_one_unit_leaves_work(void)
 {
+    auvid_metric_change_t change;
     uint32_t budget = 1;
     start();
     world_t w = world_of(&cfg);
@@ -205,10 +208,11 @@ static void test_a_budget_of_one_unit_leaves_work(void)
     auvid_metric_measure_begin(&metric, truth, 0);
     TEST_ASSERT_EQUAL(AUVID_PENDING, auvid_metric_measure(&metric, &budget));
     budget = 1;
-    auvid_metric_change_begin(&metric);
-    TEST_ASSERT_EQUAL(AUVID_PENDING, auvid_metric_change(&metric, &budget));
-    TEST_ASSERT_EQUAL(AUVID_ERR_NULL, auvid_metric_change(NULL, &budget));
-    TEST_ASSERT_EQUAL(AUVID_ERR_NULL, auvid_metric_change(&metric, NULL));
+    auvid_metric_change_begin(&metric, &change);
+    TEST_ASSERT_EQUAL(AUVID_PENDING, auvid_metric_change(&metric, &change, &budget));
+    TEST_ASSERT_EQUAL(AUVID_ERR_NULL, auvid_metric_change(NULL, &change, &budget));
+    TEST_ASSERT_EQUAL(AUVID_ERR_NULL, auvid_metric_change(&metric, &change, NULL));
+    TEST_ASSERT_EQUAL(AUVID_ERR_NULL, auvid_metric_change(&metric, NULL, &budget));
 }
 
 int main(void)

@@ -73,7 +73,7 @@ def search(world):
     lib, id_, steps = run.lib, run.chain.id, []
     cost, last = lib.zeros(1), -1
     while lib.auvid_identifier_work(id_, 60) == lib.AUVID_PENDING:
-        if id_.phase not in (lib.AUVID_WORK_ASK, lib.AUVID_WORK_COST):
+        if id_.work.phase not in (lib.AUVID_WORK_ASK, lib.AUVID_WORK_COST):
             continue
         work = id_.optimizer.work
         if work.crs + work.line_search == last or \

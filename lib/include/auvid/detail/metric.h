@@ -193,33 +193,35 @@ typedef struct {
 
 /** Results of the evaluator. */
 typedef struct {
-    auvid_real_t cost;                       /**< J of the last finished evaluation */
-    auvid_real_t constant;                   /**< part of the cost that no pi explains; 0 in the
+    auvid_real_t cost;                     /**< J of the last finished evaluation */
+    auvid_real_t constant;                 /**< part of the cost that no pi explains; 0 in the
                                                 residual path */
-    auvid_real_t delay_s[AUVID_DOF_COUNT];   /**< delays in use [s]; estimated at each merge */
-    auvid_real_t sse[AUVID_DOF_COUNT];       /**< sums of squared residuals of the last finished
+    auvid_real_t delay_s[AUVID_DOF_COUNT]; /**< delays in use [s]; estimated at each merge */
+    auvid_real_t sse[AUVID_DOF_COUNT];     /**< sums of squared residuals of the last finished
                                                 measurement [N^2, Nm^2] */
-    auvid_real_t predicted[AUVID_DOF_COUNT]; /**< band-weighted sums of squares of the newest set's
-                                                  residuals at the last prediction [N^2, Nm^2] */
-    auvid_real_t change[2][AUVID_DOF_COUNT]; /**< Chow statistic: pooled minus separate sum of
-                                                  squared residuals of the older sets and the newest
-                                                  set [0], or the newest two [1] [N^2, Nm^2]; see
-                                                  auvid_metric_change */
-    uint16_t dof_rows[AUVID_DOF_COUNT];      /**< rows of each DoF in sets in which it is excited */
-    uint8_t change_rank[AUVID_DOF_COUNT];    /**< number of parameters tested */
-    uint8_t excited;                         /**< bit j: DoF j is excited in some merged set */
-    uint8_t first_order_lag;                 /**< bit j: DoF j's delay is that of a first-order lag,
+    uint16_t dof_rows[AUVID_DOF_COUNT];    /**< rows of each DoF in sets in which it is excited */
+    uint8_t excited;                       /**< bit j: DoF j is excited in some merged set */
+    uint8_t first_order_lag;               /**< bit j: DoF j's delay is that of a first-order lag,
                                                not a shift */
 } auvid_metric_result_t;
+
+/** Result of the change test. */
+typedef struct {
+    auvid_real_t change[2][AUVID_DOF_COUNT]; /**< Chow statistic: pooled minus separate sum of
+                                                  squared residuals of the older sets and the newest
+                                                  set [0], or the newest two [1] [N^2, Nm^2] */
+    uint8_t rank[AUVID_DOF_COUNT];           /**< number of parameters tested */
+    uint8_t reserved[2];
+} auvid_metric_change_t;
 
 /** The metric. Read `result`; the rest is private where it says so. */
 typedef struct auvid_metric {
     auvid_metric_config_t cfg;
-    auvid_status_t (*apply_prior)(struct auvid_metric *m, uint32_t *budget); /* NULL: no prior. A
-                                                       pointer, to link its code only where used */
+    auvid_prior_t *prior; /* NULL: none is attached */
+    auvid_status_t (*apply_prior)(struct auvid_metric *m, uint32_t *budget); /* last pass of a merge
+                                                                                with a prior */
     auvid_metric_layout_t layout;
     /* state: from here on, see checkpoint.h */
-    auvid_prior_t prior;
     auvid_metric_result_t result;
     auvid_metric_evaluator_t evaluator;
     auvid_metric_rows_t rows;
@@ -294,16 +296,22 @@ auvid_status_t auvid_metric_release(auvid_metric_t *metric, uint64_t resume_us);
  * already deleted). */
 auvid_status_t auvid_metric_drop(auvid_metric_t *metric, uint8_t age);
 
+#define auvid_metric_attach_prior AUVID_SIZED(auvid_metric_attach_prior)
+/** Give the metric memory for a prior; without it the program does not contain its code. NULL is a
+ * no-op.
+ * @param storage written: no parameter has a prior; must outlive the metric */
+void auvid_metric_attach_prior(auvid_metric_t *metric, auvid_prior_t *storage);
+
 #define auvid_metric_set_prior AUVID_SIZED(auvid_metric_set_prior)
 /** Set the prior of the parameters. The merge adds pseudo-measurements to the rows of the sets: the
  * prior mean with its standard error, weighted with the residual of the sets. If the sets
- * contradict them (Chow's F of a DoF is above 6), the prior is discarded and prior.known becomes 0.
- * Regressor path only. If the prior is rejected, nothing changes.
+ * contradict them (Chow's F of a DoF is above 6), the prior is discarded and prior->known becomes
+ * 0. Regressor path only. If the prior is rejected, nothing changes.
  * @param prior copied
- * @return AUVID_OK; AUVID_ERR_NULL; AUVID_ERR_NOT_FINITE; AUVID_ERR_RANGE (`known` has a bit of a
- * parameter that is not free; a value is beyond 1e18; the standard error or variance inflation of a
- * known parameter is not > 0 or is beyond 2e30); AUVID_ERR_MODEL (residual path: the prior is
- * checked and not used). */
+ * @return AUVID_OK; AUVID_ERR_NULL; AUVID_ERR_STATE (no memory is attached); AUVID_ERR_NOT_FINITE;
+ * AUVID_ERR_RANGE (`known` has a bit of a parameter that is not free; a value is beyond 1e18; the
+ * standard error or variance inflation of a known parameter is not > 0 or is beyond 2e30);
+ * AUVID_ERR_MODEL (residual path: the prior is checked and not used). */
 auvid_status_t auvid_metric_set_prior(auvid_metric_t *metric, const auvid_prior_t *prior);
 
 #define auvid_metric_merge_begin AUVID_SIZED(auvid_metric_merge_begin)
@@ -343,27 +351,34 @@ void auvid_metric_measure_begin(auvid_metric_t *metric, const auvid_real_t *pi,
 
 #define auvid_metric_predict_begin AUVID_SIZED(auvid_metric_predict_begin)
 /** Begin to predict the newest set before it is merged: measure the residuals of pi on that set
- * only. auvid_metric_measure continues it and then also writes `predicted`. The bands have the
+ * only. auvid_metric_measure continues it; then read auvid_metric_predicted. The bands have the
  * weights of the last merge. NULL is a no-op.
  * @param pi [n]
  * @param delay_s as in auvid_metric_cost_begin */
 void auvid_metric_predict_begin(auvid_metric_t *metric, const auvid_real_t *pi,
                                 auvid_real_t delay_s);
 
+#define auvid_metric_predicted AUVID_SIZED(auvid_metric_predicted)
+/** Returns the band-weighted sum of squares of the newest set's residuals, DoF j, after a finished
+ * prediction [N^2, Nm^2]. */
+auvid_real_t auvid_metric_predicted(const auvid_metric_t *metric, int j);
+
 #define auvid_metric_change_begin AUVID_SIZED(auvid_metric_change_begin)
 /** Begin to test the newest sets against the others, before they are merged: does each DoF's
  * equation hold for both with the same parameters (Chow 1960)? Bands and delays are those of the
- * last merge. The test overwrites `merged`: merge afterwards. NULL is a no-op. */
-void auvid_metric_change_begin(auvid_metric_t *metric);
+ * last merge. The test overwrites the merged sets: merge afterwards. NULL is a no-op.
+ * @param change written */
+void auvid_metric_change_begin(auvid_metric_t *metric, auvid_metric_change_t *change);
 
 #define auvid_metric_change AUVID_SIZED(auvid_metric_change)
 /** Continue the change test started by auvid_metric_change_begin. `change` is U(all sets) -
  * U(older sets) - U(newest sets), with U the part of the wrench that no pi explains.
+ * @param change as it was left; complete if AUVID_OK: with fewer than three sets it is zero
  * @param budget units of work left, reduced by those used: four for each row of each set, and four
  * more for each row of the newest two
- * @return AUVID_OK (`change` and `change_rank` are written; with fewer than three sets they are
- * zero); AUVID_PENDING (budget used up); AUVID_ERR_NULL. */
-auvid_status_t auvid_metric_change(auvid_metric_t *metric, uint32_t *budget);
+ * @return AUVID_OK; AUVID_PENDING (budget used up); AUVID_ERR_NULL. */
+auvid_status_t auvid_metric_change(auvid_metric_t *metric, auvid_metric_change_t *change,
+                                   uint32_t *budget);
 
 #define auvid_metric_linearise_begin AUVID_SIZED(auvid_metric_linearise_begin)
 /** Residual path: begin to linearise the model at pi. The result is, for each of the newest sets,
