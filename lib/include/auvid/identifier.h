@@ -191,8 +191,8 @@ enum {
                                           accepted one, which replaces it. Not if other DoF were
                                           excited in the accepted one */
     AUVID_EVENT_ROWS_DROPPED = 1u << 19, /**< a search took so long that complete rows were dropped;
-                                          counted in metric.rows_dropped. Regressor path: a waiting
-                                          set. Residual path: rows of the next set */
+                                          counted in metric.sets.rows_dropped. Regressor path: a
+                                          waiting set. Residual path: rows of the next set */
     AUVID_EVENT_END                      /**< the last event + 1; no event */
 };
 

@@ -176,7 +176,7 @@ static const auvid_real_t atan_c[] = {AUVID_C(-0.3333331549), AUVID_C(0.19998488
                                       AUVID_C(-0.06082992464)};
 #endif
 
-#define COUNT(table) ((int)(sizeof(table) / sizeof((table)[0])))
+#define TERMS(table) ((int)(sizeof(table) / sizeof((table)[0])))
 
 /* c[0] + c[1] z + ... + c[n-1] z^(n-1) */
 static inline auvid_real_t math_polynomial(const auvid_real_t *c, int n, auvid_real_t z)
@@ -211,13 +211,13 @@ static auvid_real_t math_nan(void)
 /* sin r for |r| <= pi/4 (plus rounding); z = r^2. */
 AUVID_INLINE auvid_real_t math_sin_reduced(auvid_real_t r, auvid_real_t z)
 {
-    return r + r * z * math_polynomial(sin_c, COUNT(sin_c), z);
+    return r + r * z * math_polynomial(sin_c, TERMS(sin_c), z);
 }
 
 /* cos r for |r| <= pi/4 (plus rounding); z = r^2. */
 AUVID_INLINE auvid_real_t math_cos_reduced(auvid_real_t z)
 {
-    return AUVID_C(1.0) - (AUVID_C(0.5) * z - z * z * math_polynomial(cos_c, COUNT(cos_c), z));
+    return AUVID_C(1.0) - (AUVID_C(0.5) * z - z * z * math_polynomial(cos_c, TERMS(cos_c), z));
 }
 
 /* Returns r of x = n pi/2 + r. */
@@ -279,7 +279,7 @@ auvid_real_t auvid_atan2(auvid_real_t y, auvid_real_t x)
         turn = AUVID_C(1.0);
     }
     auvid_real_t z = q * q;
-    auvid_real_t a = q + q * z * math_polynomial(atan_c, COUNT(atan_c), z);
+    auvid_real_t a = q + q * z * math_polynomial(atan_c, TERMS(atan_c), z);
     if (steep) { /* pi/2 - angle */
         a = -a;
         turn = AUVID_C(2.0) - turn;

@@ -32,7 +32,7 @@ static const auvid_field_t excitation_segment[] = {
     SEGMENT(hold_max_s, -AUVID_LARGEST, AUVID_LARGEST),
 };
 
-static const auvid_field_t excitation_sine[] = {
+static const auvid_field_t excitation_sine_fields[] = {
     REALS_ABOVE(auvid_segment_t, frequency_hz, 1, AUVID_C(0.0), AUVID_EXCITATION_HIGHEST_HZ),
     SEGMENT(phase, AUVID_C(-100.0), AUVID_C(100.0)),
 };
@@ -43,10 +43,10 @@ static void excitation_check_segment(const auvid_segment_t *s, auvid_refusal_t *
     AUVID_CHECK_TABLE(why, s, excitation_segment);
     auvid_check_in(why, "fade_s", s->fade_s, AUVID_C(0.0), s->duration_s * AUVID_C(0.5));
     if (s->kind == AUVID_SEGMENT_SINE) {
-        AUVID_CHECK_TABLE(why, s, excitation_sine);
+        AUVID_CHECK_TABLE(why, s, excitation_sine_fields);
     } else if (s->kind == AUVID_SEGMENT_SINES) {
         auvid_check_count(why, AUVID_ERR_SIZE, "sines", s->sines, AUVID_MAX_SINES);
-        auvid_check_fields(why, s, excitation_sine, 1);
+        auvid_check_fields(why, s, excitation_sine_fields, 1);
         auvid_check_in(why, "frequency_high_hz", s->frequency_high_hz, hz,
                        AUVID_EXCITATION_HIGHEST_HZ);
     } else if (s->kind == AUVID_SEGMENT_STEPS) {

@@ -13,7 +13,7 @@
  * The optimum is flat. In simulation, Girona500 with masses and drags halved and doubled,
  * disturbances of 0.3 to 3 N: the standard errors change by less than 5 % for holds of three to six
  * time constants, and for 0.5 to 0.8 of the time at the low speed. Persistent signs
- * (SIGN_CHANGES) reduce the largest ones by 5 %. Sums of sines are never better than
+ * (ADAPTIVE_SIGN_CHANGES) reduce the largest ones by 5 %. Sums of sines are never better than
  * steps.
  *
  * Known degrees of freedom continue to play: this costs no time, improves their estimates, and
@@ -36,7 +36,7 @@
 
 #define LOW_PART_LINEAR AUVID_C(0.67) /* of the time, where linear drag is missing */
 #define LOW_PART AUVID_C(0.4)         /* with linear drag known */
-#define SIGN_CHANGES AUVID_C(0.3)
+#define ADAPTIVE_SIGN_CHANGES AUVID_C(0.3)
 #define TIME_CONSTANTS AUVID_C(4.0)
 #define SWING_S AUVID_C(1.5)        /* hold in roll and pitch, by their restoring moments */
 #define LIMIT_FRACTION AUVID_C(0.3) /* of the guard's distance, for the overshoot */
@@ -112,7 +112,7 @@ static void adaptive_choose_hold(auvid_identifier_t *id, int j, auvid_excitation
     auvid_real_t excursion = auvid_excitation_excursion(&id->actuation->excitation, j);
     auvid_real_t s = adaptive_hold_s(id, j, level * adaptive_amplitude(id, j)) *
                      (AUVID_C(0.75) + AUVID_C(0.5) * auvid_rng_uniform(&rng));
-    bool negative = (c->level < AUVID_C(0.0)) != (auvid_rng_uniform(&rng) < SIGN_CHANGES);
+    bool negative = (c->level < AUVID_C(0.0)) != (auvid_rng_uniform(&rng) < ADAPTIVE_SIGN_CHANGES);
     if (auvid_abs(excursion) > AUVID_C(0.0)) {
         negative = excursion > AUVID_C(0.0);
     }

@@ -61,13 +61,13 @@ const auvid_checkpoint_block_t auvid_checkpoint_block[CHECKPOINT_BLOCKS] = {
     STRUCTS(table, ROOT_IDENTIFIER, auvid_identifier_t, member, count, parts)
 #define IN_ACTUATION(table, member, count)                                                         \
     STRUCTS(table, ROOT_ACTUATION, auvid_actuation_t, member, count, PART_ACTUATION)
-#define WHOLE(table, root, type, parts)                                                            \
+#define ENTIRE(table, root, type, parts)                                                           \
     {                                                                                              \
         TABLE_##table, root, parts, 1, 0, sizeof(type)                                             \
     }
 
 const auvid_checkpoint_struct_t auvid_checkpoint_struct[] = {
-    WHOLE(identifier, ROOT_IDENTIFIER, auvid_identifier_t, 0),
+    ENTIRE(identifier, ROOT_IDENTIFIER, auvid_identifier_t, 0),
     IN_ID(nav, nav, 1, 0),
     IN_ID(nav_velocity_sample, nav.ground, 1, 0),
     IN_ID(nav_velocity_sample, nav.water, 1, 0),
@@ -87,22 +87,22 @@ const auvid_checkpoint_struct_t auvid_checkpoint_struct[] = {
     IN_ID(bounded_ls, optimum, 1, PART_OPTIMUM),
     IN_ID(confidence_job, confidence, 1, PART_CONFIDENCE),
     IN_ID(confidence, confidence.result, 1, PART_CONFIDENCE),
-    WHOLE(actuation, ROOT_ACTUATION, auvid_actuation_t, PART_ACTUATION),
+    ENTIRE(actuation, ROOT_ACTUATION, auvid_actuation_t, PART_ACTUATION),
     IN_ACTUATION(excitation, excitation, 1),
     IN_ACTUATION(excitation_channel, excitation.channel, AUVID_DOF_COUNT),
     IN_ACTUATION(guard, guard, 1),
     IN_ACTUATION(guard_trip, guard.trip, 1),
     IN_ACTUATION(guard_trip, guard.refused, 1),
     IN_ACTUATION(guard_seen, altitude, 1),
-    WHOLE(adaptive, ROOT_ADAPTIVE, auvid_adaptive_t, PART_ADAPTIVE),
-    WHOLE(change_detector, ROOT_CHANGE, auvid_change_detector_t, PART_CHANGE),
+    ENTIRE(adaptive, ROOT_ADAPTIVE, auvid_adaptive_t, PART_ADAPTIVE),
+    ENTIRE(change_detector, ROOT_CHANGE, auvid_change_detector_t, PART_CHANGE),
     STRUCTS(estimate, ROOT_CHANGE, auvid_change_detector_t, accepted, 1, PART_CHANGE),
     STRUCTS(confidence, ROOT_CHANGE, auvid_change_detector_t, accepted.confidence, 1, PART_CHANGE),
-    WHOLE(prior, ROOT_PRIOR, auvid_prior_t, PART_PRIOR),
-    WHOLE(validation, ROOT_PREDICTION, auvid_validation_t, PART_SIMULATED),
+    ENTIRE(prior, ROOT_PRIOR, auvid_prior_t, PART_PRIOR),
+    ENTIRE(validation, ROOT_PREDICTION, auvid_validation_t, PART_SIMULATED),
     STRUCTS(sample, ROOT_PREDICTION, auvid_validation_t, last, 1, PART_SIMULATED),
-    WHOLE(row, ROOT_ROWS, auvid_row_t, PART_RESIDUAL),
-    WHOLE(sample, ROOT_ROWS, auvid_row_t, PART_RESIDUAL), /* each begins with one */
+    ENTIRE(row, ROOT_ROWS, auvid_row_t, PART_RESIDUAL),
+    ENTIRE(sample, ROOT_ROWS, auvid_row_t, PART_RESIDUAL), /* each begins with one */
 };
 const size_t auvid_checkpoint_structs =
     sizeof auvid_checkpoint_struct / sizeof auvid_checkpoint_struct[0];
