@@ -163,7 +163,7 @@ void auvid_thrusters_defaults(auvid_thrusters_config_t *cfg);
  * @param cfg copied; cfg->hull and cfg->log must outlive *thrusters
  * @return AUVID_OK; AUVID_ERR_NULL (also log or hull); the errors of auvid_vehicle_check;
  * AUVID_ERR_RANGE (a field out of its range, group numbers with gaps); AUVID_ERR_NOT_FINITE
- * (matrix); AUVID_ERR_PARAMETERS (more than AUVID_MAX_PARAMETERS together); AUVID_ERR_MODEL (a
+ * (any real); AUVID_ERR_PARAMETERS (more than AUVID_MAX_PARAMETERS together); AUVID_ERR_MODEL (a
  * group acts on no DoF that the hull models, or the hull is &thrusters->vehicle). */
 auvid_status_t auvid_thrusters_init(auvid_thrusters_t *thrusters,
                                     const auvid_thrusters_config_t *cfg);

@@ -9,6 +9,8 @@
 
 #include <string.h>
 
+#include "../base/auvid_refusal_internal.h"
+
 const auvid_real_t auvid_excitation_limit[AUVID_DOF_COUNT] = {
     AUVID_C(5.0), AUVID_C(5.0), AUVID_C(3.0), AUVID_C(0.0), AUVID_C(0.0), AUVID_C(2.0) * AUVID_PI};
 
@@ -58,26 +60,23 @@ auvid_status_t auvid_excitation_schedule(auvid_excitation_config_t *cfg,
                                          auvid_real_t set_s, uint32_t sets, uint64_t seed,
                                          auvid_real_t pause_s, bool one_by_one)
 {
-    uint8_t n = 0;
+    auvid_refusal_t why;
+    uint32_t n = 0;
     if (cfg == NULL || amplitude == NULL) {
         return AUVID_ERR_NULL;
     }
-    if (!auvid_is_finite(set_s) || !auvid_is_finite(pause_s) ||
-        !auvid_all_finite(amplitude, AUVID_DOF_COUNT)) {
-        return AUVID_ERR_NOT_FINITE;
-    }
-    if (set_s < AUVID_C(5.0) || set_s > AUVID_C(600.0) || pause_s < AUVID_C(0.0) ||
-        pause_s > AUVID_C(600.0) || sets < 1 || sets > 1000) {
-        return AUVID_ERR_RANGE;
-    }
+    auvid_check_begin(&why);
+    auvid_check_in(&why, "set_s", set_s, AUVID_C(5.0), AUVID_C(600.0));
+    auvid_check_in(&why, "pause_s", pause_s, AUVID_C(0.0), AUVID_C(600.0));
+    auvid_check_count(&why, AUVID_ERR_RANGE, "sets", sets, 1000);
     for (int dof = 0; dof < AUVID_DOF_COUNT; ++dof) {
-        if (!(amplitude[dof] >= AUVID_C(0.0) && amplitude[dof] <= AUVID_EXCITATION_LARGEST)) {
-            return AUVID_ERR_RANGE;
-        }
-        n = (uint8_t)(n + (amplitude[dof] > AUVID_C(0.0) ? 2 : 0));
+        auvid_check_in(&why, "amplitude", amplitude[dof], AUVID_C(0.0), AUVID_EXCITATION_LARGEST);
+        n += amplitude[dof] > AUVID_C(0.0) ? 2u : 0u;
     }
-    if (n == 0 || n > AUVID_MAX_SEGMENTS) {
-        return n == 0 ? AUVID_ERR_RANGE : AUVID_ERR_SIZE;
+    auvid_check_count(&why, n == 0 ? AUVID_ERR_RANGE : AUVID_ERR_SIZE, "amplitude", n,
+                      AUVID_MAX_SEGMENTS);
+    if (why.status < 0) {
+        return why.status;
     }
     uint32_t turns = one_by_one ? n / 2u : 1u; /* DoFs one after the other */
     auvid_real_t turn_s = set_s + pause_s;

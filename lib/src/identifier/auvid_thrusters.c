@@ -12,8 +12,10 @@
 
 #include "auvid/identifier.h"
 #include "../base/auvid_math_internal.h"
+#include "../base/auvid_refusal_internal.h"
 #include "../metric/auvid_metric_sets_internal.h"
 #include "../models/auvid_thrusters_wrench_internal.h"
+#include "../models/auvid_vehicle_internal.h"
 
 /* Length of the lead-in before a row, in longest lags. An initial error decays to e^-3 of its
  * value, and contributes a third of that to the row's mean. */
@@ -39,27 +41,23 @@ void auvid_thrusters_defaults(auvid_thrusters_config_t *cfg)
 
 static auvid_status_t thrusters_check(const auvid_thrusters_config_t *cfg)
 {
-    if (cfg->hull == NULL || cfg->log == NULL) {
-        return AUVID_ERR_NULL;
-    }
-    auvid_status_t status = auvid_vehicle_check(cfg->hull);
-    if (status < 0) {
-        return status;
-    }
-    if (!auvid_all_finite(cfg->matrix[0], sizeof cfg->matrix / sizeof cfg->matrix[0][0])) {
-        return AUVID_ERR_NOT_FINITE;
-    }
-    const auvid_real_t positive[] = {cfg->command_max, cfg->gain_max, cfg->dead_band_max};
-    for (size_t i = 0; i < sizeof positive / sizeof positive[0]; ++i) {
-        if (!(positive[i] >= AUVID_C(1e-6) && positive[i] <= AUVID_RECORDER_LARGEST)) {
-            return AUVID_ERR_RANGE;
-        }
-    }
-    bool fits = cfg->lag_max_s >= AUVID_C(0.01) && cfg->lag_max_s <= AUVID_C(2.0) &&
-                cfg->thrusters >= 1 && cfg->thrusters <= AUVID_MAX_COMMANDS &&
-                cfg->delay_us <= 1000000 && cfg->period_us >= 1000 && cfg->period_us <= 100000 &&
+    const auvid_real_t least = AUVID_C(1e-6), largest = AUVID_RECORDER_LARGEST;
+    bool fits = cfg->delay_us <= 1000000 && cfg->period_us >= 1000 && cfg->period_us <= 100000 &&
                 cfg->slots >= 1 && (uint64_t)cfg->slots * cfg->period_us <= 4000000000u;
-    return fits ? AUVID_OK : AUVID_ERR_RANGE;
+    auvid_refusal_t why;
+    auvid_check_begin(&why);
+    auvid_check_that(&why, cfg->log != NULL, AUVID_ERR_NULL, "log");
+    auvid_vehicle_check_fields(cfg->hull, &why);
+    auvid_check_that(
+        &why, auvid_all_finite(cfg->matrix[0], sizeof cfg->matrix / sizeof cfg->matrix[0][0]),
+        AUVID_ERR_NOT_FINITE, "matrix");
+    auvid_check_in(&why, "command_max", cfg->command_max, least, largest);
+    auvid_check_in(&why, "gain_max", cfg->gain_max, least, largest);
+    auvid_check_in(&why, "dead_band_max", cfg->dead_band_max, least, largest);
+    auvid_check_in(&why, "lag_max_s", cfg->lag_max_s, AUVID_C(0.01), AUVID_C(2.0));
+    auvid_check_count(&why, AUVID_ERR_RANGE, "thrusters", cfg->thrusters, AUVID_MAX_COMMANDS);
+    auvid_check_that(&why, fits, AUVID_ERR_RANGE, "slots");
+    return why.status;
 }
 
 /* Returns the number of groups; 0 if their numbers have gaps or are too large. */

@@ -295,7 +295,7 @@ static void test_init_refuses_values_out_of_range(void)
     TEST_ASSERT_EQUAL(AUVID_ERR_RANGE, auvid_thrusters_init(&thrusters, &cfg));
     cfg = good;
     cfg.lag_max_s = (auvid_real_t)NAN;
-    TEST_ASSERT_EQUAL(AUVID_ERR_RANGE, auvid_thrusters_init(&thrusters, &cfg));
+    TEST_ASSERT_EQUAL(AUVID_ERR_NOT_FINITE, auvid_thrusters_init(&thrusters, &cfg));
     cfg = good;
     cfg.command_max = (auvid_real_t)1e-7;
     TEST_ASSERT_EQUAL(AUVID_ERR_RANGE, auvid_thrusters_init(&thrusters, &cfg));
