@@ -112,14 +112,14 @@ static bool guard_is_fresh(const auvid_guard_seen_t *seen, uint64_t t_us, uint32
 static void guard_init_trip(auvid_guard_trip_t *trip, auvid_guard_cause_t cause, uint64_t t_us)
 {
     memset(trip, 0, sizeof *trip);
-    trip->cause = cause;
+    trip->cause = (uint8_t)cause;
     trip->t_us = t_us;
 }
 
 static bool guard_set_trip(auvid_guard_trip_t *trip, auvid_guard_cause_t cause, auvid_real_t value,
                            auvid_real_t limit)
 {
-    trip->cause = cause;
+    trip->cause = (uint8_t)cause;
     trip->value = value;
     trip->limit = limit;
     return true;

@@ -182,7 +182,7 @@ auvid_status_t auvid_identifier_init(auvid_identifier_t *id, const auvid_identif
     identifier_check(cfg, &why);
     if (why.status == AUVID_OK) {
         id->search = cfg->search;
-        id->velocity = cfg->velocity;
+        id->velocity = (uint8_t)cfg->velocity;
         id->dry_mass_kg = cfg->dry_mass_kg;
         id->uncertainty = cfg->uncertainty;
         id->listener = cfg->listener;
