@@ -53,7 +53,7 @@ POINTERS = PATHS | {
     r"functions->refuse\(": r"auvid_actuation\.c:actuation_refuse$",
     r"a->shape\(": r"auvid_adaptive\.c:adaptive_apply$",
     r"node->arm\(": r"auvid_actuation\.c:auvid_identifier_arm",
-    r"m->apply_prior\(": r"auvid_metric_prior\.c:metric_apply_prior$",
+    r"m->add_rows\(": r"auvid_prior_rows\.c:auvid_prior_add_rows",
     r"change_functions->begin\(": r"auvid_identifier_validate\.c:identifier_begin_test$",
     r"phase->metric\(": r"auvid_metric_(cost|measure|linearise)$",
     r"phase->run\(": r"_(work|validate)\.c:identifier_(merge|ask|linearise|confidence|change)$",

@@ -71,6 +71,8 @@ only_residual+='|auvid_path_residual|auvid_metric_linearise_sets'
 only_change='auvid_metric_change|auvid_metric_change_begin|identifier_end_test'
 only_change+='|identifier_change_functions'
 
+attached='auvid_(prior|validation|guard|excitation|allocation|adaptive)_.*|simulate_cell'
+
 # holds NAME PATTERN COUNT: so many of these symbols are in the program.
 holds() {
     [ "$(grep -cE " ($2)(_|\$)" "$scratch/$1.nm")" = "$3" ]
@@ -86,6 +88,8 @@ holds linear "$only_residual" 0
 report "  and nothing of the residual path"
 holds linear "$only_change" 0
 report "  and nothing of the change test"
+holds linear "$attached" 0
+report "  nor of the prior, the simulation and the acting half"
 "$scratch/linear"
 report "  it initialises"
 program tested '.path = &auvid_path_regressor,' '.regressor = regressor' "" -DCHANGE

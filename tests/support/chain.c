@@ -86,7 +86,7 @@ void chain_copy(chain_t *to, const chain_t *from)
     *to = *from;
     to->id.prediction = &to->prediction;
     to->id.change = &to->change;
-    to->id.metric.prior = &to->prior;
+    to->id.metric.add_rows_context = &to->prior;
     if (from->id.actuation != NULL) {
         to->id.actuation = &to->actuation;
         to->actuation.shape_context = from->actuation.shape != NULL ? &to->adaptive : NULL;
@@ -103,7 +103,7 @@ bool chain_is_same(const chain_t *a, const chain_t *b)
     id.actuation = b->id.actuation;
     id.prediction = b->id.prediction;
     id.change = b->id.change;
-    id.metric.prior = b->id.metric.prior;
+    id.metric.add_rows_context = b->id.metric.add_rows_context;
     actuation.allocation = b->actuation.allocation;
     return memcmp(&id, &b->id, sizeof id) == 0 &&
            memcmp(&actuation, &b->actuation, sizeof actuation) == 0 &&

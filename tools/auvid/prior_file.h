@@ -2,10 +2,10 @@
  * @file prior_file.h
  * The prior record (auvid/prior.h) as a file.
  */
-#ifndef PROGRAM_WARM_FILE_H
-#define PROGRAM_WARM_FILE_H
+#ifndef PROGRAM_PRIOR_FILE_H
+#define PROGRAM_PRIOR_FILE_H
 
-#include "auvid/identifier.h"
+#include "auvid/prior.h"
 
 /** Attaches `storage`, and sets the prior from the file. Returns false, without a prior, after one
  * line on stderr. */

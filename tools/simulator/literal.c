@@ -155,7 +155,7 @@ void literal_gap(literal_t *l)
 static void end_merge(auvid_metric_t *m)
 {
     if (auvid_metric_pass(m) == PASS_RESIDUAL && m->cfg.vehicle->regressor == smoothed_rows) {
-        auvid_metric_restart_pass(m, PASS_PRIOR);
+        auvid_metric_restart_pass(m, PASS_ADDED);
     }
 }
 

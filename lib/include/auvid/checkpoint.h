@@ -24,8 +24,8 @@
  *
  * Also copy what is attached: the acting half (actuation.h), the storage of adaptive excitation, of
  * the change test, of the prior and of the prediction. Set copy.actuation, its shape_context,
- * copy.change, copy.metric.prior and copy.prediction to the copies. On the residual path also copy
- * the model's storage (metric.rows), and set copy.metric.cfg.rows to the copy.
+ * copy.change, copy.metric.add_rows_context and copy.prediction to the copies. On the residual path
+ * also copy the model's storage (metric.rows), and set copy.metric.cfg.rows to the copy.
  *
  * Called from the control task, between ticks. Cost on a Cortex-M4F (-O2): 29 instructions a byte
  * to save (7.4k a page of 256), 70 to restore, and 13k to begin. Size: 20 to 26 KB with default
@@ -40,6 +40,7 @@
 #include "auvid/actuation.h"
 #include "auvid/adaptive.h"
 #include "auvid/identifier.h"
+#include "auvid/prior.h"
 
 #ifdef __cplusplus
 extern "C" {

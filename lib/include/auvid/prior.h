@@ -28,6 +28,18 @@ extern "C" {
 /** Bytes of a record. */
 enum { AUVID_PRIOR_BYTES = 236 };
 
+/** Prior knowledge: parameters estimated before the first set was recorded. */
+typedef struct {
+    auvid_real_t pi[AUVID_MAX_PARAMETERS];    /**< means, in the parameters' units */
+    auvid_real_t sigma[AUVID_MAX_PARAMETERS]; /**< standard errors, > 0 */
+    /** mean square of the effective noise divided by that of the residual (confidence.h), > 0 */
+    auvid_real_t variance_inflation[AUVID_DOF_COUNT];
+    uint32_t known; /**< bit i: parameter i has a prior; 0: none has */
+#ifdef AUVID_REAL_DOUBLE
+    uint8_t reserved[4];
+#endif
+} auvid_prior_t;
+
 #define auvid_prior_save AUVID_SIZED(auvid_prior_save)
 /**
  * Save the last estimate as a prior record.
@@ -41,6 +53,10 @@ auvid_status_t auvid_prior_save(const auvid_identifier_t *id, uint8_t *record);
 /**
  * Give the identifier memory for a prior. Call it once, between auvid_identifier_init and the first
  * step. Without it auvid_prior_load and auvid_prior_set return AUVID_ERR_STATE.
+ *
+ * Each merge adds pseudo-measurements to the rows of the sets: the prior mean with its standard
+ * error, weighted with the residual of the sets. If the sets contradict them (Chow's F of a DoF is
+ * above 6), the prior is discarded and storage->known becomes 0.
  * @param storage written; must outlive the identifier
  * @return AUVID_OK; AUVID_ERR_NULL; AUVID_ERR_STATE (not initialised); AUVID_ERR_ATTACHED (one is
  * attached already); AUVID_ERR_STARTED (it has stepped). After an error nothing has changed.
@@ -56,8 +72,8 @@ auvid_status_t auvid_identifier_attach_prior(auvid_identifier_t *id, auvid_prior
  * is attached, or a set has been completed);
  * AUVID_ERR_SIZE (not AUVID_PRIOR_BYTES); AUVID_ERR_CHECKSUM (damaged, or of another version);
  * AUVID_ERR_MODEL (of another model, of other free parameters, or of other fixed values);
- * AUVID_ERR_NOT_FINITE, AUVID_ERR_RANGE (the checksum is correct, but a value is not finite, or
- * auvid_metric_set_prior rejects it). A rejected record changes nothing.
+ * AUVID_ERR_NOT_FINITE, AUVID_ERR_RANGE (the checksum is correct, but a value is not finite or out
+ * of the ranges of auvid_prior_set). A rejected record changes nothing.
  */
 auvid_status_t auvid_prior_load(auvid_identifier_t *id, const uint8_t *record, uint32_t bytes);
 

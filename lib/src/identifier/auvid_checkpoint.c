@@ -62,7 +62,7 @@ static uint32_t checkpoint_parts(const auvid_identifier_t *id)
     parts |= id->prediction != NULL && id->prediction->vehicle != NULL ? PART_SIMULATED : 0u;
     parts |= id->actuation != NULL ? PART_ACTUATION : 0u;
     parts |= id->change != NULL ? PART_CHANGE : 0u;
-    parts |= id->metric.prior != NULL ? PART_PRIOR : 0u;
+    parts |= id->metric.add_rows != NULL ? PART_PRIOR : 0u;
     parts |= checkpoint_adapts(id) ? PART_ADAPTIVE : 0u;
     if (id->work.phase == AUVID_WORK_CONFIDENCE) {
         parts |= PART_CONFIDENCE;
@@ -136,7 +136,7 @@ static void *checkpoint_attached(const auvid_identifier_t *id, uint8_t root)
     return root == ROOT_ACTUATION    ? (void *)id->actuation
            : root == ROOT_ADAPTIVE   ? id->actuation->shape_context
            : root == ROOT_CHANGE     ? (void *)id->change
-           : root == ROOT_PRIOR      ? (void *)id->metric.prior
+           : root == ROOT_PRIOR      ? id->metric.add_rows_context
            : root == ROOT_PREDICTION ? (void *)id->prediction
                                      : (void *)id->metric.cfg.rows;
 }

@@ -9,6 +9,7 @@
 #include "auvid_checkpoint_layout_internal.h"
 #include "../metric/auvid_confidence_notes_internal.h"
 #include "auvid_identifier_internal.h"
+#include "auvid_prior_rows_internal.h"
 #include "../search/auvid_line_search_directions_internal.h"
 #include "../base/auvid_math_internal.h"
 #include "../metric/auvid_metric_evaluator_internal.h"
@@ -232,7 +233,7 @@ static bool checkpoint_check_pass(const subject_t *s)
     uint32_t phase = WORD(work.phase), sets = m->cfg.sets;
     auvid_metric_cursor_t at;
     COPY(&at, MEMBER(metric.evaluator.at));
-    bool linear = !auvid_metric_stores_rows(m), merges = at.pass <= PASS_PRIOR;
+    bool linear = !auvid_metric_stores_rows(m), merges = at.pass <= PASS_ADDED;
     bool walks = at.pass <= PASS_LAST || at.pass == PASS_MEASURE; /* by DoF */
     bool in_dof = at.dof < AUVID_DOF_COUNT || !walks || at.set >= at.to_set;
     bool right = true;
@@ -398,7 +399,7 @@ static bool checkpoint_check_prior(const subject_t *s)
 {
     auvid_prior_t prior;
     checkpoint_copy(s, ROOT_PRIOR, 0, &prior, offsetof(auvid_prior_t, known) + sizeof prior.known);
-    return auvid_metric_check_prior(&s->id->metric, &prior) == AUVID_OK;
+    return auvid_prior_check(&s->id->metric, &prior) == AUVID_OK;
 }
 
 static bool checkpoint_search_matches_phase(const subject_t *s)

@@ -11,7 +11,7 @@
  *        228  0
  *        232  CRC-32 of all bytes before
  */
-#include "auvid/prior.h"
+#include "auvid_prior_rows_internal.h"
 
 #include <string.h>
 
@@ -159,10 +159,12 @@ static void prior_publish(auvid_identifier_t *id, const auvid_prior_t *prior, bo
 
 auvid_status_t auvid_identifier_attach_prior(auvid_identifier_t *id, auvid_prior_t *storage)
 {
-    auvid_status_t status = auvid_identifier_check_attach(
-        id, storage, id == NULL ? NULL : (const void *)id->metric.prior);
+    auvid_status_t status =
+        auvid_identifier_check_attach(id, storage, id == NULL ? NULL : id->metric.add_rows_context);
     if (status == AUVID_OK) {
-        auvid_metric_attach_prior(&id->metric, storage);
+        memset(storage, 0, sizeof *storage);
+        id->metric.add_rows = auvid_prior_add_rows;
+        id->metric.add_rows_context = storage;
     }
     return status;
 }
@@ -170,18 +172,20 @@ auvid_status_t auvid_identifier_attach_prior(auvid_identifier_t *id, auvid_prior
 /* Is this before the first set, and is there memory? */
 static bool prior_is_allowed(const auvid_identifier_t *id)
 {
-    return identifier_is_ready(id) && id->metric.prior != NULL && id->metric.sets.recorded == 0 &&
-           id->estimate.number == 0;
+    return identifier_is_ready(id) && id->metric.add_rows != NULL &&
+           id->metric.sets.recorded == 0 && id->estimate.number == 0;
 }
 
 /* scale_errors: sigma does not include the errors of thrust and DVL scale yet. */
 static auvid_status_t prior_begin(auvid_identifier_t *id, const auvid_prior_t *prior,
                                   bool scale_errors)
 {
-    auvid_status_t status = auvid_metric_set_prior(&id->metric, prior);
-    if (status == AUVID_OK || status == AUVID_ERR_MODEL) { /* the residual path uses the point */
+    auvid_status_t status = auvid_prior_check(&id->metric, prior);
+    if (status == AUVID_OK) {
+        if (!auvid_metric_stores_rows(&id->metric)) { /* that path uses the point only */
+            *(auvid_prior_t *)id->metric.add_rows_context = *prior;
+        }
         prior_publish(id, prior, scale_errors);
-        status = AUVID_OK;
     }
     return status;
 }
@@ -226,7 +230,7 @@ auvid_status_t auvid_prior_set(auvid_identifier_t *id, const auvid_real_t *pi,
         if ((prior.known >> i & 1u) == 0) {
             continue;
         }
-        if (!auvid_is_finite(sigma[i])) { /* auvid_metric_set_prior checks the rest */
+        if (!auvid_is_finite(sigma[i])) { /* auvid_prior_check checks the rest */
             return AUVID_ERR_NOT_FINITE;
         }
         if (!(sigma[i] < MAX_SIGMA)) {

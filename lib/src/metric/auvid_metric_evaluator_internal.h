@@ -102,7 +102,7 @@ void auvid_metric_clear_dependent(auvid_metric_t *m, int j);
 enum { AUVID_METRIC_ROTATION = 4 };
 
 /** Purpose of a pass over the rows of all sets. */
-enum { PASS_FIRST, PASS_RESIDUAL, PASS_LAST, PASS_PRIOR, PASS_COST, PASS_MEASURE, PASS_LINEAR };
+enum { PASS_FIRST, PASS_RESIDUAL, PASS_LAST, PASS_ADDED, PASS_COST, PASS_MEASURE, PASS_LINEAR };
 
 static inline int auvid_metric_pass(const auvid_metric_t *m)
 {
@@ -156,9 +156,6 @@ static inline bool auvid_metric_succeeds(const auvid_metric_t *m, uint64_t earli
     uint64_t row_us = (uint64_t)m->cfg.cell_us * m->cfg.row_cells;
     return later_us - earlier_us + m->cfg.cell_us / 2 - row_us <= m->cfg.cell_us;
 }
-
-/** Check a prior against the metric's model. Returns the statuses of auvid_metric_set_prior. */
-auvid_status_t auvid_metric_check_prior(const auvid_metric_t *metric, const auvid_prior_t *prior);
 
 /** The linearise of the residual path. */
 auvid_status_t auvid_metric_linearise_sets(auvid_metric_t *m, uint32_t *budget);

@@ -292,9 +292,8 @@ bool auvid_metric_merge_sets(auvid_metric_t *m, uint32_t *budget)
     auvid_metric_cursor_t *at = &m->evaluator.at;
     auvid_status_t status = AUVID_EMPTY;
     while (status == AUVID_EMPTY) {
-        if (at->pass == PASS_PRIOR) {
-            bool none = m->prior == NULL || m->prior->known == 0;
-            status = none ? AUVID_OK : m->apply_prior(m, budget);
+        if (at->pass == PASS_ADDED) {
+            status = m->add_rows == NULL ? AUVID_OK : m->add_rows(m, budget);
         } else if (auvid_metric_for_each_row(m, budget) && metric_finish_dofs(m, budget)) {
             auvid_metric_restart_pass(m, (uint8_t)(at->pass + 1));
         } else {

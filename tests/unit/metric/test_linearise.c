@@ -110,7 +110,7 @@ static void merge_unweighted(auvid_metric_t *m)
         uint32_t unit = 1;
         status = auvid_metric_merge(m, &unit);
         if (m->evaluator.at.pass == PASS_RESIDUAL) {
-            auvid_metric_restart_pass(m, PASS_PRIOR);
+            auvid_metric_restart_pass(m, PASS_ADDED);
         }
     }
 }

@@ -187,11 +187,6 @@ static void test_a_held_ring_delays_a_set_of_the_residual_path(void)
         TEST_ASSERT_EQUAL(AUVID_OK, auvid_metric_release(&metric, 0)); /* nothing waits */
     }
     TEST_ASSERT_EQUAL(AUVID_ERR_NULL, auvid_metric_release(NULL, 0));
-    auvid_prior_t prior, memory;
-    memset(&prior, 0, sizeof prior);
-    TEST_ASSERT_EQUAL(AUVID_ERR_STATE, auvid_metric_set_prior(&metric, &prior));
-    auvid_metric_attach_prior(&metric, &memory);
-    TEST_ASSERT_EQUAL(AUVID_ERR_MODEL, auvid_metric_set_prior(&metric, &prior));
 }
 
 static void test_a_budget_of_one_unit_leaves_work(void)

@@ -88,18 +88,6 @@ typedef struct {
     uint8_t excited;                                          /**< bit j: DoF j is excited */
 } auvid_set_t;
 
-/** Prior knowledge: parameters estimated before the first set was recorded. */
-typedef struct {
-    auvid_real_t pi[AUVID_MAX_PARAMETERS];    /**< means, in the parameters' units */
-    auvid_real_t sigma[AUVID_MAX_PARAMETERS]; /**< standard errors, > 0 */
-    /** mean square of the effective noise divided by that of the residual (confidence.h), > 0 */
-    auvid_real_t variance_inflation[AUVID_DOF_COUNT];
-    uint32_t known; /**< bit i: parameter i has a prior; 0: none has */
-#ifdef AUVID_REAL_DOUBLE
-    uint8_t reserved[4];
-#endif
-} auvid_prior_t;
-
 /** What follows from the configuration. Private: written by auvid_metric_init. */
 typedef struct {
     auvid_real_t window_weight[AUVID_METRIC_WINDOW];
@@ -217,9 +205,10 @@ typedef struct {
 /** The metric. Read `result`; the rest is private where it says so. */
 typedef struct auvid_metric {
     auvid_metric_config_t cfg;
-    auvid_prior_t *prior; /* NULL: none is attached */
-    auvid_status_t (*apply_prior)(struct auvid_metric *m, uint32_t *budget); /* last pass of a merge
-                                                                                with a prior */
+    /* Rotates rows from outside into the merged factors, after those of the sets (prior.h). NULL:
+     * there are none. Returns AUVID_OK; AUVID_PENDING; AUVID_EMPTY (repeat the last pass) */
+    auvid_status_t (*add_rows)(struct auvid_metric *m, uint32_t *budget);
+    void *add_rows_context;
     auvid_metric_layout_t layout;
     /* state: from here on, see checkpoint.h */
     auvid_metric_result_t result;
@@ -295,24 +284,6 @@ auvid_status_t auvid_metric_release(auvid_metric_t *metric, uint64_t resume_us);
  * @return AUVID_OK; AUVID_ERR_NULL; AUVID_ERR_RANGE (there is no such set in the ring, or it was
  * already deleted). */
 auvid_status_t auvid_metric_drop(auvid_metric_t *metric, uint8_t age);
-
-#define auvid_metric_attach_prior AUVID_SIZED(auvid_metric_attach_prior)
-/** Give the metric memory for a prior; without it the program does not contain its code. NULL is a
- * no-op.
- * @param storage written: no parameter has a prior; must outlive the metric */
-void auvid_metric_attach_prior(auvid_metric_t *metric, auvid_prior_t *storage);
-
-#define auvid_metric_set_prior AUVID_SIZED(auvid_metric_set_prior)
-/** Set the prior of the parameters. The merge adds pseudo-measurements to the rows of the sets: the
- * prior mean with its standard error, weighted with the residual of the sets. If the sets
- * contradict them (Chow's F of a DoF is above 6), the prior is discarded and prior->known becomes
- * 0. Regressor path only. If the prior is rejected, nothing changes.
- * @param prior copied
- * @return AUVID_OK; AUVID_ERR_NULL; AUVID_ERR_STATE (no memory is attached); AUVID_ERR_NOT_FINITE;
- * AUVID_ERR_RANGE (`known` has a bit of a parameter that is not free; a value is beyond 1e18; the
- * standard error or variance inflation of a known parameter is not > 0 or is beyond 2e30);
- * AUVID_ERR_MODEL (residual path: the prior is checked and not used). */
-auvid_status_t auvid_metric_set_prior(auvid_metric_t *metric, const auvid_prior_t *prior);
 
 #define auvid_metric_merge_begin AUVID_SIZED(auvid_metric_merge_begin)
 /** Begin to merge the completed sets. Call auvid_metric_merge next, until it returns AUVID_OK. NULL

@@ -1,5 +1,5 @@
 /*
- * Metric, prior: parameters estimated before the first set was recorded.
+ * The prior as rows of the merged sets: parameters estimated before the first set was recorded.
  *
  * With s_j^2 the effective noise in DoF j's rows, the prior pi_i = p_i +- sigma_i is one more row
  * of its equation, s_j / sigma_i (pi_i - p_i) = 0. These rows increase what the rows of a DoF leave
@@ -7,12 +7,12 @@
  * variable (Chow 1960; auvid_metric_change.c). It has as many degrees of freedom as there are prior
  * rows.
  */
-#include "auvid_metric_evaluator_internal.h"
+#include "auvid_prior_rows_internal.h"
 
-#include <string.h>
+#include "../metric/auvid_metric_evaluator_internal.h"
 
 /* The prior is discarded above this F. A wrong discard costs little: a cold start. */
-#define METRIC_LIMIT AUVID_C(6.0)
+#define PRIOR_LIMIT AUVID_C(6.0)
 
 /* Larger values are not accepted as parameters (detail/optimizer.h). */
 #define LARGEST_VALUE AUVID_C(1e18)
@@ -20,27 +20,28 @@
 #define LARGEST_ERROR AUVID_C(2e30)
 
 /* Returns the columns (bit k) of DoF j's own parameters that have a prior. */
-static uint32_t metric_prior_columns(const auvid_metric_t *m, int j)
+static uint32_t prior_columns(const auvid_metric_t *m, const auvid_prior_t *prior, int j)
 {
     auvid_equation_t e = auvid_metric_equation(m, j);
     uint32_t known = 0;
     for (int k = 0; k < e.count; ++k) {
         int i = e.index[k];
         bool of_dof = (int)m->cfg.vehicle->parameter[i].dof == j;
-        known |= (uint32_t)(of_dof && (m->prior->known >> i & 1u)) << k;
+        known |= (uint32_t)(of_dof && (prior->known >> i & 1u)) << k;
     }
     return known;
 }
 
 /* Rotate the prior of column k into DoF j's R factor. */
-static void metric_add_prior_row(auvid_metric_t *m, int j, int k, auvid_real_t noise)
+static void prior_add_row(auvid_metric_t *m, const auvid_prior_t *prior, int j, int k,
+                          auvid_real_t noise)
 {
     auvid_real_t row[AUVID_MAX_PARAMETERS + AUVID_METRIC_DELAYS] = {AUVID_C(0.0)};
     auvid_equation_t e = auvid_metric_equation(m, j);
     int i = e.index[k];
-    row[k] = noise / m->prior->sigma[i];
+    row[k] = noise / prior->sigma[i];
     for (int d = 0; d < AUVID_METRIC_DELAYS; ++d) {
-        row[e.count + d] = row[k] * m->prior->pi[i];
+        row[e.count + d] = row[k] * prior->pi[i];
     }
     if (auvid_all_within(row + k, (size_t)(e.order - k), METRIC_LARGEST_ENTRY) != AUVID_OK) {
         return; /* its squares would not be finite */
@@ -49,28 +50,31 @@ static void metric_add_prior_row(auvid_metric_t *m, int j, int k, auvid_real_t n
 }
 
 /* Rotate the priors of DoF j in. @return true if they agree with the sets */
-static bool metric_apply_prior_dof(auvid_metric_t *m, int j)
+static bool prior_apply(auvid_metric_t *m, const auvid_prior_t *prior, int j)
 {
     auvid_real_t before = auvid_metric_unexplained(m, j),
                  rows = (auvid_real_t)m->result.dof_rows[j];
-    auvid_real_t square = m->prior->variance_inflation[j] * before / rows, degrees = AUVID_C(0.0);
-    uint32_t known = metric_prior_columns(m, j);
+    auvid_real_t square = prior->variance_inflation[j] * before / rows, degrees = AUVID_C(0.0);
+    uint32_t known = prior_columns(m, prior, j);
     for (int k = 0; k < m->layout.count[j]; ++k) {
         if (known >> k & 1u) {
-            metric_add_prior_row(m, j, k, auvid_sqrt(square));
+            prior_add_row(m, prior, j, k, auvid_sqrt(square));
             degrees += AUVID_C(1.0);
         }
     }
     auvid_real_t more = auvid_metric_unexplained(m, j) - before;
     m->result.constant -= m->evaluator.weight[j] * before;
     auvid_metric_solve_dof(m, j);
-    return more <= METRIC_LIMIT * degrees * square;
+    return more <= PRIOR_LIMIT * degrees * square;
 }
 
-/* @return AUVID_OK; AUVID_PENDING; AUVID_EMPTY (prior discarded: the last pass starts again) */
-static auvid_status_t metric_apply_prior(auvid_metric_t *m, uint32_t *budget)
+auvid_status_t auvid_prior_add_rows(auvid_metric_t *m, uint32_t *budget)
 {
+    auvid_prior_t *prior = m->add_rows_context;
     auvid_metric_cursor_t *at = &m->evaluator.at;
+    if (prior->known == 0) {
+        return AUVID_OK;
+    }
     for (; at->dof < AUVID_DOF_COUNT; ++at->dof) {
         int j = at->dof;
         if (!auvid_metric_is_excited(m, j)) {
@@ -82,8 +86,8 @@ static auvid_status_t metric_apply_prior(auvid_metric_t *m, uint32_t *budget)
                 return AUVID_PENDING;
             }
         } while (!auvid_metric_spend(at, budget, price));
-        if (!metric_apply_prior_dof(m, j)) {
-            m->prior->known = 0;
+        if (!prior_apply(m, prior, j)) {
+            prior->known = 0;
             auvid_metric_restart_pass(m, PASS_LAST);
             return AUVID_EMPTY;
         }
@@ -91,12 +95,12 @@ static auvid_status_t metric_apply_prior(auvid_metric_t *m, uint32_t *budget)
     return AUVID_OK;
 }
 
-static bool metric_is_valid_error(auvid_real_t x)
+static bool prior_is_valid_error(auvid_real_t x)
 {
     return x > AUVID_C(1.0) / LARGEST_ERROR && x < LARGEST_ERROR;
 }
 
-auvid_status_t auvid_metric_check_prior(const auvid_metric_t *metric, const auvid_prior_t *prior)
+auvid_status_t auvid_prior_check(const auvid_metric_t *metric, const auvid_prior_t *prior)
 {
     if (!auvid_all_finite(prior->pi, AUVID_MAX_PARAMETERS) ||
         !auvid_all_finite(prior->sigma, AUVID_MAX_PARAMETERS) ||
@@ -105,39 +109,12 @@ auvid_status_t auvid_metric_check_prior(const auvid_metric_t *metric, const auvi
     }
     for (int i = 0; i < metric->cfg.vehicle->parameters; ++i) {
         int j = (int)metric->cfg.vehicle->parameter[i].dof;
-        if ((prior->known >> i & 1u) && !(metric_is_valid_error(prior->sigma[i]) &&
-                                          metric_is_valid_error(prior->variance_inflation[j]))) {
+        if ((prior->known >> i & 1u) && !(prior_is_valid_error(prior->sigma[i]) &&
+                                          prior_is_valid_error(prior->variance_inflation[j]))) {
             return AUVID_ERR_RANGE;
         }
     }
     bool good = (prior->known & ~auvid_metric_free_of(metric, UINT8_MAX)) == 0 &&
                 auvid_all_within(prior->pi, AUVID_MAX_PARAMETERS, LARGEST_VALUE) == AUVID_OK;
     return good ? AUVID_OK : AUVID_ERR_RANGE;
-}
-
-void auvid_metric_attach_prior(auvid_metric_t *metric, auvid_prior_t *storage)
-{
-    if (metric != NULL && storage != NULL) {
-        memset(storage, 0, sizeof *storage);
-        metric->prior = storage;
-        metric->apply_prior = metric_apply_prior;
-    }
-}
-
-auvid_status_t auvid_metric_set_prior(auvid_metric_t *metric, const auvid_prior_t *prior)
-{
-    if (metric == NULL || prior == NULL) {
-        return AUVID_ERR_NULL;
-    }
-    if (metric->prior == NULL) {
-        return AUVID_ERR_STATE;
-    }
-    auvid_status_t status = auvid_metric_check_prior(metric, prior);
-    if (status == AUVID_OK && auvid_metric_stores_rows(metric)) {
-        status = AUVID_ERR_MODEL;
-    }
-    if (status == AUVID_OK) {
-        *metric->prior = *prior;
-    }
-    return status;
 }

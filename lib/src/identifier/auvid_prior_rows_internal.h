@@ -1,0 +1,18 @@
+/**
+ * @file auvid_prior_rows_internal.h
+ * Private: the prior as rows of the merged sets.
+ */
+#ifndef AUVID_PRIOR_ROWS_INTERNAL_H
+#define AUVID_PRIOR_ROWS_INTERNAL_H
+
+#include "auvid/prior.h"
+
+/** Check a prior against the metric's model. @return AUVID_OK; AUVID_ERR_NOT_FINITE;
+ * AUVID_ERR_RANGE (`known` has a bit of a parameter that is not free; a value is beyond 1e18; the
+ * standard error or variance inflation of a known parameter is not > 0 or is beyond 2e30) */
+auvid_status_t auvid_prior_check(const auvid_metric_t *metric, const auvid_prior_t *prior);
+
+/** add_rows of the metric; its context is an auvid_prior_t. */
+auvid_status_t auvid_prior_add_rows(auvid_metric_t *m, uint32_t *budget);
+
+#endif
