@@ -238,9 +238,9 @@ static void test_what_is_attached_stays(void)
 {
     static auvid_validation_t validation;
     init_predicting(&id); /* nothing is predicted yet: fits one without a prediction, too */
-    bytes = save(&id, saved, sizeof saved);
-    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&id, &cfg));
-    TEST_ASSERT_EQUAL(AUVID_OK, auvid_checkpoint_restore(&id, saved, bytes));
+    uint32_t empty_bytes = save(&id, again, sizeof again);
+    init(&id);
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_checkpoint_restore(&id, again, empty_bytes));
     init_predicting(&id);
     make();
     check_refused(AUVID_ERR_STATE, saved, bytes); /* it has a prediction, *id has none */
@@ -251,6 +251,8 @@ static void test_what_is_attached_stays(void)
     TEST_ASSERT_EQUAL_PTR(&validation, id.validation);
     TEST_ASSERT_EQUAL_PTR(&auvid_girona500, id.metric.cfg.vehicle);
     TEST_ASSERT_EQUAL_PTR(&auvid_girona500, prediction.vehicle);
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_checkpoint_restore(&id, again, empty_bytes));
+    TEST_ASSERT_NULL(prediction.vehicle);
 }
 
 /* All positions (in double every eleventh, except in the long form). In head and tail all other
@@ -288,6 +290,11 @@ static void test_a_checkpoint_cut_or_lengthened_is_refused(void)
     }
     check_refused(AUVID_ERR_CHECKSUM, saved, bytes - 1);
     check_refused(AUVID_ERR_CHECKSUM, saved, bytes + 1);
+    for (uint32_t size = 8; size <= AUVID_CHECKPOINT_HEAD + AUVID_CHECKPOINT_TAIL; ++size) {
+        memcpy(again, saved, size - 4); /* with a correct checksum */
+        auvid_put_word(again + size - 4, ~auvid_checksum(UINT32_MAX, again, size - 4));
+        check_refused(AUVID_ERR_CHECKSUM, again, size);
+    }
     memset(again, 0, sizeof again); /* erased flash */
     check_refused(AUVID_ERR_CHECKSUM, again, bytes);
     memset(again, 0xFF, sizeof again);
