@@ -302,7 +302,7 @@ static void test_a_checkpoint_cut_or_lengthened_is_refused(void)
 }
 
 /* Of the version, of the layout that tests/validation/layout.py computes, and of the sizes. */
-static void test_the_head_has_the_checksum_of_the_layout(void)
+static void test_the_head_is_of_this_layout(void)
 {
     uint32_t c = auvid_checksum_word(
         UINT32_MAX, AUVID_VERSION_MAJOR * 65536 + AUVID_VERSION_MINOR * 256 + AUVID_VERSION_PATCH);
@@ -761,7 +761,7 @@ int main(void)
     RUN_TEST(test_what_is_attached_stays);
     RUN_TEST(test_every_damaged_byte_is_detected);
     RUN_TEST(test_a_checkpoint_cut_or_lengthened_is_refused);
-    RUN_TEST(test_the_head_has_the_checksum_of_the_layout);
+    RUN_TEST(test_the_head_is_of_this_layout);
     RUN_TEST(test_one_of_another_version_or_other_sizes_is_refused);
     RUN_TEST(test_one_of_another_model_is_refused);
     RUN_TEST(test_one_of_another_configuration_is_refused);
