@@ -7,7 +7,9 @@
 #include "auvid/checkpoint.h"
 #include "auvid/prior.h"
 #include "search/auvid_line_search_directions_internal.h"
+#include "base/auvid_checksum_internal.h"
 #include "base/auvid_math_internal.h"
+#include "identifier/auvid_checkpoint_layout_internal.h"
 #include "binomial.h"
 #include "by_residual.h"
 #include "unity.h"
@@ -235,6 +237,10 @@ static void test_a_prior_record_is_part_of_it(void)
 static void test_what_is_attached_stays(void)
 {
     static auvid_validation_t validation;
+    init_predicting(&id); /* nothing is predicted yet: fits one without a prediction, too */
+    uint32_t empty_bytes = save(&id, again, sizeof again);
+    init(&id);
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_checkpoint_restore(&id, again, empty_bytes));
     init_predicting(&id);
     make();
     check_refused(AUVID_ERR_STATE, saved, bytes); /* it has a prediction, *id has none */
@@ -245,6 +251,8 @@ static void test_what_is_attached_stays(void)
     TEST_ASSERT_EQUAL_PTR(&validation, id.validation);
     TEST_ASSERT_EQUAL_PTR(&auvid_girona500, id.metric.cfg.vehicle);
     TEST_ASSERT_EQUAL_PTR(&auvid_girona500, prediction.vehicle);
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_checkpoint_restore(&id, again, empty_bytes));
+    TEST_ASSERT_NULL(prediction.vehicle);
 }
 
 /* All positions (in double every eleventh, except in the long form). In head and tail all other
@@ -282,10 +290,28 @@ static void test_a_checkpoint_cut_or_lengthened_is_refused(void)
     }
     check_refused(AUVID_ERR_CHECKSUM, saved, bytes - 1);
     check_refused(AUVID_ERR_CHECKSUM, saved, bytes + 1);
+    for (uint32_t size = 8; size <= AUVID_CHECKPOINT_HEAD + AUVID_CHECKPOINT_TAIL; ++size) {
+        memcpy(again, saved, size - 4); /* with a correct checksum */
+        auvid_put_word(again + size - 4, ~auvid_checksum(UINT32_MAX, again, size - 4));
+        check_refused(AUVID_ERR_CHECKSUM, again, size);
+    }
     memset(again, 0, sizeof again); /* erased flash */
     check_refused(AUVID_ERR_CHECKSUM, again, bytes);
     memset(again, 0xFF, sizeof again);
     check_refused(AUVID_ERR_CHECKSUM, again, bytes);
+}
+
+/* Of the version, of the layout that tests/validation/layout.py computes, and of the sizes. */
+static void test_the_head_is_of_this_layout(void)
+{
+    uint32_t c = auvid_checksum_word(
+        UINT32_MAX, AUVID_VERSION_MAJOR * 65536 + AUVID_VERSION_MINOR * 256 + AUVID_VERSION_PATCH);
+    c = auvid_checksum_word(c, AUVID_CHECKPOINT_LAYOUT);
+    for (int k = 0; k < CHECKPOINT_BLOCKS; ++k) {
+        c = auvid_checksum_word(c, auvid_checkpoint_block[k].bytes);
+    }
+    (void)save(&id, saved, sizeof saved);
+    TEST_ASSERT_EQUAL_HEX32(c, auvid_get_word(saved + 4));
 }
 
 /* Undamaged checkpoints from elsewhere, with a correct checksum. */
@@ -342,6 +368,12 @@ static void test_one_of_another_model_is_refused(void)
     auvid_identifier_defaults(&cfg, &nameless);
     init(&id);
     check_refused(AUVID_ERR_MODEL, saved, bytes);
+    static auvid_vehicle_t other_equation;
+    other_equation = auvid_girona500;
+    other_equation.columns[AUVID_SURGE] ^= 1u << AUVID_G500_M_R;
+    auvid_identifier_defaults(&cfg, &other_equation);
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&id, &cfg));
+    check_refused(AUVID_ERR_MODEL, saved, bytes);
 }
 
 /* What a checkpoint was saved with must be what it continues with. */
@@ -386,6 +418,7 @@ static void test_rows_are_part_of_it_and_other_storage_is_refused(void)
     cfg.metric.sets = 8;
     init(&id);
     make(); /* with the same contents of its storage */
+    TEST_ASSERT_EQUAL_UINT32(ROWS, auvid_get_word(saved + 20));
     cfg.metric.rows = store[1];
     init(&id);
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_checkpoint_restore(&id, saved, bytes));
@@ -728,6 +761,7 @@ int main(void)
     RUN_TEST(test_what_is_attached_stays);
     RUN_TEST(test_every_damaged_byte_is_detected);
     RUN_TEST(test_a_checkpoint_cut_or_lengthened_is_refused);
+    RUN_TEST(test_the_head_is_of_this_layout);
     RUN_TEST(test_one_of_another_version_or_other_sizes_is_refused);
     RUN_TEST(test_one_of_another_model_is_refused);
     RUN_TEST(test_one_of_another_configuration_is_refused);
