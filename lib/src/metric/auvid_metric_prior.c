@@ -19,19 +19,6 @@
 /* Standard errors and variance inflations are below this and above its inverse. */
 #define LARGEST_ERROR AUVID_C(2e30)
 
-/* Returns the columns (bit k) of DoF j's own parameters that have a prior. */
-static uint32_t metric_prior_columns(const auvid_metric_t *m, int j)
-{
-    auvid_equation_t e = auvid_metric_equation(m, j);
-    uint32_t known = 0;
-    for (int k = 0; k < e.count; ++k) {
-        int i = e.index[k];
-        bool of_dof = (int)m->cfg.vehicle->parameter[i].dof == j;
-        known |= (uint32_t)(of_dof && (m->prior->known >> i & 1u)) << k;
-    }
-    return known;
-}
-
 /* Rotate the prior of column k into DoF j's R factor. */
 static void metric_add_prior_row(auvid_metric_t *m, int j, int k, auvid_real_t noise)
 {
@@ -51,12 +38,14 @@ static void metric_add_prior_row(auvid_metric_t *m, int j, int k, auvid_real_t n
 /* Rotate the priors of DoF j in. @return true if they agree with the sets */
 static bool metric_apply_prior_dof(auvid_metric_t *m, int j)
 {
-    auvid_real_t before = auvid_metric_unexplained(m, j),
-                 rows = (auvid_real_t)m->result.dof_rows[j];
-    auvid_real_t square = m->prior->variance_inflation[j] * before / rows, degrees = AUVID_C(0.0);
-    uint32_t known = metric_prior_columns(m, j);
-    for (int k = 0; k < m->layout.count[j]; ++k) {
-        if (known >> k & 1u) {
+    auvid_equation_t e = auvid_metric_equation(m, j);
+    auvid_real_t before = auvid_metric_unexplained(m, j);
+    auvid_real_t square =
+        m->prior->variance_inflation[j] * before / (auvid_real_t)m->result.dof_rows[j];
+    auvid_real_t degrees = AUVID_C(0.0);
+    for (int k = 0; k < e.count; ++k) {
+        int i = e.index[k];
+        if ((int)m->cfg.vehicle->parameter[i].dof == j && (m->prior->known >> i & 1u)) {
             metric_add_prior_row(m, j, k, auvid_sqrt(square));
             degrees += AUVID_C(1.0);
         }
