@@ -18,6 +18,8 @@ Prints one line a breach; exit status 1 when there is any.
   link name   what depends on config.h, in a public header, has the sizes in its link-time name
   word        no name that words.txt has replaced, no word of our own where the field has one
   public      at most 24 headers for users, all in auvid.h; no example in a README needs detail/
+  object      members of the metric's rows, sets and evaluator, and of its layout, only in the files
+              auvid_metric*; the checkpoint names where they are
   survivor    each entry of tests/mutation/survivors.txt is a line of its function
   target      every target of the Makefile is described for `make help`
 """
@@ -54,6 +56,11 @@ PUBLIC = {
 
 # The paths of the metric. A model names one by its address, so that the linker drops the other.
 PATHS = {"auvid_path_regressor", "auvid_path_residual"}
+
+# A private member of an object of the metric. The exceptions are public.
+OBJECT = re.compile(
+    r"(?:->|\.)((?:evaluator\.|layout\.(?!taps|kernel)|sets\.(?!recorded|rows_dropped|waiting)"
+    r"|rows\.(?!set\.rows\b|set\b(?!\.)))\w+)")
 
 STANDARD = {"stdint.h", "stddef.h", "stdbool.h", "string.h"}
 SKIPPED = {".git", "build", "third_party", "__pycache__"}
@@ -169,6 +176,10 @@ def check_file(path, text):
         yield from check_lengths(text)
     for match in MACHINE.finditer(text):
         yield "path", match[0]
+    if parts[:2] in {("lib", "src"), ("tools", "simulator"), ("tools", "auvid")} and \
+            not path.name.startswith(("auvid_metric", "auvid_checkpoint")):
+        for match in OBJECT.finditer(without_comments(text)):
+            yield "object", match[1]
     if parts[0] == "lib" and path.suffix in {".c", ".h"}:
         yield from check_includes(path, text)
         if path.name != "types.h":  # where AUVID_C() and its like are defined

@@ -35,9 +35,6 @@ typedef struct {
     /** mean square of the effective noise divided by that of the residual (confidence.h), > 0 */
     auvid_real_t variance_inflation[AUVID_DOF_COUNT];
     uint32_t known; /**< bit i: parameter i has a prior; 0: none has */
-#ifdef AUVID_REAL_DOUBLE
-    uint8_t reserved[4];
-#endif
 } auvid_prior_t;
 
 #define auvid_prior_save AUVID_SIZED(auvid_prior_save)

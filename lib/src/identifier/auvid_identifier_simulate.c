@@ -6,7 +6,6 @@
 
 #include "auvid_identifier_internal.h"
 #include "../base/auvid_math_internal.h"
-#include "../metric/auvid_metric_sets_internal.h"
 
 static void simulate_cell(auvid_identifier_t *id, const auvid_sample_t *cell)
 {
@@ -38,7 +37,7 @@ static void simulate_finish(auvid_identifier_t *id)
 {
     auvid_change_test_t *test = &id->change_test;
     bool simulated = id->prediction != NULL && id->prediction->vehicle != NULL &&
-                     auvid_metric_waiting(&id->metric) == 1 &&
+                     id->metric.sets.waiting == 1 &&
                      auvid_validation_r2(id->prediction, test->r2_velocity) == AUVID_OK;
     test->simulated = simulated ? (uint8_t)id->prediction->dofs : 0u;
     simulate_restart(id);

@@ -170,7 +170,7 @@ static void identifier_begin_sets(auvid_identifier_t *id)
         listener->set(id->listener_context, m);
     }
     id->work.sets = m->sets.recorded;
-    id->work.untested = tests ? auvid_metric_waiting(m) : 0u;
+    id->work.untested = tests ? m->sets.waiting : 0u;
     auvid_metric_hold(m, listener == NULL ? UINT64_MAX
                                           : id->applied.t_us + identifier_set_duration_us(&m->cfg));
     auvid_metric_exclude(m, (uint8_t)(id->work.untested > 0 ? id->work.untested - 1u : 0u));
@@ -204,15 +204,6 @@ static void identifier_begin_measure(auvid_identifier_t *id)
     id->work.phase = AUVID_WORK_MEASURE;
 }
 
-/* The search has ended with this status: measure its result. */
-static void identifier_end_search(auvid_identifier_t *id, auvid_status_t status)
-{
-    identifier_expand(id, auvid_optimizer_best(&id->optimizer, &id->work.cost));
-    id->work.searched = id->optimizer.work;
-    id->work.not_converged = status != AUVID_FINISHED || !(id->work.cost < AUVID_COST_FAILED);
-    identifier_begin_measure(id);
-}
-
 static AUVID_NOINLINE auvid_status_t identifier_ask(auvid_identifier_t *id, uint32_t *budget)
 {
     auvid_real_t theta[AUVID_MAX_PARAMETERS];
@@ -221,7 +212,10 @@ static AUVID_NOINLINE auvid_status_t identifier_ask(auvid_identifier_t *id, uint
     if (status == AUVID_OK) {
         identifier_expand(id, theta);
     } else if (status != AUVID_PENDING) {
-        identifier_end_search(id, status);
+        identifier_expand(id, auvid_optimizer_best(&id->optimizer, &id->work.cost));
+        id->work.searched = id->optimizer.work;
+        id->work.not_converged = status != AUVID_FINISHED || !(id->work.cost < AUVID_COST_FAILED);
+        identifier_begin_measure(id);
         status = AUVID_PENDING;
     }
     return status;

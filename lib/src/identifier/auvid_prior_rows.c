@@ -19,19 +19,6 @@
 /* Standard errors and variance inflations are below this and above its inverse. */
 #define LARGEST_ERROR AUVID_C(2e30)
 
-/* Returns the columns (bit k) of DoF j's own parameters that have a prior. */
-static uint32_t prior_columns(const auvid_metric_t *m, const auvid_prior_t *prior, int j)
-{
-    auvid_equation_t e = auvid_metric_equation(m, j);
-    uint32_t known = 0;
-    for (int k = 0; k < e.count; ++k) {
-        int i = e.index[k];
-        bool of_dof = (int)m->cfg.vehicle->parameter[i].dof == j;
-        known |= (uint32_t)(of_dof && (prior->known >> i & 1u)) << k;
-    }
-    return known;
-}
-
 /* Rotate the prior of column k into DoF j's R factor. */
 static void prior_add_row(auvid_metric_t *m, const auvid_prior_t *prior, int j, int k,
                           auvid_real_t noise)
@@ -46,32 +33,33 @@ static void prior_add_row(auvid_metric_t *m, const auvid_prior_t *prior, int j, 
     if (auvid_all_within(row + k, (size_t)(e.order - k), METRIC_LARGEST_ENTRY) != AUVID_OK) {
         return; /* its squares would not be finite */
     }
-    auvid_qr_update(m->evaluator.merged + m->layout.factor_at[j], e.order, k, row);
+    auvid_metric_add_row(m, j, k, row);
 }
 
 /* Rotate the priors of DoF j in. @return true if they agree with the sets */
 static bool prior_apply(auvid_metric_t *m, const auvid_prior_t *prior, int j)
 {
-    auvid_real_t before = auvid_metric_unexplained(m, j),
-                 rows = (auvid_real_t)m->result.dof_rows[j];
-    auvid_real_t square = prior->variance_inflation[j] * before / rows, degrees = AUVID_C(0.0);
-    uint32_t known = prior_columns(m, prior, j);
-    for (int k = 0; k < m->layout.count[j]; ++k) {
-        if (known >> k & 1u) {
+    auvid_equation_t e = auvid_metric_equation(m, j);
+    auvid_real_t before = auvid_metric_unexplained(m, j);
+    auvid_real_t square =
+        prior->variance_inflation[j] * before / (auvid_real_t)m->result.dof_rows[j];
+    auvid_real_t degrees = AUVID_C(0.0);
+    for (int k = 0; k < e.count; ++k) {
+        int i = e.index[k];
+        if ((int)m->cfg.vehicle->parameter[i].dof == j && (prior->known >> i & 1u)) {
             prior_add_row(m, prior, j, k, auvid_sqrt(square));
             degrees += AUVID_C(1.0);
         }
     }
     auvid_real_t more = auvid_metric_unexplained(m, j) - before;
-    m->result.constant -= m->evaluator.weight[j] * before;
-    auvid_metric_solve_dof(m, j);
+    auvid_metric_solve_again(m, j, before);
     return more <= PRIOR_LIMIT * degrees * square;
 }
 
 auvid_status_t auvid_prior_add_rows(auvid_metric_t *m, uint32_t *budget)
 {
     auvid_prior_t *prior = m->add_rows_context;
-    auvid_metric_cursor_t *at = &m->evaluator.at;
+    auvid_metric_cursor_t *at = auvid_metric_cursor(m);
     if (prior->known == 0) {
         return AUVID_OK;
     }
@@ -80,7 +68,7 @@ auvid_status_t auvid_prior_add_rows(auvid_metric_t *m, uint32_t *budget)
         if (!auvid_metric_is_excited(m, j)) {
             continue;
         }
-        uint8_t price = (uint8_t)(AUVID_METRIC_ROTATION * (m->layout.count[j] + 2));
+        uint8_t price = (uint8_t)(AUVID_METRIC_ROTATION * (auvid_metric_equation(m, j).count + 2));
         do {
             if (*budget == 0) {
                 return AUVID_PENDING;

@@ -27,10 +27,8 @@ static void metric_record_change(auvid_metric_t *m, auvid_metric_change_t *to, i
     int sets = auvid_metric_sets(m);
     auvid_metric_clear_dependent(m, j);
     auvid_real_t u = auvid_metric_unexplained(m, j);
-    if (step == sets - 3) {
-        to->change[1][j] -= u;
-    } else if (step == sets - 2) {
-        to->change[0][j] -= u;
+    if (step == sets - 3 || step == sets - 2) {
+        to->change[sets - 2 - step][j] -= u;
     } else if (step == sets - 1) {
         to->change[0][j] += u;
         to->change[1][j] += u;
@@ -40,10 +38,8 @@ static void metric_record_change(auvid_metric_t *m, auvid_metric_change_t *to, i
         }
         memset(m->evaluator.merged + m->layout.factor_at[j], 0,
                (size_t)AUVID_QR_FACTOR(e.order) * sizeof u);
-    } else if (step == sets) {
-        to->change[0][j] -= u;
-    } else if (step == sets + 1) {
-        to->change[1][j] -= u;
+    } else if (step >= sets) {
+        to->change[step - sets][j] -= u;
     }
 }
 

@@ -110,7 +110,6 @@ void auvid_metric_linearise_begin(auvid_metric_t *metric, const auvid_real_t *pi
     metric_take_candidate(m, pi, delay_s);
     m->evaluator.linear_delay_s = delay_s;
     m->evaluator.at.to_set = sets < m->cfg.sets ? sets : m->cfg.sets;
-    m->evaluator.at.part = 0;
 }
 
 auvid_status_t auvid_metric_linearise(auvid_metric_t *metric, uint32_t *budget)

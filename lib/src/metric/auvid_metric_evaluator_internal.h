@@ -130,6 +130,25 @@ void auvid_metric_rotate(auvid_metric_t *m, const auvid_set_t *set, int band, in
  * `constant`. */
 void auvid_metric_solve_dof(auvid_metric_t *m, int j);
 
+/** Rows from outside, auvid_metric_t.add_rows: where it stands. */
+static inline auvid_metric_cursor_t *auvid_metric_cursor(auvid_metric_t *m)
+{
+    return &m->evaluator.at;
+}
+
+/** Rotate a row, zero before column k, into DoF j's merged R factor. */
+static inline void auvid_metric_add_row(auvid_metric_t *m, int j, int k, auvid_real_t *row)
+{
+    auvid_qr_update(m->evaluator.merged + m->layout.factor_at[j], auvid_metric_order(m, j), k, row);
+}
+
+/** Solve DoF j again with the added rows; `before` is what auvid_metric_unexplained was. */
+static inline void auvid_metric_solve_again(auvid_metric_t *m, int j, auvid_real_t before)
+{
+    m->result.constant -= m->evaluator.weight[j] * before;
+    auvid_metric_solve_dof(m, j);
+}
+
 /** Continue the passes of a merge from the present one on. @return true if they are complete */
 bool auvid_metric_merge_sets(auvid_metric_t *m, uint32_t *budget);
 

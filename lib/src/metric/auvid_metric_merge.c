@@ -181,37 +181,23 @@ void auvid_metric_rotate(auvid_metric_t *m, const auvid_set_t *set, int band, in
     auvid_qr_update(m->evaluator.merged + m->layout.factor_at[j], n, i, row);
 }
 
-static bool metric_rotates(const auvid_metric_t *m)
+/* Add the residual at the candidate of a row of one band of a set. */
+static void metric_add_residual(auvid_metric_t *m, const auvid_set_t *set, int band, int j, int i)
 {
-    return auvid_metric_pass(m) != PASS_RESIDUAL && auvid_metric_pass(m) != PASS_MEASURE;
-}
-
-/* Process one row of one band of one set: rotate it in, or add its residual at the candidate. */
-static void metric_visit_row(auvid_metric_t *m, const auvid_set_t *set, int band, int j, int i)
-{
-    int n = auvid_metric_order(m, j);
-    if (!metric_rotates(m)) {
-        const auvid_real_t *x = m->evaluator.candidate + m->layout.channel_at[j];
-        auvid_real_t row[AUVID_MAX_PARAMETERS + AUVID_METRIC_DELAYS], e = AUVID_C(0.0);
-        auvid_metric_unpack_row(m, set, band, j, i, row);
-        for (int k = i; k < n; ++k) {
-            e += row[k] * x[k];
-        }
-        m->evaluator.band_sse[band][j] += e * e;
-        return;
+    auvid_equation_t equation = auvid_metric_equation(m, j);
+    const auvid_real_t *x = m->evaluator.candidate + equation.at;
+    auvid_real_t row[AUVID_MAX_PARAMETERS + AUVID_METRIC_DELAYS], e = AUVID_C(0.0);
+    auvid_metric_unpack_row(m, set, band, j, i, row);
+    for (int k = i; k < equation.order; ++k) {
+        e += row[k] * x[k];
     }
-    auvid_metric_rotate(m, set, band, j, i);
+    m->evaluator.band_sse[band][j] += e * e;
 }
 
 void auvid_metric_restart_pass(auvid_metric_t *m, uint8_t pass)
 {
     auvid_metric_evaluator_t *ev = &m->evaluator;
-    auvid_metric_cursor_t *at = &ev->at;
-    at->pass = pass;
-    at->to_set = (uint8_t)auvid_metric_sets(m);
-    at->set = at->band = at->dof = 0;
-    at->spent = 0;
-    at->row = 0;
+    ev->at = (auvid_metric_cursor_t){.to_set = (uint8_t)auvid_metric_sets(m), .pass = pass};
     memset(ev->band_sse, 0, sizeof ev->band_sse);
     if (pass == PASS_FIRST || pass == PASS_LAST) {
         memset(ev->merged, 0, sizeof ev->merged);
@@ -224,6 +210,7 @@ void auvid_metric_restart_pass(auvid_metric_t *m, uint8_t pass)
 bool auvid_metric_for_each_row(auvid_metric_t *m, uint32_t *budget)
 {
     auvid_metric_cursor_t *at = &m->evaluator.at;
+    bool rotates = at->pass != PASS_RESIDUAL && at->pass != PASS_MEASURE;
     while (at->set < at->to_set) {
         const auvid_set_t *set = auvid_metric_set(m, at->set);
         int j = at->dof;
@@ -232,8 +219,13 @@ bool auvid_metric_for_each_row(auvid_metric_t *m, uint32_t *budget)
             if (*budget == 0) {
                 return false;
             }
-            if (auvid_metric_spend(at, budget, metric_rotates(m) ? AUVID_METRIC_ROTATION : 1)) {
-                metric_visit_row(m, set, at->band, j, at->row++);
+            if (!auvid_metric_spend(at, budget, rotates ? AUVID_METRIC_ROTATION : 1)) {
+                continue;
+            }
+            if (rotates) {
+                auvid_metric_rotate(m, set, at->band, j, at->row++);
+            } else {
+                metric_add_residual(m, set, at->band, j, at->row++);
             }
             continue;
         }

@@ -71,12 +71,6 @@ static inline bool auvid_metric_takes_cell(auvid_metric_t *m, uint64_t t_us)
     return auvid_metric_takes_row(m, t_us);
 }
 
-/** Number of newest sets that were completed since the ring was last held. */
-static inline uint8_t auvid_metric_waiting(const auvid_metric_t *m)
-{
-    return m->sets.waiting;
-}
-
 /** While the ring is held: the newest `sets` sets of it do not count. */
 static inline void auvid_metric_exclude(auvid_metric_t *m, uint8_t sets)
 {

@@ -139,7 +139,7 @@ typedef struct {
     uint32_t rows_dropped; /**< complete rows lost to every evaluation because the ring was held */
     uint32_t stored;       /* sets stored in the ring so far */
     uint8_t from;          /* number of newest sets of the ring that do not count */
-    uint8_t waiting;       /* number of newest sets completed since the ring was last held */
+    uint8_t waiting;       /**< number of newest sets completed since the ring was last held */
     uint8_t least;         /* sets that count are not overwritten if there are so many or fewer */
     bool held, full;
     bool changed; /* a set has entered since it is held */
