@@ -29,7 +29,7 @@ BOARD = "port/cortex_m/board.sh"
 HEADERS = sorted(pathlib.Path("lib/include/auvid").glob("**/*.h"))
 API = "".join(path.read_text() for path in HEADERS)
 MODULES = {path.stem for path in HEADERS} | {"can_fifo", "can_receiver"}
-# The functions of the metric's paths, by member of auvid_path_t.
+# The functions of the metric's paths, by member of auvid_path_t, and of the phases of the work.
 PATHS = {
     r"path->check\(": r":metric_check_(regressor|residual)$",
     r"path->make_filter\(": r":metric_make_(smoother|mean)$",
@@ -39,6 +39,11 @@ PATHS = {
     r"path\(\w+\)->evaluate\(": r":metric_(evaluate_factor|sample_cost)$",
     r"path->merge\(": r"auvid_metric_merge_sets$",
     r"path\(\w+\)->linearise\(": r"auvid_metric_linearise_sets$",
+    r"change_functions->begin\(": r"_validate\.c:identifier_begin_test$",
+    r"phase->(metric|run)\(": r"auvid_metric_(cost|measure|linearise)(?!_begin)|"
+    r"_(work|validate)\.c:identifier_(merge|ask|linearise|confidence|change)$",
+    r"(phase->next|\)->restart)\(": r"auvid_identifier_begin_tests$|"
+    r"_(work|validate)\.c:identifier_(begin|end|restart|publish)_\w+$",
 }
 # What calls through pointers lead to in the example, by a pattern of the line of source: functions
 # of auvid_girona500, the metric's prior, the thrusters' log, and the driver's interrupt.
@@ -54,11 +59,6 @@ POINTERS = PATHS | {
     r"a->shape\(": r"auvid_adaptive\.c:adaptive_apply$",
     r"node->arm\(": r"auvid_actuation\.c:auvid_identifier_arm",
     r"m->add_rows\(": r"auvid_prior_rows\.c:auvid_prior_add_rows",
-    r"change_functions->begin\(": r"auvid_identifier_validate\.c:identifier_begin_test$",
-    r"phase->metric\(": r"auvid_metric_(cost|measure|linearise)$",
-    r"phase->run\(": r"_(work|validate)\.c:identifier_(merge|ask|linearise|confidence|change)$",
-    r"(phase->next|->restart)\(": r"_(work|validate)\.c:(identifier_(begin|end|restart|publish)_"
-                                 r"\w+|auvid_identifier_begin_tests)$",
     r"listener->command\(": r"auvid_thrusters\.c:thrusters_listen$",
     r"listener->set\(": r"auvid_thrusters\.c:thrusters_drop_lost_sets$",
     r"listener->lead_us\(": r"auvid_thrusters\.c:thrusters_lead_us$",
