@@ -237,14 +237,12 @@ auvid_status_t auvid_identifier_attach_actuation(auvid_identifier_t *id, auvid_a
     if (id == NULL || storage == NULL || cfg == NULL) {
         return AUVID_ERR_NULL;
     }
-    if (!identifier_is_ready(id)) {
-        return AUVID_ERR_STATE;
+    auvid_status_t status = auvid_identifier_check_attach(id, id->actuation);
+    if (status == AUVID_OK && id->applied.known) {
+        status = AUVID_ERR_STARTED;
     }
-    if (id->actuation != NULL) {
-        return AUVID_ERR_ATTACHED;
-    }
-    if (id->started || id->applied.known) {
-        return AUVID_ERR_STARTED;
+    if (status != AUVID_OK) {
+        return status;
     }
     memset(storage, 0, sizeof *storage);
     storage->functions = &actuation_functions;

@@ -141,12 +141,8 @@ static void identifier_init_modules(auvid_identifier_t *id, const auvid_identifi
     auvid_metric_set_up(&id->metric, &id->metric.cfg, why);
 }
 
-auvid_status_t auvid_identifier_check_attach(const auvid_identifier_t *id, const void *storage,
-                                             const void *attached)
+auvid_status_t auvid_identifier_check_attach(const auvid_identifier_t *id, const void *attached)
 {
-    if (id == NULL || storage == NULL) {
-        return AUVID_ERR_NULL;
-    }
     if (!identifier_is_ready(id)) {
         return AUVID_ERR_STATE;
     }

@@ -68,10 +68,9 @@ typedef struct auvid_change_functions {
 /** Test the last estimate with the oldest set not yet tested; if there is none, merge. */
 void auvid_identifier_begin_tests(auvid_identifier_t *id);
 
-/** May `storage` be attached now? @return AUVID_OK; AUVID_ERR_NULL; AUVID_ERR_STATE;
- * AUVID_ERR_ATTACHED (something is); AUVID_ERR_STARTED */
-auvid_status_t auvid_identifier_check_attach(const auvid_identifier_t *id, const void *storage,
-                                             const void *attached);
+/** May something be attached now? `attached`: what is, NULL if nothing is. @return AUVID_OK;
+ * AUVID_ERR_STATE; AUVID_ERR_ATTACHED; AUVID_ERR_STARTED */
+auvid_status_t auvid_identifier_check_attach(const auvid_identifier_t *id, const void *attached);
 
 /** Regressor path: begin to find the minimum cost within the bounds, from the result in
  * `candidate`. This overwrites the optimizer. */

@@ -57,8 +57,10 @@ void auvid_identifier_attach(auvid_identifier_t *id, auvid_validation_t *validat
 auvid_status_t auvid_identifier_attach_prediction(auvid_identifier_t *id,
                                                   auvid_validation_t *storage)
 {
-    auvid_status_t status = auvid_identifier_check_attach(
-        id, storage, id == NULL ? NULL : (const void *)id->prediction);
+    if (id == NULL || storage == NULL) {
+        return AUVID_ERR_NULL;
+    }
+    auvid_status_t status = auvid_identifier_check_attach(id, id->prediction);
     if (status == AUVID_OK) {
         id->prediction = storage;
         id->simulate = &simulate_functions;

@@ -223,8 +223,10 @@ static const auvid_change_functions_t identifier_change_functions = {
 auvid_status_t auvid_identifier_attach_change_test(auvid_identifier_t *id,
                                                    auvid_change_detector_t *storage)
 {
-    auvid_status_t status =
-        auvid_identifier_check_attach(id, storage, id == NULL ? NULL : (const void *)id->change);
+    if (id == NULL || storage == NULL) {
+        return AUVID_ERR_NULL;
+    }
+    auvid_status_t status = auvid_identifier_check_attach(id, id->change);
     if (status == AUVID_OK) {
         memset(storage, 0, sizeof *storage);
         id->change = storage;

@@ -159,8 +159,10 @@ static void prior_publish(auvid_identifier_t *id, const auvid_prior_t *prior, bo
 
 auvid_status_t auvid_identifier_attach_prior(auvid_identifier_t *id, auvid_prior_t *storage)
 {
-    auvid_status_t status =
-        auvid_identifier_check_attach(id, storage, id == NULL ? NULL : id->metric.add_rows_context);
+    if (id == NULL || storage == NULL) {
+        return AUVID_ERR_NULL;
+    }
+    auvid_status_t status = auvid_identifier_check_attach(id, id->metric.add_rows_context);
     if (status == AUVID_OK) {
         memset(storage, 0, sizeof *storage);
         id->metric.add_rows = auvid_prior_add_rows;
