@@ -118,8 +118,8 @@ static void test_outliers_and_reinitialisation_keep_the_covariance_positive_defi
     auvid_nav_config_t c;
     auvid_nav_defaults(&c);
     c.max_consecutive_rejections = 3;
-    c.dvl_euler[2] = 1;
-    c.dvl_lever[0] = 1;
+    c.mount.dvl_euler[2] = 1;
+    c.mount.dvl_lever[0] = 1;
     stress(c, true, 2);
 }
 

@@ -71,11 +71,12 @@ class Dense
         for (int i = 0; i < 3; ++i) {
             x[i] = c.position[i];
             q[i] = double(c.sigma_acceleration[i]) * double(c.sigma_acceleration[i]) * tick;
-            lever[i] = c.dvl_lever[i];
+            lever[i] = c.mount.dvl_lever[i];
             P(i, i) = double(c.sigma_position) * double(c.sigma_position);
             P(3 + i, 3 + i) = double(c.sigma_velocity) * double(c.sigma_velocity);
         }
-        mount = rotation(Vector3d(c.dvl_euler[0], c.dvl_euler[1], c.dvl_euler[2]));
+        mount =
+            rotation(Vector3d(c.mount.dvl_euler[0], c.mount.dvl_euler[1], c.mount.dvl_euler[2]));
     }
 
     void imu(uint64_t t_us, const Vector3d &attitude, const Vector3d &omega)
@@ -322,8 +323,9 @@ class Ride
     {
         auvid_nav_config_t c = cfg();
         TEST_ASSERT_EQUAL_INT(AUVID_OK, auvid_nav_init(&nav, &c));
-        mount = rotation(Vector3d(c.dvl_euler[0], c.dvl_euler[1], c.dvl_euler[2]));
-        lever = Vector3d(c.dvl_lever[0], c.dvl_lever[1], c.dvl_lever[2]);
+        mount =
+            rotation(Vector3d(c.mount.dvl_euler[0], c.mount.dvl_euler[1], c.mount.dvl_euler[2]));
+        lever = Vector3d(c.mount.dvl_lever[0], c.mount.dvl_lever[1], c.mount.dvl_lever[2]);
     }
 
     void go()
@@ -372,10 +374,10 @@ class Ride
         c.speed_limit = 8;
         c.max_acceleration =
             auvid_real_t(0.1); // so that the biased DVL reaches max_consecutive_rejections
-        c.dvl_euler[0] = auvid_real_t(0.05);
-        c.dvl_euler[2] = auvid_real_t(3.926990817);
-        c.dvl_lever[0] = auvid_real_t(-0.75);
-        c.dvl_lever[2] = auvid_real_t(0.2);
+        c.mount.dvl_euler[0] = auvid_real_t(0.05);
+        c.mount.dvl_euler[2] = auvid_real_t(3.926990817);
+        c.mount.dvl_lever[0] = auvid_real_t(-0.75);
+        c.mount.dvl_lever[2] = auvid_real_t(0.2);
         c.sigma_acceleration[1] = auvid_real_t(0.7);
         return c;
     }
@@ -478,8 +480,8 @@ class Ride
     void compare()
     {
         for (int i = 0; i < 3; ++i) {
-            double p = double(nav.position[i]) + double(nav.position_lo[i]);
-            double v = double(nav.velocity[i]);
+            double p = double(nav.ekf.position[i]) + double(nav.ekf.position_lo[i]);
+            double v = double(nav.ekf.velocity[i]);
             worst_position = std::max(worst_position, std::abs(p - dense.x[i]));
             worst_velocity = std::max(worst_velocity, std::abs(v - dense.x[3 + i]));
         }
@@ -545,10 +547,11 @@ class Clone
         c.sigma_dvl = auvid_real_t(0.02);
         for (int i = 0; i < 3; ++i) {
             c.sigma_acceleration[i] = auvid_real_t(w.uniform(0.3, 3));
-            c.dvl_euler[i] = auvid_real_t(directed ? w.uniform(-1, 1) : 0);
+            c.mount.dvl_euler[i] = auvid_real_t(directed ? w.uniform(-1, 1) : 0);
         }
         TEST_ASSERT_EQUAL_INT(AUVID_OK, auvid_nav_init(&nav, &c));
-        mount = rotation(Vector3d(c.dvl_euler[0], c.dvl_euler[1], c.dvl_euler[2]));
+        mount =
+            rotation(Vector3d(c.mount.dvl_euler[0], c.mount.dvl_euler[1], c.mount.dvl_euler[2]));
     }
 
     // Largest difference, in standard deviations.
@@ -596,8 +599,8 @@ class Clone
     {
         Vector6d x;
         for (int i = 0; i < 3; ++i) {
-            x[i] = double(nav.position[i]) + double(nav.position_lo[i]);
-            x[3 + i] = double(nav.velocity[i]);
+            x[i] = double(nav.ekf.position[i]) + double(nav.ekf.position_lo[i]);
+            x[3 + i] = double(nav.ekf.velocity[i]);
         }
         return x;
     }

@@ -72,8 +72,8 @@ static double nees(const auvid_nav_t &nav, const Vector6d &truth)
     Vector6d e;
     Matrix6d P;
     for (int i = 0; i < 6; ++i) {
-        double x = i < 3 ? double(nav.position[i]) + double(nav.position_lo[i])
-                         : double(nav.velocity[i - 3]);
+        double x = i < 3 ? double(nav.ekf.position[i]) + double(nav.ekf.position_lo[i])
+                         : double(nav.ekf.velocity[i - 3]);
         e[i] = truth[i] - x;
         for (int j = 0; j < 6; ++j) {
             P(i, j) = p[i][j];

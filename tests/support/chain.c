@@ -84,8 +84,8 @@ auvid_status_t chain_begin(chain_t *chain, const chain_config_t *cfg)
 void chain_copy(chain_t *to, const chain_t *from)
 {
     *to = *from;
-    to->id.prediction = &to->prediction;
-    to->id.change = &to->change;
+    to->id.attached.prediction = &to->prediction;
+    to->id.attached.change = &to->change;
     to->id.metric.add_rows_context = &to->prior;
     if (from->id.actuation != NULL) {
         to->id.actuation = &to->actuation;
@@ -101,8 +101,8 @@ bool chain_is_same(const chain_t *a, const chain_t *b)
     id = a->id;
     actuation = a->actuation;
     id.actuation = b->id.actuation;
-    id.prediction = b->id.prediction;
-    id.change = b->id.change;
+    id.attached.prediction = b->id.attached.prediction;
+    id.attached.change = b->id.attached.change;
     id.metric.add_rows_context = b->id.metric.add_rows_context;
     actuation.allocation = b->actuation.allocation;
     return memcmp(&id, &b->id, sizeof id) == 0 &&

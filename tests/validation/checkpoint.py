@@ -35,8 +35,8 @@ LIVE = (("confidence.", CONFIDENCE, GLOBAL), ("optimum.", LINEARISE, GLOBAL),
         ("optimizer.", ASK, LOCAL), ("", ASK, GLOBAL))
 # Pointers that saving follows. Of the last two, it saves whether they are NULL.
 FOLLOWED = ("metric.cfg.vehicle", "metric.cfg.rows", "metric.add_rows",
-            "metric.add_rows_context", "actuation", "change", "prediction", "prediction.vehicle",
-            "actuation.shape", "actuation.shape_context")
+            "metric.add_rows_context", "actuation", "attached.change", "attached.prediction",
+            "prediction.vehicle", "actuation.shape", "actuation.shape_context")
 SET_ROWS = 2
 ROOM = 1 << 18
 REFUSED = -6, -10, -16, -27  # impossible; of other storage, another model, another configuration

@@ -96,7 +96,7 @@ static void run(double seconds, uint32_t estimates, const auvid_real_t *amplitud
         for (int j = 0; j < 6; ++j) {
             force[j] = (double)wrench[j];
         }
-        if (id.listener != NULL) { /* the thrust follows the commands with a lag */
+        if (id.attached.listener != NULL) { /* the thrust follows the commands with a lag */
             for (int i = 0; i < THRUSTERS; ++i) {
                 double c = (double)command[i], d = thruster_pi[AUVID_THRUSTERS_DEAD_BAND];
                 double g = c > d    ? thruster_pi[AUVID_THRUSTERS_FORWARD] * (c - d)

@@ -31,7 +31,7 @@ void world_identifier(auvid_identifier_config_t *cfg, const world_config_t *conf
         options_uncertainty(config->options, &cfg->uncertainty);
     }
     for (int i = 0; i < 3; ++i) {
-        cfg->nav.dvl_lever[i] = (auvid_real_t)config->dvl_arm_m[i];
+        cfg->nav.mount.dvl_lever[i] = (auvid_real_t)config->dvl_arm_m[i];
     }
     if (config->literal) {
         cfg->vehicle = cfg->metric.vehicle = vehicle_of(config)->model; /* no averaged rows */

@@ -175,12 +175,12 @@ void literal_cell(literal_t *l, auvid_identifier_t *id, const auvid_sample_t *ce
 {
     if (cell == NULL) {
         literal_gap(l);
-        auvid_validation_gap(id->prediction);
+        auvid_validation_gap(id->attached.prediction);
         id->events |= AUVID_EVENT_GAP;
         return;
     }
-    if (id->prediction != NULL && id->prediction->vehicle != NULL) {
-        (void)auvid_validation_add(id->prediction, cell);
+    if (id->attached.prediction != NULL && id->attached.prediction->vehicle != NULL) {
+        (void)auvid_validation_add(id->attached.prediction, cell);
     }
     identifier_take_set(id, literal_add(l, cell));
 }

@@ -157,8 +157,8 @@ typedef struct {
 /** Event flags; several may be set at once. */
 enum {
     AUVID_EVENT_TIME = 1u << 0,              /**< the tick's time did not advance: step rejected */
-    AUVID_EVENT_IMU_DROPPED = 1u << 1,       /**< sample rejected; counted in nav.imu_time or
-                                              nav.imu_invalid. Not counted if it is ahead of the
+    AUVID_EVENT_IMU_DROPPED = 1u << 1,       /**< sample rejected; counted in nav.imu.stale or
+                                              nav.imu.invalid. Not counted if it is ahead of the
                                               tick by more than nav.future_us */
     AUVID_EVENT_DVL_DROPPED = 1u << 2,       /**< sample rejected now, or later if it waited for an
                                               IMU sample of its time (nav.h). The reason is in
@@ -252,6 +252,17 @@ typedef struct {
     uint8_t parameter_of[AUVID_MAX_PARAMETERS]; /* parameter number of the optimizer's i-th */
 } auvid_identifier_work_t;
 
+/** What was attached to the identifier; NULL: it was not. Private. */
+typedef struct {
+    auvid_validation_t *prediction; /* of the set being recorded, by the last estimate */
+    auvid_validation_t *validation; /* receives every cell */
+    const struct auvid_simulate_functions *simulate; /* for these two */
+    auvid_change_detector_t *change;
+    const struct auvid_change_functions *change_functions; /* for it */
+    const auvid_listener_t *listener;                      /* as configured */
+    void *listener_context;
+} auvid_identifier_attached_t;
+
 /** The identifier. Its modules are public to read; only the functions write. */
 typedef struct auvid_identifier {
     auvid_search_config_t search; /**< as configured; the modules hold the rest */
@@ -260,14 +271,7 @@ typedef struct auvid_identifier {
     uint8_t velocity;                  /**< auvid_velocity_source_t */
     uint8_t default_scale;             /* bit j: metric.cfg.tau_max[j] is auvid's choice */
     struct auvid_actuation *actuation; /**< the acting half (actuation.h); NULL: passive */
-    auvid_validation_t *prediction;    /* of the set being recorded, by the last estimate; NULL:
-                                          none */
-    auvid_validation_t *validation;    /* receives every cell, if attached */
-    const struct auvid_simulate_functions *simulate; /* for these two; NULL: neither was attached */
-    auvid_change_detector_t *change;                 /* NULL: no change test is attached */
-    const struct auvid_change_functions *change_functions; /* for it */
-    const auvid_listener_t *listener;                      /* as configured */
-    void *listener_context;
+    auvid_identifier_attached_t attached;
     auvid_nav_t nav;
     auvid_recorder_t recorder;
     auvid_metric_t metric;

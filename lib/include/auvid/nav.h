@@ -76,6 +76,16 @@ typedef struct {
     uint8_t valid;            /**< AUVID_DVL_X | AUVID_DVL_Y | AUVID_DVL_Z; 0: no lock */
 } auvid_dvl_sample_t;
 
+/** How the instruments are mounted. */
+typedef struct {
+    auvid_real_t imu_euler[3]; /**< phi theta psi of the rotation from the body frame to the IMU's
+        frame [rad]; |.| <= 10 */
+    auvid_real_t dvl_euler[3]; /**< phi theta psi of the rotation from the body frame to the DVL's
+        frame [rad]; |.| <= 10 */
+    auvid_real_t dvl_lever[3]; /**< position of the DVL from the body's origin, body frame [m];
+        |.| <= 1e3 */
+} auvid_nav_mount_t;
+
 /** Configuration. Fill with auvid_nav_defaults(), then change individual fields. Within the stated
  * ranges single precision can represent the covariance. */
 typedef struct {
@@ -99,14 +109,9 @@ typedef struct {
         max_acceleration dt, dt since its last accepted sample. Default 3; 0..100 */
     auvid_real_t speed_limit;      /**< largest |velocity| of a DVL sample [m/s]; default 3; 0..100,
         0: 100 m/s, above which samples are always rejected */
-    auvid_real_t imu_euler[3]; /**< phi theta psi of the rotation from the body frame to the IMU's
-        frame [rad]; default 0 (aligned); |.| <= 10 */
-    auvid_real_t dvl_euler[3]; /**< phi theta psi of the rotation from the body frame to the DVL's
-        frame [rad]; default 0 (aligned); |.| <= 10 */
-    auvid_real_t dvl_lever[3]; /**< position of the DVL from the body's origin, body frame [m];
-        default 0; |.| <= 1e3 */
-    auvid_real_t density;      /**< of the water [kg/m3]; default 1025; 1..1e5 */
-    auvid_real_t gravity;      /**< [m/s2]; default 9.80665; 0.1..100 */
+    auvid_nav_mount_t mount;       /**< of the IMU and the DVL; default 0 (aligned) */
+    auvid_real_t density;          /**< of the water [kg/m3]; default 1025; 1..1e5 */
+    auvid_real_t gravity;          /**< [m/s2]; default 9.80665; 0.1..100 */
     auvid_real_t surface_pressure; /**< pressure at depth 0 [Pa]; default 101325; 0..1e6 */
     auvid_real_t surface_depth;    /**< once a depth was measured, GPS is used only if the filter's
         depth is at most this [m]; default 0.5; |.| <= 1e5 */
@@ -200,11 +205,8 @@ typedef struct {
     uint32_t flags;           /**< AUVID_NAV_... */
 } auvid_nav_state_t;
 
-/** The filter. The caller owns it; only the functions below write it. `ground`, `water`,
- * `horizontal`, `complete` and their times, `diagnostics`, the imu_ counters and `held_rejected`
- * may be read at any time. All other fields are private. */
+/** The configuration, prepared. Private. */
 typedef struct {
-    /* configuration, prepared */
     auvid_real_t q[3];                      /* sigma^2 reference_tick [m2/s3] */
     auvid_real_t r[AUVID_NAV_SENSOR_COUNT]; /* measurement variances; water: with current */
     auvid_real_t gate;
@@ -222,7 +224,64 @@ typedef struct {
     uint32_t gap_us;
     uint16_t max_consecutive_rejections;
     bool imu_turned; /* imu_mount is not the identity */
+} auvid_nav_prepared_t;
 
+/** Samples ahead of the filter, one for each sensor. */
+typedef struct {
+    uint64_t t_us[AUVID_NAV_SENSOR_COUNT];
+    uint64_t until_us;                             /* none after this is held; 0: no such limit */
+    auvid_real_t value[AUVID_NAV_SENSOR_COUNT][3]; /* velocity, or depth, or x y */
+    uint8_t valid[AUVID_NAV_SENSOR_COUNT];         /* valid axes, if of a DVL */
+    uint8_t sensors;                               /* bit i: a sample of sensor i is held */
+    uint8_t rejected; /**< bit i: the last accepted auvid_nav_imu() released the sample of sensor i,
+                           and the filter rejected it (AUVID_GATED or < 0) */
+    uint8_t reserved[AUVID_GAP(8, 3 * AUVID_NAV_SENSOR_COUNT * sizeof(auvid_real_t) +
+                                      AUVID_NAV_SENSOR_COUNT + 2)];
+} auvid_nav_held_t;
+
+/** What auvid_nav_imu() supplied: the last tick, and the rates of past ticks. */
+typedef struct {
+    uint64_t t_us;                              /* time of the last tick */
+    auvid_real_t rotation[3][3];                /* R(phi, theta, psi) at t_us */
+    auvid_real_t attitude[3];                   /* as measured, not unwrapped */
+    auvid_real_t rates[3];                      /* p q r */
+    auvid_real_t past_rates[AUVID_NAV_PAST][3]; /* ring: p q r of past ticks */
+    int32_t yaw_revolutions[3];       /* revolutions to add to phi and psi; theta has none */
+    uint32_t past_us[AUVID_NAV_PAST]; /* times of the ring, lower halves */
+    uint16_t stale;                   /**< rejected: time not increasing */
+    uint16_t invalid;                 /**< rejected: not finite or out of range */
+    uint16_t gaps;                    /**< ticks longer than gap_us */
+    uint8_t past_next; /* index of the next stored rates; plus AUVID_NAV_PAST once all are filled */
+    uint8_t ready;     /* 0 not initialised, 1 no tick yet, 2 running */
+#ifdef AUVID_REAL_DOUBLE
+    uint8_t reserved[4];
+#endif
+} auvid_nav_ticks_t;
+
+/** State and covariance of the filter. Private. */
+typedef struct {
+    uint64_t updated_us;         /* tick at which a measurement was last applied */
+    auvid_real_t position[3];    /* the position is position + position_lo */
+    auvid_real_t position_lo[3]; /* compensation term, and corrections of this tick */
+    auvid_real_t velocity[3];    /* body */
+    auvid_real_t pp[6];          /* covariance of position: xx xy xz yy yz zz */
+    auvid_real_t pv[3][3];       /* of position (row) and velocity (column) */
+    auvid_real_t vv[6];          /* of velocity: uu uv uw vv vw ww */
+} auvid_nav_ekf_t;
+
+/** The first GPS fixes, whose median initialises the position. Private. */
+typedef struct {
+    auvid_real_t offset[2][AUVID_NAV_GPS_START_MAX]; /* fix - filter, x and y, each sorted */
+    uint8_t start; /* as configured; 0 once the position is initialised */
+    uint8_t count; /* fixes collected so far */
+    uint8_t reserved[AUVID_GAP(sizeof(auvid_real_t), 2)];
+} auvid_nav_gps_start_t;
+
+/** The filter. The caller owns it; only the functions below write it. `ground`, `water`,
+ * `horizontal`, `complete` and their times, `diagnostics`, `held.rejected` and the counters of
+ * `imu` may be read at any time. All other fields are private. */
+typedef struct {
+    auvid_nav_prepared_t cfg;
     /* state: from here on, see checkpoint.h */
     auvid_nav_velocity_sample_t ground; /**< the filter's velocity just after the last accepted
                                              bottom lock */
@@ -231,40 +290,15 @@ typedef struct {
     auvid_nav_diagnostics_t diagnostics[AUVID_NAV_SENSOR_COUNT]; /**< by auvid_nav_sensor_t */
     uint64_t horizontal_us; /**< last accepted bottom lock that measured u and v [us] */
     uint64_t complete_us;   /**< last accepted bottom lock that measured u, v and w [us] */
-    uint64_t held_us[AUVID_NAV_SENSOR_COUNT]; /* time of a held sample */
-    uint64_t until_us;                        /* no sample after this is held; 0: no such limit */
-    uint64_t t_us;                            /* time of the last tick */
-    uint64_t last_update_us;                  /* tick at which a measurement was last applied */
-    auvid_real_t position[3];                 /* the position is position + position_lo */
-    auvid_real_t position_lo[3];              /* compensation term, and corrections of this tick */
-    auvid_real_t velocity[3];                 /* body */
-    auvid_real_t pp[6];                       /* covariance of position: xx xy xz yy yz zz */
-    auvid_real_t pv[3][3];                    /* of position (row) and velocity (column) */
-    auvid_real_t vv[6];                       /* of velocity: uu uv uw vv vw ww */
-    auvid_real_t rotation[3][3];              /* R(phi, theta, psi) at t_us */
-    auvid_real_t attitude[3];                 /* as measured, not unwrapped */
-    auvid_real_t rates[3];                    /* p q r */
-    auvid_real_t past_rates[AUVID_NAV_PAST][3];          /* ring: p q r of past ticks */
-    auvid_real_t held[AUVID_NAV_SENSOR_COUNT][3];        /* velocity, or depth, or x y */
-    auvid_real_t gps_offset[2][AUVID_NAV_GPS_START_MAX]; /* fix - filter, x and y, each sorted */
-    int32_t yaw_revolutions[3];       /* revolutions to add to phi and psi; theta has none */
-    uint32_t past_us[AUVID_NAV_PAST]; /* times of the ring, lower halves */
-    uint16_t imu_time;                /**< rejections by auvid_nav_imu: time not increasing */
-    uint16_t imu_invalid;      /**< rejections by auvid_nav_imu: not finite or out of range */
-    uint16_t imu_gaps;         /**< ticks longer than gap_us */
+    auvid_nav_held_t held;
+    auvid_nav_ticks_t imu;
+    auvid_nav_ekf_t ekf;
     uint16_t flags;            /* all of auvid_nav_state_t.flags but FRESH */
     bool horizontal, complete; /**< horizontal_us, complete_us are valid */
-    uint8_t gps_start;         /* as configured; 0 once the position is initialised */
-    uint8_t gps_count;         /* fixes collected so far */
-    uint8_t ready;             /* 0 not initialised, 1 no tick yet, 2 running */
-    uint8_t held_rejected; /**< bit i: the last accepted auvid_nav_imu() released the held sample of
-                               sensor i, and the filter rejected it (AUVID_GATED or < 0) */
-    uint8_t holding;       /* bit i: a sample of sensor i is held */
-    uint8_t past_next; /* index of the next stored rates; plus AUVID_NAV_PAST once all are filled */
-    uint8_t held_valid[AUVID_NAV_SENSOR_COUNT]; /* valid axes of a held sample, if of a DVL */
-    uint8_t reserved[AUVID_GAP(8, (61 + 3 * AUVID_NAV_PAST + 3 * AUVID_NAV_SENSOR_COUNT) *
-                                          sizeof(auvid_real_t) +
-                                      AUVID_NAV_SENSOR_COUNT + 4 * (3 + AUVID_NAV_PAST))];
+#ifdef AUVID_REAL_DOUBLE
+    uint8_t reserved[4];
+#endif
+    auvid_nav_gps_start_t gps;
 } auvid_nav_t;
 
 #define auvid_nav_defaults AUVID_SIZED0(auvid_nav_defaults)
@@ -282,8 +316,8 @@ auvid_status_t auvid_nav_init(auvid_nav_t *nav, const auvid_nav_config_t *cfg);
 
 #define auvid_nav_imu AUVID_SIZED0(auvid_nav_imu)
 /** Predict to a new time with a new attitude (Eq. 5). The first call sets time and attitude only.
- * If imu_euler is not zero, attitude and rates are turned to the body frame first: R = R_imu M',
- * omega = M omega_imu, M the rotation from the IMU's frame to the body's.
+ * If mount.imu_euler is not zero, attitude and rates are turned to the body frame first:
+ * R = R_imu M', omega = M omega_imu, M the rotation from the IMU's frame to the body's.
  *
  * Deviation from the paper: Q is scaled by reference_tick / t, so that the tuning does not depend
  * on the tick. After the prediction the function applies the held samples whose time is reached,
@@ -295,7 +329,7 @@ auvid_status_t auvid_nav_init(auvid_nav_t *nav, const auvid_nav_config_t *cfg);
  * @param rates p q r, the IMU's frame [rad/s], |.| <= 100.
  * @return AUVID_OK; AUVID_GAP if the step was predicted and was longer than gap_us; AUVID_ERR_NULL;
  *         AUVID_ERR_STATE if not initialised; AUVID_ERR_NOT_FINITE; AUVID_ERR_RANGE;
- *         AUVID_ERR_TIME_BACK; AUVID_ERR_TIME_SAME. On an error only imu_time or imu_invalid
+ *         AUVID_ERR_TIME_BACK; AUVID_ERR_TIME_SAME. On an error only imu.stale or imu.invalid
  *         changes. Cost: see the top of the file. */
 auvid_status_t auvid_nav_imu(auvid_nav_t *nav, uint64_t t_us, const auvid_real_t attitude[3],
                              const auvid_real_t rates[3]);
@@ -323,7 +357,7 @@ auvid_status_t auvid_nav_imu_quaternion(auvid_nav_t *nav, uint64_t t_us,
  *
  * IMU later than the sensor: a sample more than future_us ahead, but at most max_age, is held until
  * auvid_nav_imu() reaches its time; the function returns AUVID_PENDING. The sample is then applied
- * and counted like any late sample; held_rejected is set if the filter rejects it. One sample of
+ * and counted like any late sample; held.rejected is set if the filter rejects it. One sample of
  * each sensor is held, and a newer one does not replace it. If samples come more often than the IMU
  * is late, a replaced sample would never be reached. While one is held, other samples ahead of the
  * filter are AUVID_UNUSED, which counts the loss.

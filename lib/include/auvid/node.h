@@ -91,6 +91,13 @@ typedef struct {
     uint32_t foreign_commands; /**< command frames of another node, counted in every guard state */
 } auvid_node_counters_t;
 
+/** The halves of the IMU's sample. Private. */
+typedef struct {
+    uint64_t attitude_us, rates_us; /* age until the next step */
+    bool attitude, rates;           /* this half has arrived since the last sample */
+    bool new_attitude, new_rates;   /* this half arrived since the last step: its time is an age */
+} auvid_node_imu_t;
+
 /** The node. Read it freely; only the functions write it. */
 typedef struct {
     auvid_identifier_t id;
@@ -102,25 +109,23 @@ typedef struct {
     auvid_can_sender_t sender;
     auvid_can_receiver_t receiver[AUVID_CAN_NODE_KINDS];
     auvid_input_t in; /* samples since the last tick; a t_us holds the age until the next step */
-    uint64_t attitude_us, rates_us; /* of the halves of the IMU's sample; age until the next step */
+    auvid_node_imu_t imu;
     auvid_real_t thrust[AUVID_CAN_THRUSTERS]; /* of the last feedback */
     uint64_t t_us;                            /**< time of the last tick */
-    uint64_t tick_us;             /* time of the current tick: bus time less the clock steps */
-    uint64_t bus_us;              /* bus time of the last tick */
-    uint64_t sent[2][4];          /* data of the last four commands of each half, by counter */
-    uint32_t sequence;            /* of the last tick frame */
-    uint32_t reports;             /* calls of report */
-    uint32_t events;              /**< AUVID_EVENT_... of the last step */
-    uint32_t load;                /* maximum since the last health frame */
-    uint8_t index;                /* parameter to report next */
-    uint8_t point;                /* drag force to report next */
-    bool started;                 /* a tick was received or opened */
-    bool attitude, rates;         /* this half has arrived since the last sample */
-    bool new_attitude, new_rates; /* this half arrived since the last step: its time is an age */
-    bool feedback;                /* thrust feedback has arrived since the last tick */
-    bool arming;                  /* an arm frame is pending: the next step arms */
-    bool commanding;              /* the last step commanded thrust */
-    bool ready;                   /* initialised */
+    uint64_t tick_us;    /* time of the current tick: bus time less the clock steps */
+    uint64_t bus_us;     /* bus time of the last tick */
+    uint64_t sent[2][4]; /* data of the last four commands of each half, by counter */
+    uint32_t sequence;   /* of the last tick frame */
+    uint32_t reports;    /* calls of report */
+    uint32_t events;     /**< AUVID_EVENT_... of the last step */
+    uint32_t load;       /* maximum since the last health frame */
+    uint8_t index;       /* parameter to report next */
+    uint8_t point;       /* drag force to report next */
+    bool started;        /* a tick was received or opened */
+    bool feedback;       /* thrust feedback has arrived since the last tick */
+    bool arming;         /* an arm frame is pending: the next step arms */
+    bool commanding;     /* the last step commanded thrust */
+    bool ready;          /* initialised */
 } auvid_node_t;
 
 /** Sets the defaults: passive, default identifiers. NULL is a no-op. */

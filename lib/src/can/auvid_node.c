@@ -163,12 +163,12 @@ static void node_take_imu(auvid_node_t *node, const auvid_can_message_t *m)
     }
     if (attitude) {
         memcpy(node->in.imu.attitude, &m->as, sizeof node->in.imu.attitude);
-        node->attitude_us = node_age_us(age);
-        node->attitude = node->new_attitude = true;
+        node->imu.attitude_us = node_age_us(age);
+        node->imu.attitude = node->imu.new_attitude = true;
     } else {
         memcpy(node->in.imu.rates, &m->as, sizeof node->in.imu.rates);
-        node->rates_us = node_age_us(age);
-        node->rates = node->new_rates = true;
+        node->imu.rates_us = node_age_us(age);
+        node->imu.rates = node->imu.new_rates = true;
     }
 }
 

@@ -67,19 +67,19 @@ static void node_age_to_time(uint64_t *t_us, uint64_t tick_us)
 /* Forms a sample of the IMU from its halves, which may arrive in different ticks. */
 static void node_complete_imu(auvid_node_t *node)
 {
-    uint64_t a = node->attitude_us, r = node->rates_us;
+    uint64_t a = node->imu.attitude_us, r = node->imu.rates_us;
     node->in.imu.present = false;
-    if (!node->attitude || !node->rates) {
+    if (!node->imu.attitude || !node->imu.rates) {
         return;
     }
     if ((a > r ? a - r : r - a) > MAX_IMU_SKEW_US) {
-        node->attitude = a > r; /* keep the later half and wait for its other half */
-        node->rates = !node->attitude;
+        node->imu.attitude = a > r; /* keep the later half and wait for its other half */
+        node->imu.rates = !node->imu.attitude;
         return;
     }
     node->in.imu.present = true;
     node->in.imu.t_us = a > r ? a : r;
-    node->attitude = node->rates = false;
+    node->imu.attitude = node->imu.rates = false;
 }
 
 static void node_set_sample_times(auvid_node_t *node, uint64_t tick_us)
@@ -92,13 +92,13 @@ static void node_set_sample_times(auvid_node_t *node, uint64_t tick_us)
             node_age_to_time((void *)((unsigned char *)in + at), tick_us);
         }
     }
-    if (node->new_attitude) {
-        node_age_to_time(&node->attitude_us, tick_us);
+    if (node->imu.new_attitude) {
+        node_age_to_time(&node->imu.attitude_us, tick_us);
     }
-    if (node->new_rates) {
-        node_age_to_time(&node->rates_us, tick_us);
+    if (node->imu.new_rates) {
+        node_age_to_time(&node->imu.rates_us, tick_us);
     }
-    node->new_attitude = node->new_rates = false;
+    node->imu.new_attitude = node->imu.new_rates = false;
     node_complete_imu(node);
 }
 

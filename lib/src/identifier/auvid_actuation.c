@@ -50,7 +50,7 @@ static void actuation_fill_guard_input(const auvid_identifier_t *id, bool satura
     memcpy(in->position, state.position, sizeof in->position);
     memcpy(in->velocity_ground, state.velocity, sizeof in->velocity_ground);
     memcpy(in->rates, state.rates, sizeof in->rates);
-    in->roll = id->nav.attitude[0]; /* not unwrapped: a full turn is level */
+    in->roll = id->nav.imu.attitude[0]; /* not unwrapped: a full turn is level */
     in->pitch = state.attitude[1];
 }
 
@@ -75,7 +75,7 @@ static void actuation_take_altitude(auvid_identifier_t *id, const auvid_input_t 
     }
     uint64_t t_us = in->altitude.t_us;
     bool newer = !a->altitude.known || t_us > a->altitude.t_us;
-    bool ahead = t_us > in->t_us && t_us - in->t_us > id->nav.future_us;
+    bool ahead = t_us > in->t_us && t_us - in->t_us > id->nav.cfg.future_us;
     if (newer && !ahead && auvid_is_finite(in->altitude.altitude_m) &&
         in->altitude.altitude_m >= AUVID_C(0.0)) {
         a->altitude.t_us = t_us;

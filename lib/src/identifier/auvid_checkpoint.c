@@ -59,9 +59,11 @@ static bool checkpoint_adapts(const auvid_identifier_t *id)
 static uint32_t checkpoint_parts(const auvid_identifier_t *id)
 {
     uint32_t parts = auvid_metric_stores_rows(&id->metric) ? PART_RESIDUAL : 0u;
-    parts |= id->prediction != NULL && id->prediction->vehicle != NULL ? PART_SIMULATED : 0u;
+    parts |= id->attached.prediction != NULL && id->attached.prediction->vehicle != NULL
+                 ? PART_SIMULATED
+                 : 0u;
     parts |= id->actuation != NULL ? PART_ACTUATION : 0u;
-    parts |= id->change != NULL ? PART_CHANGE : 0u;
+    parts |= id->attached.change != NULL ? PART_CHANGE : 0u;
     parts |= id->metric.add_rows != NULL ? PART_PRIOR : 0u;
     parts |= checkpoint_adapts(id) ? PART_ADAPTIVE : 0u;
     if (id->work.phase == AUVID_WORK_CONFIDENCE) {
@@ -135,9 +137,9 @@ static void *checkpoint_attached(const auvid_identifier_t *id, uint8_t root)
 {
     return root == ROOT_ACTUATION    ? (void *)id->actuation
            : root == ROOT_ADAPTIVE   ? id->actuation->shape_context
-           : root == ROOT_CHANGE     ? (void *)id->change
+           : root == ROOT_CHANGE     ? (void *)id->attached.change
            : root == ROOT_PRIOR      ? id->metric.add_rows_context
-           : root == ROOT_PREDICTION ? (void *)id->prediction
+           : root == ROOT_PREDICTION ? (void *)id->attached.prediction
                                      : (void *)id->metric.cfg.rows;
 }
 
@@ -227,7 +229,7 @@ static auvid_status_t checkpoint_check(const auvid_identifier_t *id, const uint8
                  auvid_get_word(checkpoint + HEAD_BYTES) == bytes;
     const uint32_t attached = PART_ACTUATION | PART_ADAPTIVE | PART_CHANGE | PART_PRIOR;
     bool same = ((v->parts ^ checkpoint_parts(id)) & attached) == 0 &&
-                ((v->parts & PART_SIMULATED) == 0 || id->prediction != NULL);
+                ((v->parts & PART_SIMULATED) == 0 || id->attached.prediction != NULL);
     return !whole ? AUVID_ERR_CHECKSUM : same ? AUVID_OK : AUVID_ERR_STATE;
 }
 
@@ -256,9 +258,9 @@ auvid_status_t auvid_checkpoint_resume(auvid_identifier_t *id, const uint8_t *ch
         memcpy((uint8_t *)root + to.offset, view.body + at, to.bytes);
         at += to.bytes;
     }
-    if (id->prediction != NULL) {
+    if (id->attached.prediction != NULL) {
         bool simulated = (view.parts & PART_SIMULATED) != 0;
-        id->prediction->vehicle = simulated ? identifier_vehicle(id) : NULL;
+        id->attached.prediction->vehicle = simulated ? identifier_vehicle(id) : NULL;
     }
     return AUVID_OK;
 }

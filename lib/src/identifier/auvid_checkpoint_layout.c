@@ -21,13 +21,13 @@
 const auvid_checkpoint_block_t auvid_checkpoint_configured[CHECKPOINT_CONFIGURED] = {
     OF_ID(search, search, 0),
     OF_ID(dry_mass_kg, velocity, 0),
-    OF_ID(nav.q, nav.imu_turned, 0),
+    OF_ID(nav.cfg.q, nav.cfg.imu_turned, 0),
     OF_ID(recorder.cfg.cell_us, recorder.cfg.input, 0),
     OF_ID(metric.cfg.fixed, metric.cfg.first_order_lag, 0),
 };
 
 const auvid_checkpoint_block_t auvid_checkpoint_block[CHECKPOINT_BLOCKS] = {
-    OF_ID(nav.ground, nav.reserved, 0),
+    OF_ID(nav.ground, nav.gps, 0),
     OF_ID(recorder.stream, recorder.reserved, 0),
     OF_ID(metric.result.cost, metric.result.first_order_lag, 0),
     OF_ID(metric.evaluator.window_us, metric.evaluator.reserved, 0),

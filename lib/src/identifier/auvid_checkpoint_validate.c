@@ -125,16 +125,16 @@ static uint32_t checkpoint_count_bits(uint32_t mask)
 /* A held sample is ahead of the IMU by at most max_age_us. */
 static bool checkpoint_check_nav(const subject_t *s)
 {
-    uint32_t holding = WORD(nav.holding);
-    bool good = WORD(nav.gps_start) == 0 || WORD(nav.gps_count) < WORD(nav.gps_start);
+    uint32_t holding = WORD(nav.held.sensors);
+    bool good = WORD(nav.gps.start) == 0 || WORD(nav.gps.count) < WORD(nav.gps.start);
     uint64_t held_us[AUVID_NAV_SENSOR_COUNT], t_us;
-    COPY(&held_us, MEMBER(nav.held_us));
-    COPY(&t_us, MEMBER(nav.t_us));
+    COPY(&held_us, MEMBER(nav.held.t_us));
+    COPY(&t_us, MEMBER(nav.imu.t_us));
     for (int i = 0; i < AUVID_NAV_SENSOR_COUNT; ++i) {
-        bool ahead = held_us[i] > t_us && held_us[i] - t_us <= s->id->nav.max_age_us[i];
+        bool ahead = held_us[i] > t_us && held_us[i] - t_us <= s->id->nav.cfg.max_age_us[i];
         good = good && ((holding >> i & 1u) == 0 || ahead);
     }
-    return good && (holding == 0 || WORD(nav.ready) == NAV_RUNNING);
+    return good && (holding == 0 || WORD(nav.imu.ready) == NAV_RUNNING);
 }
 
 /* A running record has attitude and input, within the ring. The period of the velocity is as
@@ -360,8 +360,8 @@ static bool checkpoint_check_optimum(const subject_t *s)
 static bool checkpoint_check_job(const subject_t *s)
 {
     const auvid_metric_t *m = &s->id->metric;
-    uint32_t n = WORD(confidence.n), phase = WORD(confidence.phase), j = WORD(confidence.at_dof);
-    bool good = n <= m->cfg.vehicle->parameters && WORD(confidence.at_set) < m->cfg.sets &&
+    uint32_t n = WORD(confidence.n), phase = WORD(confidence.phase), j = WORD(confidence.at.dof);
+    bool good = n <= m->cfg.vehicle->parameters && WORD(confidence.at.set) < m->cfg.sets &&
                 checkpoint_check_notes(s, ROOT_IDENTIFIER, MEMBER(confidence.result));
     uint8_t column_of[AUVID_MAX_PARAMETERS], parameter_of[AUVID_MAX_PARAMETERS];
     COPY(&column_of, MEMBER(confidence.column_of));
@@ -379,7 +379,7 @@ static bool checkpoint_check_job(const subject_t *s)
                      : phase == ROTATE                 ? m->layout.count[j]
                      : phase == SCATTER ? 2u * (uint32_t)auvid_metric_order(m, (int)j) + 1u
                                         : n;
-    return phase < DONE && WORD(confidence.at_row) < steps;
+    return phase < DONE && WORD(confidence.at.row) < steps;
 }
 
 static bool checkpoint_check_prediction(const subject_t *s)

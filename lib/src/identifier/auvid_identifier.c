@@ -181,8 +181,8 @@ auvid_status_t auvid_identifier_init(auvid_identifier_t *id, const auvid_identif
         id->velocity = (uint8_t)cfg->velocity;
         id->dry_mass_kg = cfg->dry_mass_kg;
         id->uncertainty = cfg->uncertainty;
-        id->listener = cfg->listener;
-        id->listener_context = cfg->listener_context;
+        id->attached.listener = cfg->listener;
+        id->attached.listener_context = cfg->listener_context;
         identifier_init_modules(id, cfg, &why);
     }
     if (why.status < 0) {

@@ -24,7 +24,7 @@ static inline const auvid_vehicle_t *identifier_vehicle(const auvid_identifier_t
 /** Who is told of commands and sets; NULL: nobody. */
 static inline const auvid_listener_t *identifier_listener(const auvid_identifier_t *id)
 {
-    return AUVID_MAX_COMMANDS > 0 ? id->listener : NULL;
+    return AUVID_MAX_COMMANDS > 0 ? id->attached.listener : NULL;
 }
 
 /** Move what `search` says of the parameters in `active` to the front: bounds and good values. Sets
@@ -91,8 +91,8 @@ typedef struct auvid_simulate_functions {
 /** Simulate subsequent cells with the last estimate. */
 static inline void identifier_simulate(auvid_identifier_t *id)
 {
-    if (id->simulate != NULL) {
-        id->simulate->restart(id);
+    if (id->attached.simulate != NULL) {
+        id->attached.simulate->restart(id);
     }
 }
 

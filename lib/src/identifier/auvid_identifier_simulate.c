@@ -9,7 +9,7 @@
 
 static void simulate_cell(auvid_identifier_t *id, const auvid_sample_t *cell)
 {
-    auvid_validation_t *const both[] = {id->validation, id->prediction};
+    auvid_validation_t *const both[] = {id->attached.validation, id->attached.prediction};
     for (int i = 0; i < 2; ++i) {
         if (cell == NULL) {
             auvid_validation_gap(both[i]);
@@ -23,23 +23,23 @@ static void simulate_restart(auvid_identifier_t *id)
 {
     const auvid_estimate_t *e = &id->estimate;
     auvid_real_t cell_s = AUVID_C(1e-6) * (auvid_real_t)id->recorder.cfg.cell_us;
-    if (id->prediction == NULL) {
+    if (id->attached.prediction == NULL) {
         return;
     }
-    memset(id->prediction, 0, sizeof *id->prediction);
+    memset(id->attached.prediction, 0, sizeof *id->attached.prediction);
     if (e->number > 0) { /* no simulation without acceleration, or if the masses forbid it */
-        (void)auvid_validation_init(id->prediction, identifier_vehicle(id), e->pi, e->excited,
-                                    e->delay_s, e->first_order_lag, cell_s);
+        (void)auvid_validation_init(id->attached.prediction, identifier_vehicle(id), e->pi,
+                                    e->excited, e->delay_s, e->first_order_lag, cell_s);
     }
 }
 
 static void simulate_finish(auvid_identifier_t *id)
 {
     auvid_change_test_t *test = &id->change_test;
-    bool simulated = id->prediction != NULL && id->prediction->vehicle != NULL &&
+    bool simulated = id->attached.prediction != NULL && id->attached.prediction->vehicle != NULL &&
                      id->metric.sets.waiting == 1 &&
-                     auvid_validation_r2(id->prediction, test->r2_velocity) == AUVID_OK;
-    test->simulated = simulated ? (uint8_t)id->prediction->dofs : 0u;
+                     auvid_validation_r2(id->attached.prediction, test->r2_velocity) == AUVID_OK;
+    test->simulated = simulated ? (uint8_t)id->attached.prediction->dofs : 0u;
     simulate_restart(id);
 }
 
@@ -49,8 +49,8 @@ static const auvid_simulate_functions_t simulate_functions = {simulate_cell, sim
 void auvid_identifier_attach(auvid_identifier_t *id, auvid_validation_t *validation)
 {
     if (id != NULL) {
-        id->validation = validation;
-        id->simulate = &simulate_functions;
+        id->attached.validation = validation;
+        id->attached.simulate = &simulate_functions;
     }
 }
 
@@ -60,10 +60,10 @@ auvid_status_t auvid_identifier_attach_prediction(auvid_identifier_t *id,
     if (id == NULL || storage == NULL) {
         return AUVID_ERR_NULL;
     }
-    auvid_status_t status = auvid_identifier_check_attach(id, id->prediction);
+    auvid_status_t status = auvid_identifier_check_attach(id, id->attached.prediction);
     if (status == AUVID_OK) {
-        id->prediction = storage;
-        id->simulate = &simulate_functions;
+        id->attached.prediction = storage;
+        id->attached.simulate = &simulate_functions;
         simulate_restart(id); /* of a prior record, if there is one */
     }
     return status;

@@ -17,8 +17,8 @@ _Static_assert(AUVID_EVENT_END - 1u <= 1u << 30, "an enumerator of C11 is an int
 /* Pass a cell to what simulates velocity. NULL: a gap. */
 static void identifier_pass_cell(auvid_identifier_t *id, const auvid_sample_t *cell)
 {
-    if (id->simulate != NULL) {
-        id->simulate->cell(id, cell);
+    if (id->attached.simulate != NULL) {
+        id->attached.simulate->cell(id, cell);
     }
 }
 
@@ -67,8 +67,8 @@ static void identifier_flag_rejected(auvid_identifier_t *id, auvid_status_t stat
 /* Flag the rejected ones among the samples that waited for the IMU. */
 static void identifier_flag_held(auvid_identifier_t *id)
 {
-    for (int i = 0; id->nav.held_rejected >> i != 0; ++i) {
-        id->events |= (id->nav.held_rejected >> i & 1) != 0 ? auvid_input_places[i].event : 0u;
+    for (int i = 0; id->nav.held.rejected >> i != 0; ++i) {
+        id->events |= (id->nav.held.rejected >> i & 1) != 0 ? auvid_input_places[i].event : 0u;
     }
     identifier_record_velocity(id); /* another update may follow in this step */
 }
@@ -83,10 +83,10 @@ static auvid_status_t identifier_take_imu(auvid_nav_t *nav, const auvid_input_t 
 /* Pass the sensors to the filter; what it rejects becomes an event. */
 static void identifier_navigate(auvid_identifier_t *id, const auvid_input_t *in)
 {
-    id->nav.until_us = in->t_us + id->nav.future_us;
+    id->nav.held.until_us = in->t_us + id->nav.cfg.future_us;
     if (in->imu.present) {
         /* The filter follows the IMU's time: a sample far ahead would exclude all others. */
-        if (in->imu.t_us > id->nav.until_us || identifier_take_imu(&id->nav, in) < 0) {
+        if (in->imu.t_us > id->nav.held.until_us || identifier_take_imu(&id->nav, in) < 0) {
             id->events |= AUVID_EVENT_IMU_DROPPED;
         } else {
             identifier_flag_held(id);
@@ -142,7 +142,7 @@ static auvid_status_t identifier_record_input(auvid_identifier_t *id, uint64_t t
         id->applied.t_us = t_us;
         id->applied.known = true;
         if (identifier_listener(id) != NULL && !auvid_metric_drops_rows(&id->metric, t_us)) {
-            id->listener->command(id->listener_context, t_us, command);
+            id->attached.listener->command(id->attached.listener_context, t_us, command);
         }
     }
     return status;

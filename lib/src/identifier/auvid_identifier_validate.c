@@ -50,7 +50,7 @@ static bool identifier_begin_test(auvid_identifier_t *id)
         return false;
     }
     auvid_metric_protect(m, m->cfg.sets >= ENOUGH ? ENOUGH : 0);
-    if (id->change->straddles_change) {
+    if (id->attached.change->straddles_change) {
         (void)auvid_metric_drop(m, 1);
     }
     auvid_metric_linearise_begin(m, e->pi, auvid_identifier_common_delay(e), 1);
@@ -67,7 +67,7 @@ static void identifier_begin_prediction(auvid_identifier_t *id, const auvid_esti
 
 static void identifier_restart_change(auvid_identifier_t *id)
 {
-    auvid_metric_change_begin(&id->metric, &id->change->statistic);
+    auvid_metric_change_begin(&id->metric, &id->attached.change->statistic);
     id->work.phase = AUVID_WORK_CHANGE_TEST;
 }
 
@@ -75,7 +75,7 @@ static void identifier_restart_change(auvid_identifier_t *id)
 static auvid_real_t identifier_predicted_cost(const auvid_identifier_t *id)
 {
     auvid_real_t cost = AUVID_C(0.0);
-    uint8_t both = id->estimate.excited & id->change->accepted.excited;
+    uint8_t both = id->estimate.excited & id->attached.change->accepted.excited;
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
         auvid_real_t scale = id->metric.cfg.tau_max[j];
         cost += (both >> j & 1) ? auvid_metric_predicted(&id->metric, j) / (scale * scale)
@@ -101,27 +101,27 @@ static void identifier_record_prediction(auvid_identifier_t *id)
         test->variance_ratio[j] = auvid_is_finite(ratio) ? ratio : AUVID_C(0.0);
         test->change[j] = AUVID_C(0.0);
     }
-    id->change->predicted = identifier_predicted_cost(id);
+    id->attached.change->predicted = identifier_predicted_cost(id);
 }
 
 /* The accepted estimate's prediction is complete: keep one of the two. An estimate of other DoF is
  * no substitute: its parameters of the remaining DoF are not estimates. */
 static void identifier_compare_estimates(auvid_identifier_t *id)
 {
-    bool worse = id->change->predicted > MARGIN * identifier_predicted_cost(id);
-    if (worse && id->estimate.excited != id->change->accepted.excited) {
+    bool worse = id->attached.change->predicted > MARGIN * identifier_predicted_cost(id);
+    if (worse && id->estimate.excited != id->attached.change->accepted.excited) {
         return;
     }
     if (worse) {
         uint32_t number = id->estimate.number;
-        id->estimate = id->change->accepted;
+        id->estimate = id->attached.change->accepted;
         id->estimate.number = number + 1;
         id->estimate.t_us = id->t_us;
         id->events |= AUVID_EVENT_RESTORED;
         identifier_simulate(id);
     } else {
         id->estimate.accepted = true;
-        id->change->accepted = id->estimate;
+        id->attached.change->accepted = id->estimate;
     }
 }
 
@@ -131,7 +131,7 @@ static auvid_real_t identifier_weigh_evidence(const auvid_identifier_t *id, int 
                                               auvid_real_t evidence[AUVID_DOF_COUNT])
 {
     const auvid_metric_t *m = &id->metric;
-    const auvid_metric_change_t *statistic = &id->change->statistic;
+    const auvid_metric_change_t *statistic = &id->attached.change->statistic;
     bool enough = id->estimate.confidence.sets >= ENOUGH - 1;
     auvid_real_t max_evidence = AUVID_C(0.0), sum = AUVID_C(0.0);
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
@@ -163,7 +163,7 @@ static void identifier_conclude_test(auvid_identifier_t *id)
     }
     test->change[clearest] = auvid_max(by_one, by_two);
     test->changed = (uint8_t)((test->change[clearest] > AUVID_C(1.0)) << clearest);
-    id->change->straddles_change = false;
+    id->attached.change->straddles_change = false;
     id->events |= AUVID_EVENT_VALIDATED;
     if (test->changed != 0) {
         /* The change may be in the middle of a set: of the newest, if that set by itself raised the
@@ -171,7 +171,7 @@ static void identifier_conclude_test(auvid_identifier_t *id)
         for (int age = 1; age < auvid_metric_sets(&id->metric); ++age) {
             (void)auvid_metric_drop(&id->metric, (uint8_t)age);
         }
-        id->change->straddles_change = by_one > AUVID_C(1.0);
+        id->attached.change->straddles_change = by_one > AUVID_C(1.0);
         id->work.cold_start = true;
         id->work.searching = false;
         id->events |= AUVID_EVENT_CHANGED;
@@ -194,8 +194,8 @@ static void identifier_begin_change(auvid_identifier_t *id)
 static void identifier_begin_compare(auvid_identifier_t *id)
 {
     identifier_record_prediction(id);
-    if (id->change->accepted.number > 0) {
-        identifier_begin_prediction(id, &id->change->accepted, AUVID_WORK_COMPARE);
+    if (id->attached.change->accepted.number > 0) {
+        identifier_begin_prediction(id, &id->attached.change->accepted, AUVID_WORK_COMPARE);
     } else {
         identifier_begin_change(id);
     }
@@ -203,7 +203,7 @@ static void identifier_begin_compare(auvid_identifier_t *id)
 
 static auvid_status_t identifier_change(auvid_identifier_t *id, uint32_t *budget)
 {
-    return auvid_metric_change(&id->metric, &id->change->statistic, budget);
+    return auvid_metric_change(&id->metric, &id->attached.change->statistic, budget);
 }
 
 static void identifier_end_test(auvid_identifier_t *id)
@@ -226,11 +226,11 @@ auvid_status_t auvid_identifier_attach_change_test(auvid_identifier_t *id,
     if (id == NULL || storage == NULL) {
         return AUVID_ERR_NULL;
     }
-    auvid_status_t status = auvid_identifier_check_attach(id, id->change);
+    auvid_status_t status = auvid_identifier_check_attach(id, id->attached.change);
     if (status == AUVID_OK) {
         memset(storage, 0, sizeof *storage);
-        id->change = storage;
-        id->change_functions = &identifier_change_functions;
+        id->attached.change = storage;
+        id->attached.change_functions = &identifier_change_functions;
     }
     return status;
 }

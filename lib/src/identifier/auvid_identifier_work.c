@@ -29,8 +29,8 @@ auvid_real_t auvid_identifier_common_delay(const auvid_estimate_t *estimate)
 /* End the work: nothing is left to do for the sets of the ring. */
 static void identifier_rest(auvid_identifier_t *id)
 {
-    bool has_log = identifier_listener(id) != NULL && id->listener->lead_us != NULL;
-    uint64_t lead_us = has_log ? id->listener->lead_us(id->listener_context) : 0u;
+    bool has_log = identifier_listener(id) != NULL && id->attached.listener->lead_us != NULL;
+    uint64_t lead_us = has_log ? id->attached.listener->lead_us(id->attached.listener_context) : 0u;
     id->work.searching = false;
     id->work.phase = AUVID_WORK_IDLE;
     identifier_take_set(id, auvid_metric_release(&id->metric, id->applied.t_us + lead_us));
@@ -151,7 +151,7 @@ static void identifier_begin_merge(auvid_identifier_t *id)
 
 void auvid_identifier_begin_tests(auvid_identifier_t *id)
 {
-    if (id->work.untested == 0 || !id->change_functions->begin(id)) {
+    if (id->work.untested == 0 || !id->attached.change_functions->begin(id)) {
         auvid_metric_protect(&id->metric, 0);
         identifier_begin_merge(id);
     }
@@ -162,12 +162,12 @@ static void identifier_begin_sets(auvid_identifier_t *id)
 {
     auvid_metric_t *m = &id->metric;
     const auvid_listener_t *listener = identifier_listener(id);
-    bool tests = id->change_functions != NULL && id->estimate.number > 0;
-    if (id->simulate != NULL) {
-        id->simulate->finish(id);
+    bool tests = id->attached.change_functions != NULL && id->estimate.number > 0;
+    if (id->attached.simulate != NULL) {
+        id->attached.simulate->finish(id);
     }
     if (listener != NULL) {
-        listener->set(id->listener_context, m);
+        listener->set(id->attached.listener_context, m);
     }
     id->work.sets = m->sets.recorded;
     id->work.untested = tests ? m->sets.waiting : 0u;
@@ -282,8 +282,9 @@ static const auvid_work_phase_row_t identifier_phases[AUVID_WORK_PHASE_COUNT] = 
 static const auvid_work_phase_row_t *identifier_phase(const auvid_identifier_t *id)
 {
     uint32_t phase = id->work.phase, test = phase - AUVID_WORK_PREPARE;
-    return test <= AUVID_WORK_CHANGE_TEST - AUVID_WORK_PREPARE && id->change_functions != NULL
-               ? &id->change_functions->phases[test]
+    return test <= AUVID_WORK_CHANGE_TEST - AUVID_WORK_PREPARE &&
+                   id->attached.change_functions != NULL
+               ? &id->attached.change_functions->phases[test]
                : &identifier_phases[phase < AUVID_WORK_PHASE_COUNT ? phase : AUVID_WORK_IDLE];
 }
 

@@ -72,12 +72,12 @@ static void confidence_count_rows(job_t *c, int j)
     const auvid_metric_t *m = c->metric;
     bool stored = auvid_metric_stores_rows(m);
     uint32_t lost = 0, all = 0;
-    c->rows[j] = (auvid_real_t)m->result.dof_rows[j]; /* some sets may have left the ring */
+    c->spread.rows[j] = (auvid_real_t)m->result.dof_rows[j]; /* some sets may have left the ring */
     for (int age = 0; age < auvid_metric_sets(m); ++age) {
         const auvid_set_t *set = auvid_metric_set(m, age);
         uint32_t rows = (set->excited >> j & 1) == 0 ? 0u : set->rows_of[j];
         if (rows > 0) {
-            c->rows[j] -= stored ? (auvid_real_t)(rows - set->windows[j]) : AUVID_C(0.0);
+            c->spread.rows[j] -= stored ? (auvid_real_t)(rows - set->windows[j]) : AUVID_C(0.0);
             lost += (uint32_t)set->lost + set->rows - rows;
             all += (uint32_t)set->lost + set->rows;
         }
@@ -107,7 +107,7 @@ static void confidence_find_single_dof_optimum(job_t *c, int j)
     }
     auvid_real_t squares = excess + auvid_metric_unexplained(c->metric, j);
     c->result.residual_rms[j] =
-        c->rows[j] > AUVID_C(0.0) ? auvid_sqrt(squares / c->rows[j]) : AUVID_C(0.0);
+        c->spread.rows[j] > AUVID_C(0.0) ? auvid_sqrt(squares / c->spread.rows[j]) : AUVID_C(0.0);
 }
 
 /* ---- ROTATE: the DoF's rows into the joint R factor ---- */
@@ -140,7 +140,7 @@ static void confidence_add_delay_priors(job_t *c, int j, int order)
 {
     auvid_real_t sigma = c->result.uncertainty.delay_s / auvid_metric_node_s(c->metric);
     auvid_real_t unexplained = c->part[AUVID_QR_FACTOR(order) - 1];
-    auvid_real_t noise = auvid_sqrt(SMOOTHED * unexplained * unexplained / c->rows[j]);
+    auvid_real_t noise = auvid_sqrt(SMOOTHED * unexplained * unexplained / c->spread.rows[j]);
     auvid_real_t row[AUVID_MAX_PARAMETERS + AUVID_METRIC_DELAYS] = {AUVID_C(0.0)};
     row[0] = noise / sigma;
     auvid_qr_update(c->part, order, 0, row);
@@ -208,7 +208,7 @@ static void confidence_rotate_row(job_t *c, int j, int i)
         int column = c->column_of[e.index[k]];
         if (column != NOWHERE) {
             row[column] += scale * r[k - i];
-            c->influence[column] += scale * r[k - i] * residual;
+            c->influence.set[column] += scale * r[k - i] * residual;
         }
     }
     auvid_qr_update(c->joint_factor, c->n, 0, row);
@@ -227,7 +227,7 @@ static void confidence_invert_column(job_t *c, int i)
 {
     auvid_real_t y[AUVID_MAX_PARAMETERS] = {AUVID_C(0.0)}, squares = AUVID_C(0.0);
     if (c->delayed && i == 0) {
-        auvid_qr_solve_transposed(c->joint_factor, c->n, c->n, c->influence);
+        auvid_qr_solve_transposed(c->joint_factor, c->n, c->n, c->influence.set);
     }
     y[i] = AUVID_C(1.0);
     auvid_qr_solve_transposed(c->joint_factor, c->n, c->n, y);
@@ -236,7 +236,7 @@ static void confidence_invert_column(job_t *c, int i)
     }
     if (c->delayed) {
         for (int k = i; k < c->n; ++k) {
-            c->delay_step[i] += y[k] * c->influence[k];
+            c->delay_step[i] += y[k] * c->influence.set[k];
         }
         c->widening[i] = squares;
         return;
@@ -252,9 +252,9 @@ static void confidence_invert_column(job_t *c, int i)
 static void confidence_find_noise(job_t *c, int j)
 {
     auvid_real_t residual = c->result.residual_rms[j];
-    bool scatters = c->degrees_of_freedom[j] > AUVID_C(1e-4);
-    auvid_real_t scatter = scatters ? c->scatter[j] : AUVID_C(0.0);
-    auvid_real_t nu = scatters ? c->degrees_of_freedom[j] : AUVID_C(0.0);
+    bool scatters = c->spread.degrees_of_freedom[j] > AUVID_C(1e-4);
+    auvid_real_t scatter = scatters ? c->spread.scatter[j] : AUVID_C(0.0);
+    auvid_real_t nu = scatters ? c->spread.degrees_of_freedom[j] : AUVID_C(0.0);
     c->result.effective_noise[j] =
         auvid_sqrt((SMOOTHED * residual * residual + scatter) / (AUVID_C(1.0) + nu));
     auvid_confidence_bias(c, j);
@@ -268,16 +268,16 @@ static bool confidence_seek_dof(job_t *c, int j)
     while (j < AUVID_DOF_COUNT && !confidence_is_excited(c, j)) {
         ++j;
     }
-    c->at_dof = (uint8_t)j;
+    c->at.dof = (uint8_t)j;
     return j < AUVID_DOF_COUNT;
 }
 
 /* Do one step of the present phase. */
 static void confidence_step(job_t *c)
 {
-    int j = c->at_dof, i = c->at_row,
+    int j = c->at.dof, i = c->at.row,
         n = j < AUVID_DOF_COUNT ? auvid_metric_order(c->metric, j) : 1;
-    const auvid_set_t *set = auvid_metric_set(c->metric, c->at_set);
+    const auvid_set_t *set = auvid_metric_set(c->metric, c->at.set);
     switch (c->phase) {
     case OPTIMUM:
         confidence_find_single_dof_optimum(c, j);
@@ -294,7 +294,7 @@ static void confidence_step(job_t *c)
     case SCATTER:
         if (i == AUVID_METRIC_BANDS * n) {
             auvid_confidence_finish_dof(c, j);
-        } else if (c->at_set < auvid_metric_sets(c->metric) && (set->excited >> j & 1)) {
+        } else if (c->at.set < auvid_metric_sets(c->metric) && (set->excited >> j & 1)) {
             auvid_confidence_take_row(c, set, j, i / n, i % n);
         }
         break;
@@ -323,9 +323,9 @@ static int confidence_steps(const job_t *c)
     case BIAS:
         return 1;
     case ROTATE:
-        return auvid_metric_equation(c->metric, c->at_dof).count;
+        return auvid_metric_equation(c->metric, c->at.dof).count;
     case SCATTER:
-        return AUVID_METRIC_BANDS * auvid_metric_order(c->metric, c->at_dof) + 1;
+        return AUVID_METRIC_BANDS * auvid_metric_order(c->metric, c->at.dof) + 1;
     default:
         return c->n;
     }
@@ -336,7 +336,7 @@ static void confidence_end_phase(job_t *c)
     if (c->phase == INVERT && c->delayed) {
         c->delayed = false; /* once more, with the delays given */
         memset(c->joint_factor, 0, sizeof c->joint_factor);
-        memset(c->influence, 0, sizeof c->influence);
+        memset(c->influence.set, 0, sizeof c->influence.set);
         c->phase = ROTATE;
     } else {
         ++c->phase;
@@ -350,28 +350,28 @@ static void confidence_end_phase(job_t *c)
 /* Returns the cost of the next step in addition to that of its phase. */
 static int confidence_border_cost(const job_t *c)
 {
-    bool due = c->phase == ROTATE && c->delayed && c->at_row == 0;
-    return due ? AUVID_METRIC_ROTATION * (auvid_metric_order(c->metric, c->at_dof) + 2) : 0;
+    bool due = c->phase == ROTATE && c->delayed && c->at.row == 0;
+    return due ? AUVID_METRIC_ROTATION * (auvid_metric_order(c->metric, c->at.dof) + 2) : 0;
 }
 
 /* Advance to the next step. */
 static void confidence_next_step(job_t *c)
 {
     bool by_dof = c->phase != BOUND && c->phase != INVERT && c->phase < JUDGE;
-    if (++c->at_row < confidence_steps(c)) {
+    if (++c->at.row < confidence_steps(c)) {
         return;
     }
-    c->at_row = 0;
-    if (by_dof && confidence_seek_dof(c, c->at_dof + 1)) {
+    c->at.row = 0;
+    if (by_dof && confidence_seek_dof(c, c->at.dof + 1)) {
         return;
     }
     if (c->phase == SCATTER) {
         auvid_confidence_finish_set(c);
-        if (++c->at_set < auvid_metric_sets(c->metric)) {
+        if (++c->at.set < auvid_metric_sets(c->metric)) {
             (void)confidence_seek_dof(c, 0);
             return;
         }
-        c->at_set = 0;
+        c->at.set = 0;
     }
     confidence_end_phase(c);
 }

@@ -102,7 +102,7 @@ auvid_real_t auvid_confidence_dvl_degree(const auvid_vehicle_t *vehicle, int i)
  * low band. */
 static auvid_real_t confidence_column_rms(const job_t *c, int j, int p)
 {
-    auvid_real_t rows = c->rows[j] * auvid_metric_band_weight(c->metric, 0, j);
+    auvid_real_t rows = c->spread.rows[j] * auvid_metric_band_weight(c->metric, 0, j);
     auvid_real_t norm = auvid_confidence_column(c, j, p);
     return rows > AUVID_C(0.0) ? norm / auvid_sqrt(rows) : AUVID_C(0.0);
 }
@@ -181,7 +181,7 @@ void auvid_confidence_judge(job_t *c, int i)
     auvid_real_t x[AUVID_MAX_PARAMETERS] = {AUVID_C(0.0)}, y[AUVID_MAX_PARAMETERS] = {AUVID_C(0.0)};
     auvid_real_t delta = AUVID_C(0.0), largest = AUVID_C(0.0), nearest = AUVID_C(0.0);
     auvid_real_t sets = (auvid_real_t)c->result.sets, widening = c->widening[i];
-    auvid_finding_t found = {.bound_shift = c->sum[i], .bound_partner = NOWHERE};
+    auvid_finding_t found = {.bound_shift = c->influence.sum[i], .bound_partner = NOWHERE};
     int partner = i, p = c->parameter_of[i];
     c->widening[i] = AUVID_C(0.0);          /* no covariance unless its error is known */
     if (!(c->variance[i] > AUVID_C(0.0))) { /* zero column: a constant sensor */
@@ -197,13 +197,14 @@ void auvid_confidence_judge(job_t *c, int i)
             found.bound_partner = c->parameter_of[k];
             nearest = correlation;
         }
-        delta -= x[k] * c->influence[k];
+        delta -= x[k] * c->influence.set[k];
         partner = correlation > largest ? k : partner;
         largest = auvid_max(largest, correlation);
     }
     auvid_real_t plain = confidence_pooled_product(c, x, y), variance = plain;
     if (c->result.sets > 1) {
-        auvid_real_t scatter = sets * c->squares[i] - c->sum[i] * c->sum[i];
+        auvid_real_t scatter =
+            sets * c->influence.squares[i] - c->influence.sum[i] * c->influence.sum[i];
         /* include the sets that left the ring */
         scatter *= (auvid_real_t)auvid_metric_sets_merged(c->metric) / sets;
         variance =

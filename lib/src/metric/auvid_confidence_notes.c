@@ -80,7 +80,7 @@ void auvid_confidence_bias(auvid_confidence_job_t *c, int j)
                          (low * (AUVID_C(1.0) + rho) / (AUVID_C(1.0) - rho) + high);
     auvid_real_t scaled = auvid_metric_weight(m, j) * noise / mass;
     for (int k = 0; k < c->n && auvid_is_finite(scaled); ++k) {
-        c->influence[k] += scaled * a[c->parameter_of[k]];
+        c->influence.set[k] += scaled * a[c->parameter_of[k]];
     }
 }
 
@@ -120,7 +120,7 @@ auvid_real_t auvid_confidence_allowed(const auvid_metric_config_t *cfg, int i, a
 static auvid_real_t confidence_small_value_in_dof(const auvid_confidence_job_t *c, int i, int j)
 {
     auvid_real_t rows, wrench = auvid_metric_wrench_squares(c->metric, j, &rows);
-    return AUVID_CONFIDENCE_SMALL * auvid_sqrt(wrench / rows * c->rows[j]) /
+    return AUVID_CONFIDENCE_SMALL * auvid_sqrt(wrench / rows * c->spread.rows[j]) /
            auvid_confidence_column(c, j, i);
 }
 

@@ -29,7 +29,7 @@ void auvid_confidence_take_row(job_t *c, const auvid_set_t *set, int j, int band
         int column = c->column_of[e.index[k]];
         c->score[k] += weight * dof_residual * w[k];
         if (column != NOWHERE) {
-            c->influence[column] += auvid_metric_weight(m, j) * weight * residual * w[k];
+            c->influence.set[column] += auvid_metric_weight(m, j) * weight * residual * w[k];
         }
     }
     auvid_qr_solve_transposed(e.factor, e.order, e.count, w);
@@ -50,10 +50,10 @@ void auvid_confidence_finish_dof(job_t *c, int j)
     auvid_qr_solve_transposed(e.factor, e.order, count, c->score);
     for (int a = 0; a < count; ++a) {
         const auvid_real_t *row = c->part + auvid_qr_row(count, a);
-        c->scatter[j] += c->score[a] * c->score[a];
-        c->degrees_of_freedom[j] += row[0]; /* sums to the rank */
+        c->spread.scatter[j] += c->score[a] * c->score[a];
+        c->spread.degrees_of_freedom[j] += row[0]; /* sums to the rank */
         for (int b = a; b < count; ++b) {
-            c->degrees_of_freedom[j] -=
+            c->spread.degrees_of_freedom[j] -=
                 (b == a ? AUVID_C(1.0) : AUVID_C(2.0)) * row[b - a] * row[b - a];
         }
     }
@@ -63,11 +63,11 @@ void auvid_confidence_finish_dof(job_t *c, int j)
 
 void auvid_confidence_finish_set(job_t *c)
 {
-    auvid_qr_solve_transposed(c->joint_factor, c->n, c->n, c->influence);
-    (void)auvid_qr_solve(c->joint_factor, c->n, c->n, AUVID_C(0.0), c->influence);
+    auvid_qr_solve_transposed(c->joint_factor, c->n, c->n, c->influence.set);
+    (void)auvid_qr_solve(c->joint_factor, c->n, c->n, AUVID_C(0.0), c->influence.set);
     for (int i = 0; i < c->n; ++i) {
-        c->sum[i] += c->influence[i];
-        c->squares[i] += c->influence[i] * c->influence[i];
+        c->influence.sum[i] += c->influence.set[i];
+        c->influence.squares[i] += c->influence.set[i] * c->influence.set[i];
     }
-    memset(c->influence, 0, sizeof c->influence);
+    memset(c->influence.set, 0, sizeof c->influence.set);
 }

@@ -74,9 +74,9 @@ static const auvid_field_t nav_fields[] = {
     NAV_REALS(gate, 1, AUVID_C(0.0), AUVID_C(1e6)),
     NAV_REALS(max_acceleration, 1, AUVID_C(0.0), AUVID_C(100.0)),
     NAV_REALS(speed_limit, 1, AUVID_C(0.0), NAV_LARGEST_SPEED),
-    NAV_REALS(imu_euler, 3, AUVID_C(-10.0), AUVID_C(10.0)),
-    NAV_REALS(dvl_euler, 3, AUVID_C(-10.0), AUVID_C(10.0)),
-    NAV_REALS(dvl_lever, 3, AUVID_C(-1e3), AUVID_C(1e3)),
+    NAV_REALS(mount.imu_euler, 3, AUVID_C(-10.0), AUVID_C(10.0)),
+    NAV_REALS(mount.dvl_euler, 3, AUVID_C(-10.0), AUVID_C(10.0)),
+    NAV_REALS(mount.dvl_lever, 3, AUVID_C(-1e3), AUVID_C(1e3)),
     NAV_REALS(density, 1, AUVID_C(1.0), AUVID_C(1e5)),
     NAV_REALS(gravity, 1, AUVID_C(0.1), AUVID_C(100.0)),
     NAV_REALS(surface_pressure, 1, AUVID_C(0.0), AUVID_C(1e6)),
@@ -97,38 +97,41 @@ void auvid_nav_set_up(auvid_nav_t *nav, const auvid_nav_config_t *cfg, auvid_ref
     if (why->status != AUVID_OK) {
         return;
     }
+    auvid_nav_prepared_t *to = &nav->cfg;
     memset(nav, 0, sizeof *nav);
     for (int i = 0; i < 3; ++i) {
-        nav->q[i] = nav_square(cfg->sigma_acceleration[i]) * cfg->reference_tick;
-        nav->position[i] = cfg->position[i];
-        nav->pp[nav_packed[i][i]] = nav_square(cfg->sigma_position);
-        nav->vv[nav_packed[i][i]] = nav_square(cfg->sigma_velocity);
+        to->q[i] = nav_square(cfg->sigma_acceleration[i]) * cfg->reference_tick;
+        nav->ekf.position[i] = cfg->position[i];
+        nav->ekf.pp[nav_packed[i][i]] = nav_square(cfg->sigma_position);
+        nav->ekf.vv[nav_packed[i][i]] = nav_square(cfg->sigma_velocity);
     }
     for (int i = 0; i < AUVID_NAV_SENSOR_COUNT; ++i) {
         const unsigned char *from = (const unsigned char *)cfg;
-        memcpy(&nav->r[i], from + auvid_nav_rows[i].sigma, sizeof nav->r[i]);
-        nav->r[i] = nav_square(nav->r[i]);
-        memcpy(&nav->max_age_us[i], from + auvid_nav_rows[i].max_age, sizeof nav->max_age_us[i]);
+        memcpy(&to->r[i], from + auvid_nav_rows[i].sigma, sizeof to->r[i]);
+        to->r[i] = nav_square(to->r[i]);
+        memcpy(&to->max_age_us[i], from + auvid_nav_rows[i].max_age, sizeof to->max_age_us[i]);
     }
-    nav->r[AUVID_NAV_DVL_WATER] += nav_square(cfg->sigma_current);
-    nav->future_us = cfg->future_us;
-    nav->stale_us = cfg->stale_us;
-    nav->gap_us = cfg->gap_us;
-    nav->gate = cfg->gate > AUVID_C(0.0) ? cfg->gate : AUVID_LARGEST;
-    nav->max_acceleration = cfg->max_acceleration;
-    nav->speed_limit = cfg->speed_limit > AUVID_C(0.0) ? cfg->speed_limit : NAV_LARGEST_SPEED;
-    nav->metres_per_pascal = AUVID_C(1.0) / (cfg->density * cfg->gravity);
-    nav->surface_pressure = cfg->surface_pressure;
-    nav->surface_depth = cfg->surface_depth;
-    nav->max_consecutive_rejections = cfg->max_consecutive_rejections;
-    nav->gps_start = cfg->gps_start;
-    memcpy(nav->lever, cfg->dvl_lever, sizeof nav->lever);
-    auvid_rotation(cfg->dvl_euler[0], cfg->dvl_euler[1], cfg->dvl_euler[2], nav->mount);
-    auvid_rotation(cfg->imu_euler[0], cfg->imu_euler[1], cfg->imu_euler[2], nav->imu_mount);
+    to->r[AUVID_NAV_DVL_WATER] += nav_square(cfg->sigma_current);
+    to->future_us = cfg->future_us;
+    to->stale_us = cfg->stale_us;
+    to->gap_us = cfg->gap_us;
+    to->gate = cfg->gate > AUVID_C(0.0) ? cfg->gate : AUVID_LARGEST;
+    to->max_acceleration = cfg->max_acceleration;
+    to->speed_limit = cfg->speed_limit > AUVID_C(0.0) ? cfg->speed_limit : NAV_LARGEST_SPEED;
+    to->metres_per_pascal = AUVID_C(1.0) / (cfg->density * cfg->gravity);
+    to->surface_pressure = cfg->surface_pressure;
+    to->surface_depth = cfg->surface_depth;
+    to->max_consecutive_rejections = cfg->max_consecutive_rejections;
+    nav->gps.start = cfg->gps_start;
+    memcpy(to->lever, cfg->mount.dvl_lever, sizeof to->lever);
+    auvid_rotation(cfg->mount.dvl_euler[0], cfg->mount.dvl_euler[1], cfg->mount.dvl_euler[2],
+                   to->mount);
+    auvid_rotation(cfg->mount.imu_euler[0], cfg->mount.imu_euler[1], cfg->mount.imu_euler[2],
+                   to->imu_mount);
     for (int i = 0; i < 3; ++i) {
-        nav->imu_turned = nav->imu_turned || !auvid_is_zero(cfg->imu_euler[i]);
+        to->imu_turned = to->imu_turned || !auvid_is_zero(cfg->mount.imu_euler[i]);
     }
-    nav->ready = NAV_READY;
+    nav->imu.ready = NAV_READY;
 }
 
 auvid_status_t auvid_nav_init(auvid_nav_t *nav, const auvid_nav_config_t *cfg)
@@ -144,16 +147,16 @@ auvid_status_t auvid_nav_init(auvid_nav_t *nav, const auvid_nav_config_t *cfg)
 
 bool auvid_nav_pose(const auvid_nav_t *nav, auvid_nav_state_t *state)
 {
-    if (nav->ready != NAV_RUNNING) {
+    if (nav->imu.ready != NAV_RUNNING) {
         return false;
     }
-    state->t_us = nav->t_us;
+    state->t_us = nav->imu.t_us;
     for (int i = 0; i < 3; ++i) {
-        state->position[i] = nav->position[i] + nav->position_lo[i];
-        state->attitude[i] =
-            nav->attitude[i] + (auvid_real_t)nav->yaw_revolutions[i] * (AUVID_C(2.0) * AUVID_PI);
-        state->velocity[i] = nav->velocity[i];
-        state->rates[i] = nav->rates[i];
+        state->position[i] = nav->ekf.position[i] + nav->ekf.position_lo[i];
+        state->attitude[i] = nav->imu.attitude[i] +
+                             (auvid_real_t)nav->imu.yaw_revolutions[i] * (AUVID_C(2.0) * AUVID_PI);
+        state->velocity[i] = nav->ekf.velocity[i];
+        state->rates[i] = nav->imu.rates[i];
     }
     return true;
 }
@@ -178,14 +181,14 @@ auvid_status_t auvid_nav_covariance(const auvid_nav_t *nav, auvid_real_t p[6][6]
     if (nav == NULL || p == NULL) {
         return AUVID_ERR_NULL;
     }
-    if (nav->ready == NAV_BLANK) {
+    if (nav->imu.ready == NAV_BLANK) {
         return AUVID_ERR_STATE;
     }
     for (int i = 0; i < 3; ++i) {
         for (int j = 0; j < 3; ++j) {
-            p[i][j] = nav->pp[nav_packed[i][j]];
-            p[i][3 + j] = p[3 + j][i] = nav->pv[i][j];
-            p[3 + i][3 + j] = nav->vv[nav_packed[i][j]];
+            p[i][j] = nav->ekf.pp[nav_packed[i][j]];
+            p[i][3 + j] = p[3 + j][i] = nav->ekf.pv[i][j];
+            p[3 + i][3 + j] = nav->ekf.vv[nav_packed[i][j]];
         }
     }
     return AUVID_OK;

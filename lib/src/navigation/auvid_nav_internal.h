@@ -9,7 +9,7 @@
 #include "../base/auvid_math_internal.h"
 #include "auvid_sensors_internal.h"
 
-/* auvid_nav_t.ready */
+/* auvid_nav_ticks_t.ready */
 enum { NAV_BLANK, NAV_READY, NAV_RUNNING };
 
 /* Largest accepted values of a measurement or a setting. */
@@ -20,7 +20,7 @@ enum { NAV_BLANK, NAV_READY, NAV_RUNNING };
 /* Index of element (i, j) of a symmetric block in its six numbers. */
 static const uint8_t nav_packed[3][3] = {{0, 1, 2}, {1, 3, 4}, {2, 4, 5}};
 
-_Static_assert(1 << (AUVID_NAV_SENSOR_COUNT - 1) <= UINT8_MAX, "auvid_nav_t.holding");
+_Static_assert(1 << (AUVID_NAV_SENSOR_COUNT - 1) <= UINT8_MAX, "auvid_nav_held_t.sensors");
 _Static_assert(AUVID_NAV_FLAG_END - 1 <= UINT16_MAX, "auvid_nav_t.flags");
 
 /** auvid_nav_init, with *why instead of a status: nothing happens if it is refused. */
@@ -62,17 +62,18 @@ AUVID_INLINE auvid_status_t nav_within(const auvid_real_t x[3], auvid_real_t lim
 static inline bool nav_is_fresh(const auvid_nav_t *nav, int sensor)
 {
     const auvid_nav_diagnostics_t *d = &nav->diagnostics[sensor];
-    return d->has_sample && (nav->t_us < d->good_us || nav->t_us - d->good_us <= nav->stale_us);
+    return d->has_sample &&
+           (nav->imu.t_us < d->good_us || nav->imu.t_us - d->good_us <= nav->cfg.stale_us);
 }
 
 /** Add a step to one axis of the position. The rounding error goes to position_lo: Dekker's fast
  * two-sum, exact while |position| >= |step|; otherwise the loss is one rounding of step. */
 AUVID_INLINE void nav_move_position(auvid_nav_t *nav, int axis, auvid_real_t step)
 {
-    auvid_real_t d = nav->position_lo[axis] + step;
-    auvid_real_t sum = nav->position[axis] + d;
-    nav->position_lo[axis] = d - (sum - nav->position[axis]);
-    nav->position[axis] = sum;
+    auvid_real_t d = nav->ekf.position_lo[axis] + step;
+    auvid_real_t sum = nav->ekf.position[axis] + d;
+    nav->ekf.position_lo[axis] = d - (sum - nav->ekf.position[axis]);
+    nav->ekf.position[axis] = sum;
 }
 
 /* Kinds and starts of auvid_sensors_internal.h. */
@@ -111,7 +112,7 @@ typedef struct {
 AUVID_INLINE auvid_real_t nav_variance(const auvid_nav_t *nav, const auvid_nav_measurement_t *m,
                                        auvid_real_t hph)
 {
-    auvid_real_t r = nav->r[m->sensor], min_r = NAV_MIN_VARIANCE_RATIO * hph;
+    auvid_real_t r = nav->cfg.r[m->sensor], min_r = NAV_MIN_VARIANCE_RATIO * hph;
     return hph + (r > min_r ? r : min_r);
 }
 
@@ -142,13 +143,13 @@ AUVID_INLINE auvid_real_t nav_apply(auvid_nav_t *nav, const auvid_real_t c[6], a
     auvid_real_t inverse = AUVID_C(1.0) / s;
     const auvid_real_t k[6] = {c[0] * inverse, c[1] * inverse, c[2] * inverse,
                                c[3] * inverse, c[4] * inverse, c[5] * inverse};
-    nav_subtract(nav->pp, k, c);
-    nav_subtract(nav->vv, k + 3, c + 3);
-    nav_add(nav->pv[0], -k[0], c + 3);
-    nav_add(nav->pv[1], -k[1], c + 3);
-    nav_add(nav->pv[2], -k[2], c + 3);
-    nav_add(nav->position_lo, nu, k);
-    nav_add(nav->velocity, nu, k + 3);
+    nav_subtract(nav->ekf.pp, k, c);
+    nav_subtract(nav->ekf.vv, k + 3, c + 3);
+    nav_add(nav->ekf.pv[0], -k[0], c + 3);
+    nav_add(nav->ekf.pv[1], -k[1], c + 3);
+    nav_add(nav->ekf.pv[2], -k[2], c + 3);
+    nav_add(nav->ekf.position_lo, nu, k);
+    nav_add(nav->ekf.velocity, nu, k + 3);
     return nu * nu * inverse;
 }
 
@@ -206,7 +207,7 @@ AUVID_INLINE bool nav_within_gate(auvid_nav_t *nav, auvid_nav_diagnostics_t *d, 
 {
     d->innovation[j] = nu;
     d->variance[j] = s;
-    return nu * nu <= nav->gate * s;
+    return nu * nu <= nav->cfg.gate * s;
 }
 
 /** Apply a DVL sample: `v` along the instrument's axes, those of `valid`. Return the statuses of

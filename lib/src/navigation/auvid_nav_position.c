@@ -9,10 +9,10 @@
 static bool nav_apply_depth(auvid_nav_t *nav, const auvid_nav_measurement_t *m)
 {
     auvid_nav_diagnostics_t *d = &nav->diagnostics[m->sensor];
-    const auvid_real_t c[6] = {nav->pp[2],    nav->pp[4],    nav->pp[5],
-                               nav->pv[2][0], nav->pv[2][1], nav->pv[2][2]};
+    const auvid_real_t c[6] = {nav->ekf.pp[2],    nav->ekf.pp[4],    nav->ekf.pp[5],
+                               nav->ekf.pv[2][0], nav->ekf.pv[2][1], nav->ekf.pv[2][2]};
     auvid_real_t s = nav_variance(nav, m, c[2]);
-    auvid_real_t nu = (m->z[0] - nav->position[2]) - nav->position_lo[2];
+    auvid_real_t nu = (m->z[0] - nav->ekf.position[2]) - nav->ekf.position_lo[2];
     if (!nav_within_gate(nav, d, 0, nu, s)) {
         return false;
     }
@@ -36,23 +36,23 @@ static auvid_status_t nav_collect_fix(auvid_nav_t *nav, const auvid_nav_measurem
 {
     const auvid_nav_diagnostics_t *d = &nav->diagnostics[m->sensor];
     for (int j = 0; j < 2; ++j) {
-        auvid_real_t *sorted = nav->gps_offset[j];
-        int i = nav->gps_count;
+        auvid_real_t *sorted = nav->gps.offset[j];
+        int i = nav->gps.count;
         for (; i > 0 && sorted[i - 1] > d->innovation[j]; --i) {
             sorted[i] = sorted[i - 1];
         }
         sorted[i] = d->innovation[j];
     }
-    if (++nav->gps_count < nav->gps_start) {
+    if (++nav->gps.count < nav->gps.start) {
         return AUVID_PENDING;
     }
     for (int j = 0; j < 2; ++j) {
-        const auvid_real_t *sorted = nav->gps_offset[j];
-        int low = (nav->gps_start - 1) / 2, high = nav->gps_start / 2;
+        const auvid_real_t *sorted = nav->gps.offset[j];
+        int low = (nav->gps.start - 1) / 2, high = nav->gps.start / 2;
         auvid_real_t median = AUVID_C(0.5) * (sorted[low] + sorted[high]);
-        auvid_nav_restart_position(nav, j, median, nav->r[m->sensor]);
+        auvid_nav_restart_position(nav, j, median, nav->cfg.r[m->sensor]);
     }
-    nav->gps_start = 0;
+    nav->gps.start = 0;
     return AUVID_OK;
 }
 
@@ -69,7 +69,7 @@ static auvid_status_t nav_start_axes(auvid_nav_t *nav, const auvid_nav_measureme
     for (int j = 0; j < m->n; ++j) {
         if ((nav->flags & nav_known_flags(m->first + j, 1)) == 0) {
             auvid_nav_restart_position(nav, m->first + j, nav->diagnostics[m->sensor].innovation[j],
-                                       nav->r[m->sensor]);
+                                       nav->cfg.r[m->sensor]);
         }
     }
     return AUVID_OK;
@@ -88,7 +88,7 @@ auvid_status_t auvid_nav_update_position(auvid_nav_t *nav, uint8_t sensor, uint6
         return status;
     }
     if (row->surface_only && (nav->flags & AUVID_NAV_DEPTH_KNOWN) != 0 &&
-        nav->position[2] + nav->position_lo[2] > nav->surface_depth) {
+        nav->ekf.position[2] + nav->ekf.position_lo[2] > nav->cfg.surface_depth) {
         return AUVID_UNUSED;
     }
     m.is_velocity = false;
@@ -99,7 +99,7 @@ auvid_status_t auvid_nav_update_position(auvid_nav_t *nav, uint8_t sensor, uint6
         m.z[j] = value[j];
     }
     unsigned flags = nav_known_flags(m.first, m.n);
-    bool median = row->start == NAV_START_MEDIAN && nav->gps_start > 0;
+    bool median = row->start == NAV_START_MEDIAN && nav->gps.start > 0;
     if (median || (row->start == NAV_START_FIRST && (nav->flags & flags) != flags)) {
         (void)auvid_nav_innovations(nav, &m);
         nav_record_accepted(&nav->diagnostics[sensor], t_us);

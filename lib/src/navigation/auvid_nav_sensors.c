@@ -44,7 +44,7 @@ auvid_status_t auvid_nav_update(auvid_nav_t *nav, auvid_nav_sensor_t sensor, uin
     if (nav == NULL || value == NULL) {
         return AUVID_ERR_NULL;
     }
-    if (nav->ready != NAV_RUNNING) {
+    if (nav->imu.ready != NAV_RUNNING) {
         return AUVID_ERR_STATE;
     }
     if ((unsigned)sensor >= AUVID_NAV_SENSOR_COUNT) {
@@ -78,7 +78,7 @@ auvid_status_t auvid_nav_pressure(auvid_nav_t *nav, uint64_t t_us, auvid_real_t 
         return AUVID_ERR_NULL;
     }
     return auvid_nav_depth(nav, t_us,
-                           (pressure_pa - nav->surface_pressure) * nav->metres_per_pascal);
+                           (pressure_pa - nav->cfg.surface_pressure) * nav->cfg.metres_per_pascal);
 }
 
 auvid_status_t auvid_nav_gps(auvid_nav_t *nav, uint64_t t_us, auvid_real_t x_m, auvid_real_t y_m)

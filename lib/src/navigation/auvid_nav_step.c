@@ -26,13 +26,13 @@ AUVID_INLINE void nav_predict_row(auvid_nav_t *nav, int i, auvid_real_t t, const
                                   const auvid_real_t quarter[3], auvid_real_t tr[3],
                                   auvid_real_t n[3])
 {
-    auvid_real_t x = t * nav->rotation[i][0];
-    auvid_real_t y = t * nav->rotation[i][1];
-    auvid_real_t z = t * nav->rotation[i][2];
+    auvid_real_t x = t * nav->imu.rotation[i][0];
+    auvid_real_t y = t * nav->imu.rotation[i][1];
+    auvid_real_t z = t * nav->imu.rotation[i][2];
     auvid_real_t c0 = x * a[0] + y * a[1] + z * a[2];
     auvid_real_t c1 = x * a[1] + y * a[3] + z * a[4];
     auvid_real_t c2 = x * a[2] + y * a[4] + z * a[5];
-    auvid_real_t *pv = nav->pv[i];
+    auvid_real_t *pv = nav->ekf.pv[i];
     tr[0] = x;
     tr[1] = y;
     tr[2] = z;
@@ -42,28 +42,30 @@ AUVID_INLINE void nav_predict_row(auvid_nav_t *nav, int i, auvid_real_t t, const
     pv[0] += c0 + x * quarter[0];
     pv[1] += c1 + y * quarter[1];
     pv[2] += c2 + z * quarter[2];
-    nav_move_position(nav, i, x * nav->velocity[0] + y * nav->velocity[1] + z * nav->velocity[2]);
+    nav_move_position(
+        nav, i, x * nav->ekf.velocity[0] + y * nav->ekf.velocity[1] + z * nav->ekf.velocity[2]);
 }
 
 /* Apply Eq. 5 to the state and its covariance, as above. */
 static AUVID_NOINLINE void nav_predict(auvid_nav_t *nav, auvid_real_t t)
 {
     auvid_real_t tr[3][3], n[3][3], t4 = t * AUVID_C(0.25);
-    const auvid_real_t quarter[3] = {nav->q[0] * t4, nav->q[1] * t4, nav->q[2] * t4};
-    const auvid_real_t a[6] = {nav->vv[0] + quarter[0], nav->vv[1], nav->vv[2],
-                               nav->vv[3] + quarter[1], nav->vv[4], nav->vv[5] + quarter[2]};
+    const auvid_real_t quarter[3] = {nav->cfg.q[0] * t4, nav->cfg.q[1] * t4, nav->cfg.q[2] * t4};
+    const auvid_real_t a[6] = {
+        nav->ekf.vv[0] + quarter[0], nav->ekf.vv[1], nav->ekf.vv[2],
+        nav->ekf.vv[3] + quarter[1], nav->ekf.vv[4], nav->ekf.vv[5] + quarter[2]};
     nav_predict_row(nav, 0, t, a, quarter, tr[0], n[0]);
     nav_predict_row(nav, 1, t, a, quarter, tr[1], n[1]);
     nav_predict_row(nav, 2, t, a, quarter, tr[2], n[2]);
-    nav->pp[0] += AUVID_C(2.0) * nav_dot(n[0], tr[0]);
-    nav->pp[1] += nav_dot(n[0], tr[1]) + nav_dot(n[1], tr[0]);
-    nav->pp[2] += nav_dot(n[0], tr[2]) + nav_dot(n[2], tr[0]);
-    nav->pp[3] += AUVID_C(2.0) * nav_dot(n[1], tr[1]);
-    nav->pp[4] += nav_dot(n[1], tr[2]) + nav_dot(n[2], tr[1]);
-    nav->pp[5] += AUVID_C(2.0) * nav_dot(n[2], tr[2]);
-    nav->vv[0] += AUVID_C(4.0) * quarter[0];
-    nav->vv[3] += AUVID_C(4.0) * quarter[1];
-    nav->vv[5] += AUVID_C(4.0) * quarter[2];
+    nav->ekf.pp[0] += AUVID_C(2.0) * nav_dot(n[0], tr[0]);
+    nav->ekf.pp[1] += nav_dot(n[0], tr[1]) + nav_dot(n[1], tr[0]);
+    nav->ekf.pp[2] += nav_dot(n[0], tr[2]) + nav_dot(n[2], tr[0]);
+    nav->ekf.pp[3] += AUVID_C(2.0) * nav_dot(n[1], tr[1]);
+    nav->ekf.pp[4] += nav_dot(n[1], tr[2]) + nav_dot(n[2], tr[1]);
+    nav->ekf.pp[5] += AUVID_C(2.0) * nav_dot(n[2], tr[2]);
+    nav->ekf.vv[0] += AUVID_C(4.0) * quarter[0];
+    nav->ekf.vv[3] += AUVID_C(4.0) * quarter[1];
+    nav->ekf.vv[5] += AUVID_C(4.0) * quarter[2];
 }
 
 /* Count the revolutions of an angle that jumps by more than half a revolution. */
@@ -79,14 +81,14 @@ void auvid_nav_release(auvid_nav_t *nav)
 {
     for (int i = 0; i < AUVID_NAV_SENSOR_COUNT; ++i) {
         unsigned bit = 1u << i;
-        if ((nav->holding & bit) == 0 || nav->held_us[i] > nav->t_us) {
+        if ((nav->held.sensors & bit) == 0 || nav->held.t_us[i] > nav->imu.t_us) {
             continue;
         }
-        nav->holding = (uint8_t)(nav->holding & ~bit);
-        auvid_status_t status = auvid_nav_update(nav, (auvid_nav_sensor_t)i, nav->held_us[i],
-                                                 nav->held[i], nav->held_valid[i]);
+        nav->held.sensors = (uint8_t)(nav->held.sensors & ~bit);
+        auvid_status_t status = auvid_nav_update(nav, (auvid_nav_sensor_t)i, nav->held.t_us[i],
+                                                 nav->held.value[i], nav->held.valid[i]);
         if (status < 0 || status == AUVID_GATED) {
-            nav->held_rejected = (uint8_t)(nav->held_rejected | bit);
+            nav->held.rejected = (uint8_t)(nav->held.rejected | bit);
         }
     }
 }
@@ -108,7 +110,7 @@ static auvid_status_t nav_check_imu(auvid_nav_t *nav, const auvid_real_t *attitu
     if (nav == NULL || attitude == NULL || rates == NULL) {
         return AUVID_ERR_NULL;
     }
-    if (nav->ready == NAV_BLANK) {
+    if (nav->imu.ready == NAV_BLANK) {
         return AUVID_ERR_STATE;
     }
     auvid_status_t status =
@@ -117,7 +119,7 @@ static auvid_status_t nav_check_imu(auvid_nav_t *nav, const auvid_real_t *attitu
         status = nav_within(rates, LARGEST_RATE);
     }
     if (status != AUVID_OK) {
-        nav_increment(&nav->imu_invalid);
+        nav_increment(&nav->imu.invalid);
     }
     return status;
 }
@@ -126,34 +128,34 @@ static auvid_status_t nav_check_imu(auvid_nav_t *nav, const auvid_real_t *attitu
 static auvid_status_t nav_advance(auvid_nav_t *nav, uint64_t t_us, const auvid_real_t attitude[3],
                                   const auvid_real_t rates[3])
 {
-    bool running = nav->ready == NAV_RUNNING;
-    if (running && t_us <= nav->t_us) {
-        nav_increment(&nav->imu_time);
-        return t_us < nav->t_us ? AUVID_ERR_TIME_BACK : AUVID_ERR_TIME_SAME;
+    bool running = nav->imu.ready == NAV_RUNNING;
+    if (running && t_us <= nav->imu.t_us) {
+        nav_increment(&nav->imu.stale);
+        return t_us < nav->imu.t_us ? AUVID_ERR_TIME_BACK : AUVID_ERR_TIME_SAME;
     }
-    uint64_t dt_us = t_us - nav->t_us;
-    nav->t_us = t_us;
-    auvid_rotation(attitude[0], attitude[1], attitude[2], nav->rotation);
-    auvid_real_t phi = nav->attitude[0], psi = nav->attitude[2];
-    memcpy(nav->attitude, attitude, sizeof nav->attitude);
-    memcpy(nav->rates, rates, sizeof nav->rates);
+    uint64_t dt_us = t_us - nav->imu.t_us;
+    nav->imu.t_us = t_us;
+    auvid_rotation(attitude[0], attitude[1], attitude[2], nav->imu.rotation);
+    auvid_real_t phi = nav->imu.attitude[0], psi = nav->imu.attitude[2];
+    memcpy(nav->imu.attitude, attitude, sizeof nav->imu.attitude);
+    memcpy(nav->imu.rates, rates, sizeof nav->imu.rates);
     auvid_nav_store_rates(nav, dt_us);
     nav->flags = (uint16_t)(nav->flags & ~AUVID_NAV_IN_GAP);
-    nav->held_rejected = 0;
+    nav->held.rejected = 0;
     if (!running) {
-        nav->ready = NAV_RUNNING;
-        nav->last_update_us = t_us;
+        nav->imu.ready = NAV_RUNNING;
+        nav->ekf.updated_us = t_us;
         return AUVID_OK;
     }
-    nav_count_revolutions(&nav->yaw_revolutions[0], phi, attitude[0]);
-    nav_count_revolutions(&nav->yaw_revolutions[2], psi, attitude[2]);
+    nav_count_revolutions(&nav->imu.yaw_revolutions[0], phi, attitude[0]);
+    nav_count_revolutions(&nav->imu.yaw_revolutions[2], psi, attitude[2]);
     nav_predict(nav, auvid_seconds(0, dt_us));
-    if (nav->holding != 0) {
+    if (nav->held.sensors != 0) {
         auvid_nav_release(nav);
     }
-    if (nav->gap_us > 0 && dt_us > nav->gap_us) {
+    if (nav->cfg.gap_us > 0 && dt_us > nav->cfg.gap_us) {
         nav->flags = (uint16_t)(nav->flags | AUVID_NAV_IN_GAP);
-        nav_increment(&nav->imu_gaps);
+        nav_increment(&nav->imu.gaps);
         return AUVID_GAP;
     }
     return AUVID_OK;
@@ -168,9 +170,9 @@ static auvid_status_t nav_advance_turned(auvid_nav_t *nav, uint64_t t_us, auvid_
     auvid_real_t b[3][3], attitude[3], turned[3];
     for (int j = 0; j < 3; ++j) {
         for (int i = 0; i < 3; ++i) {
-            b[i][j] = nav_dot(r[i], nav->imu_mount[j]);
+            b[i][j] = nav_dot(r[i], nav->cfg.imu_mount[j]);
         }
-        turned[j] = nav_dot(nav->imu_mount[j], rates);
+        turned[j] = nav_dot(nav->cfg.imu_mount[j], rates);
     }
     auvid_real_t level = auvid_sqrt(b[0][0] * b[0][0] + b[1][0] * b[1][0]); /* cos theta */
     bool vertical = !(level > AUVID_C(1e-3));
@@ -184,7 +186,7 @@ auvid_status_t auvid_nav_imu(auvid_nav_t *nav, uint64_t t_us, const auvid_real_t
                              const auvid_real_t rates[3])
 {
     auvid_status_t status = nav_check_imu(nav, attitude, rates, false);
-    if (status != AUVID_OK || !nav->imu_turned) {
+    if (status != AUVID_OK || !nav->cfg.imu_turned) {
         return status != AUVID_OK ? status : nav_advance(nav, t_us, attitude, rates);
     }
     auvid_real_t r[3][3];

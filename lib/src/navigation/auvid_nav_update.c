@@ -34,10 +34,10 @@
 static auvid_real_t nav_velocity_covariance(const auvid_nav_t *nav, const auvid_real_t h[3],
                                             auvid_real_t c[6])
 {
-    c[0] = nav_dot(nav->pv[0], h);
-    c[1] = nav_dot(nav->pv[1], h);
-    c[2] = nav_dot(nav->pv[2], h);
-    nav_times(nav->vv, h, c + 3);
+    c[0] = nav_dot(nav->ekf.pv[0], h);
+    c[1] = nav_dot(nav->ekf.pv[1], h);
+    c[2] = nav_dot(nav->ekf.pv[2], h);
+    nav_times(nav->ekf.vv, h, c + 3);
     return nav_dot(h, c + 3);
 }
 
@@ -46,10 +46,10 @@ static auvid_real_t nav_position_covariance(const auvid_nav_t *nav, int i, auvid
                                             auvid_real_t c[6])
 {
     const uint8_t *row = nav_packed[i];
-    const auvid_real_t *pv = nav->pv[i];
-    c[0] = nav->pp[row[0]];
-    c[1] = nav->pp[row[1]];
-    c[2] = nav->pp[row[2]];
+    const auvid_real_t *pv = nav->ekf.pv[i];
+    c[0] = nav->ekf.pp[row[0]];
+    c[1] = nav->ekf.pp[row[1]];
+    c[2] = nav->ekf.pp[row[2]];
     c[3] = pv[0];
     c[4] = pv[1];
     c[5] = pv[2];
@@ -57,7 +57,7 @@ static auvid_real_t nav_position_covariance(const auvid_nav_t *nav, int i, auvid
         return c[i];
     }
     auvid_real_t h[3] = {AUVID_C(0.0), AUVID_C(0.0), AUVID_C(0.0)}, more[6];
-    nav_add(h, -age, nav->rotation[i]);
+    nav_add(h, -age, nav->imu.rotation[i]);
     (void)nav_velocity_covariance(nav, h, more);
     nav_add(c, AUVID_C(1.0), more);
     nav_add(c + 3, AUVID_C(1.0), more + 3);
@@ -68,8 +68,8 @@ static auvid_real_t nav_position_covariance(const auvid_nav_t *nav, int i, auvid
 static auvid_real_t nav_position_innovation(const auvid_nav_t *nav, int i, auvid_real_t age,
                                             auvid_real_t z)
 {
-    auvid_real_t nu = (z - nav->position[i]) - nav->position_lo[i];
-    return age > AUVID_C(0.0) ? nu + age * nav_dot(nav->rotation[i], nav->velocity) : nu;
+    auvid_real_t nu = (z - nav->ekf.position[i]) - nav->ekf.position_lo[i];
+    return age > AUVID_C(0.0) ? nu + age * nav_dot(nav->imu.rotation[i], nav->ekf.velocity) : nu;
 }
 
 /* Return the number of scalars. The minimum shows the compiler that it is at most three. */
@@ -92,7 +92,7 @@ static auvid_real_t nav_noise_since(const auvid_nav_t *nav, auvid_real_t age,
                                     const auvid_real_t h[3], auvid_real_t m[3])
 {
     for (int k = 0; k < 3; ++k) {
-        m[k] = age * nav->q[k] * h[k];
+        m[k] = age * nav->cfg.q[k] * h[k];
     }
     return nav_dot(m, h);
 }
@@ -130,12 +130,12 @@ static auvid_real_t nav_late_covariance(const auvid_nav_t *nav, const auvid_nav_
     const auvid_real_t *h = nav_direction(m, j);
     auvid_real_t hph = nav_velocity_covariance(nav, h, c);
     auvid_real_t variance = nav_noise_since(nav, m->age, h, noise);
-    if (m->t_us >= nav->last_update_us && hph > variance) {
+    if (m->t_us >= nav->ekf.updated_us && hph > variance) {
         for (int k = 0; k < 3; ++k) {
-            exact[k] = c[k] - AUVID_C(0.5) * m->age * nav_dot(nav->rotation[k], noise);
+            exact[k] = c[k] - AUVID_C(0.5) * m->age * nav_dot(nav->imu.rotation[k], noise);
             exact[3 + k] = c[3 + k] - noise[k];
         }
-        if (nav_is_positive(nav, exact, hph - variance + nav->r[m->sensor])) {
+        if (nav_is_positive(nav, exact, hph - variance + nav->cfg.r[m->sensor])) {
             memcpy(c, exact, sizeof exact);
             return hph - variance;
         }
@@ -155,7 +155,7 @@ static auvid_real_t nav_apply_scalar(auvid_nav_t *nav, const auvid_nav_measureme
         const auvid_real_t *h = nav_direction(m, j);
         hph = m->age > AUVID_C(0.0) ? nav_late_covariance(nav, m, j, c)
                                     : nav_velocity_covariance(nav, h, c);
-        nu = m->z[j] - nav_dot(h, nav->velocity);
+        nu = m->z[j] - nav_dot(h, nav->ekf.velocity);
     } else {
         int i = m->first + j;
         hph = nav_position_covariance(nav, i, m->age, c);
@@ -173,11 +173,11 @@ static auvid_real_t nav_innovation(const auvid_nav_t *nav, const auvid_nav_measu
         int i = m->first + j;
         *nu = nav_position_innovation(nav, i, m->age, m->z[j]);
         return m->age > AUVID_C(0.0) ? nav_position_covariance(nav, i, m->age, c)
-                                     : nav->pp[nav_packed[i][i]];
+                                     : nav->ekf.pp[nav_packed[i][i]];
     }
     const auvid_real_t *h = nav_direction(m, j);
     auvid_real_t hph = nav_velocity_covariance(nav, h, c);
-    *nu = m->z[j] - nav_dot(h, nav->velocity);
+    *nu = m->z[j] - nav_dot(h, nav->ekf.velocity);
     if (m->age > AUVID_C(0.0)) {
         hph = auvid_max(hph - nav_noise_since(nav, m->age, h, c),
                         (AUVID_C(1.0) - LARGEST_BETA) * hph);
@@ -205,7 +205,7 @@ uint8_t auvid_nav_innovations(auvid_nav_t *nav, const auvid_nav_measurement_t *m
     d->nis = AUVID_C(0.0);
     for (int j = 0; j < nav_scalar_count(m); ++j) {
         auvid_real_t nu, hph = nav_innovation(nav, m, j, &nu);
-        outside |= nav_record_innovation(d, j, nu, nav_variance(nav, m, hph), nav->gate);
+        outside |= nav_record_innovation(d, j, nu, nav_variance(nav, m, hph), nav->cfg.gate);
     }
     d->innovation_count = m->n;
     d->seen_us = m->t_us;
@@ -221,7 +221,8 @@ static uint8_t nav_beyond_max_acceleration(const auvid_nav_t *nav, const auvid_n
     auvid_real_t dt = AUVID_C(1e-6) * (auvid_real_t)(uint32_t)(us < 10000000u ? us : 10000000u);
     uint8_t outside = m->outside;
     for (int j = 0; j < nav_scalar_count(m); ++j) {
-        auvid_real_t reach = auvid_sqrt(nav->gate * d->variance[j]) + nav->max_acceleration * dt;
+        auvid_real_t reach =
+            auvid_sqrt(nav->cfg.gate * d->variance[j]) + nav->cfg.max_acceleration * dt;
         if (auvid_abs(d->innovation[j]) <= reach) {
             outside = (uint8_t)(outside & ~(1u << j));
         }
@@ -239,8 +240,8 @@ static auvid_status_t nav_test_gate(auvid_nav_t *nav, auvid_nav_measurement_t *m
     }
     if (m->outside != 0) {
         nav_increment(&d->consecutive_rejections);
-        if (nav->max_consecutive_rejections == 0 ||
-            d->consecutive_rejections < nav->max_consecutive_rejections) {
+        if (nav->cfg.max_consecutive_rejections == 0 ||
+            d->consecutive_rejections < nav->cfg.max_consecutive_rejections) {
             return AUVID_GATED;
         }
         nav_increment(&d->resets);
@@ -257,19 +258,20 @@ static void nav_restart_velocity(auvid_nav_t *nav, const auvid_real_t h[3], auvi
     auvid_real_t g[6];
     auvid_real_t sum = nav_velocity_covariance(nav, h, g) + variance;
     for (int k = 0; k < 3; ++k) {
-        nav_add(nav->pv[k], -g[k], h);
+        nav_add(nav->ekf.pv[k], -g[k], h);
         for (int l = k; l < 3; ++l) {
-            nav->vv[nav_packed[k][l]] += (sum * h[k] * h[l] - g[3 + k] * h[l]) - h[k] * g[3 + l];
+            nav->ekf.vv[nav_packed[k][l]] +=
+                (sum * h[k] * h[l] - g[3 + k] * h[l]) - h[k] * g[3 + l];
         }
     }
-    nav_add(nav->velocity, step, h);
+    nav_add(nav->ekf.velocity, step, h);
 }
 
 /* Re-initialise what scalar j measures: the error is far larger than its variance. */
 static void nav_restart_scalar(auvid_nav_t *nav, const auvid_nav_measurement_t *m, int j)
 {
     auvid_real_t step = nav->diagnostics[m->sensor].innovation[j], noise[3];
-    auvid_real_t variance = nav->r[m->sensor];
+    auvid_real_t variance = nav->cfg.r[m->sensor];
     if (m->is_velocity) {
         const auvid_real_t *h = nav_direction(m, j);
         nav_restart_velocity(nav, h, step, variance + nav_noise_since(nav, m->age, h, noise));
@@ -303,11 +305,11 @@ void auvid_nav_restart_position(auvid_nav_t *nav, int axis, auvid_real_t step,
 {
     nav_move_position(nav, axis, step);
     for (int k = 0; k < 3; ++k) {
-        nav->pp[nav_packed[axis][k]] = AUVID_C(0.0);
-        nav->pv[axis][k] = AUVID_C(0.0);
+        nav->ekf.pp[nav_packed[axis][k]] = AUVID_C(0.0);
+        nav->ekf.pv[axis][k] = AUVID_C(0.0);
     }
-    nav->pp[nav_packed[axis][axis]] = variance;
-    nav->last_update_us = nav->t_us;
+    nav->ekf.pp[nav_packed[axis][axis]] = variance;
+    nav->ekf.updated_us = nav->imu.t_us;
 }
 
 auvid_status_t auvid_nav_apply_sample(auvid_nav_t *nav, auvid_nav_measurement_t *m, bool hold_back,
@@ -325,6 +327,6 @@ auvid_status_t auvid_nav_apply_sample(auvid_nav_t *nav, auvid_nav_measurement_t 
         }
         nav_apply_scalars(nav, m);
     }
-    nav->last_update_us = nav->t_us;
+    nav->ekf.updated_us = nav->imu.t_us;
     return AUVID_OK;
 }

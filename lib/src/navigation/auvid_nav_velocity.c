@@ -11,10 +11,10 @@
 static void nav_dvl_to_body(const auvid_nav_t *nav, const auvid_real_t v[3], unsigned valid,
                             auvid_nav_measurement_t *m)
 {
-    const auvid_real_t *w = nav->rates, *r = nav->lever;
+    const auvid_real_t *w = nav->imu.rates, *r = nav->cfg.lever;
     auvid_real_t past[3];
     if (m->age > AUVID_C(0.0)) {
-        auvid_nav_rates_at(nav, (uint32_t)(nav->t_us - m->t_us), past);
+        auvid_nav_rates_at(nav, (uint32_t)(nav->imu.t_us - m->t_us), past);
         w = past;
     }
     const auvid_real_t turning[3] = {w[1] * r[2] - w[2] * r[1], w[2] * r[0] - w[0] * r[2],
@@ -22,9 +22,9 @@ static void nav_dvl_to_body(const auvid_nav_t *nav, const auvid_real_t v[3], uns
     m->is_velocity = true;
     m->directed = valid != AUVID_DVL_ALL;
     if (!m->directed) {
-        m->z[0] = nav_dot(nav->mount[0], v) - turning[0];
-        m->z[1] = nav_dot(nav->mount[1], v) - turning[1];
-        m->z[2] = nav_dot(nav->mount[2], v) - turning[2];
+        m->z[0] = nav_dot(nav->cfg.mount[0], v) - turning[0];
+        m->z[1] = nav_dot(nav->cfg.mount[1], v) - turning[1];
+        m->z[2] = nav_dot(nav->cfg.mount[2], v) - turning[2];
         m->n = 3;
         return;
     }
@@ -32,7 +32,7 @@ static void nav_dvl_to_body(const auvid_nav_t *nav, const auvid_real_t v[3], uns
     for (int j = 0; j < 3; ++j) {
         if ((valid >> j & 1) != 0) {
             for (int k = 0; k < 3; ++k) {
-                m->h[m->n][k] = nav->mount[k][j];
+                m->h[m->n][k] = nav->cfg.mount[k][j];
             }
             m->z[m->n] = v[j] - nav_dot(m->h[m->n], turning);
             ++m->n;
@@ -44,10 +44,10 @@ static void nav_dvl_to_body(const auvid_nav_t *nav, const auvid_real_t v[3], uns
 AUVID_INLINE void nav_update_cross_covariance_row(auvid_nav_t *nav, int i, auvid_real_t r,
                                                   const auvid_real_t w[3], const auvid_real_t e[3])
 {
-    nav->position_lo[i] += nav_dot(nav->pv[i], e);
-    nav->pv[i][0] = r * w[0];
-    nav->pv[i][1] = r * w[1];
-    nav->pv[i][2] = r * w[2];
+    nav->ekf.position_lo[i] += nav_dot(nav->ekf.pv[i], e);
+    nav->ekf.pv[i][0] = r * w[0];
+    nav->ekf.pv[i][1] = r * w[1];
+    nav->ekf.pv[i][2] = r * w[2];
 }
 
 /*
@@ -65,12 +65,12 @@ AUVID_INLINE void nav_update_cross_covariance_row(auvid_nav_t *nav, int i, auvid
 static AUVID_NOINLINE bool nav_apply_velocity(auvid_nav_t *nav, const auvid_nav_measurement_t *m)
 {
     auvid_nav_diagnostics_t *d = &nav->diagnostics[m->sensor];
-    const auvid_real_t v[6] = {nav->vv[0], nav->vv[1], nav->vv[2],
-                               nav->vv[3], nav->vv[4], nav->vv[5]};
-    auvid_real_t r = nav->r[m->sensor], e[3], w[3];
+    const auvid_real_t v[6] = {nav->ekf.vv[0], nav->ekf.vv[1], nav->ekf.vv[2],
+                               nav->ekf.vv[3], nav->ekf.vv[4], nav->ekf.vv[5]};
+    auvid_real_t r = nav->cfg.r[m->sensor], e[3], w[3];
     const auvid_real_t s[3] = {v[0] + r, v[3] + r, v[5] + r};
-    const auvid_real_t nu[3] = {m->z[0] - nav->velocity[0], m->z[1] - nav->velocity[1],
-                                m->z[2] - nav->velocity[2]};
+    const auvid_real_t nu[3] = {m->z[0] - nav->ekf.velocity[0], m->z[1] - nav->ekf.velocity[1],
+                                m->z[2] - nav->ekf.velocity[2]};
     if (!(nav_within_gate(nav, d, 0, nu[0], s[0]) && nav_within_gate(nav, d, 1, nu[1], s[1]) &&
           nav_within_gate(nav, d, 2, nu[2], s[2]))) {
         return false;
@@ -85,27 +85,27 @@ static AUVID_NOINLINE bool nav_apply_velocity(auvid_nav_t *nav, const auvid_nav_
     const auvid_real_t inverse[6] = {d0 + a * ad + b * bd, ad + c * bd, bd, d1 + c * cd, cd, d2};
     nav_times(inverse, nu, e);
     d->nis = nav_dot(nu, e);
-    nav->velocity[0] = m->z[0] - r * e[0];
-    nav->velocity[1] = m->z[1] - r * e[1];
-    nav->velocity[2] = m->z[2] - r * e[2];
+    nav->ekf.velocity[0] = m->z[0] - r * e[0];
+    nav->ekf.velocity[1] = m->z[1] - r * e[1];
+    nav->ekf.velocity[2] = m->z[2] - r * e[2];
     auvid_real_t rr = -r * r;
-    nav->vv[0] = r * (v[0] * inverse[0] + v[1] * inverse[1] + v[2] * inverse[2]);
-    nav->vv[1] = rr * inverse[1];
-    nav->vv[2] = rr * inverse[2];
-    nav->vv[3] = r * (v[1] * inverse[1] + v[3] * inverse[3] + v[4] * inverse[4]);
-    nav->vv[4] = rr * inverse[4];
-    nav->vv[5] = r * (v[2] * inverse[2] + v[4] * inverse[4] + v[5] * inverse[5]);
-    nav_times(inverse, nav->pv[0], w);
-    nav->pp[0] -= nav_dot(w, nav->pv[0]);
-    nav->pp[1] -= nav_dot(w, nav->pv[1]);
-    nav->pp[2] -= nav_dot(w, nav->pv[2]);
+    nav->ekf.vv[0] = r * (v[0] * inverse[0] + v[1] * inverse[1] + v[2] * inverse[2]);
+    nav->ekf.vv[1] = rr * inverse[1];
+    nav->ekf.vv[2] = rr * inverse[2];
+    nav->ekf.vv[3] = r * (v[1] * inverse[1] + v[3] * inverse[3] + v[4] * inverse[4]);
+    nav->ekf.vv[4] = rr * inverse[4];
+    nav->ekf.vv[5] = r * (v[2] * inverse[2] + v[4] * inverse[4] + v[5] * inverse[5]);
+    nav_times(inverse, nav->ekf.pv[0], w);
+    nav->ekf.pp[0] -= nav_dot(w, nav->ekf.pv[0]);
+    nav->ekf.pp[1] -= nav_dot(w, nav->ekf.pv[1]);
+    nav->ekf.pp[2] -= nav_dot(w, nav->ekf.pv[2]);
     nav_update_cross_covariance_row(nav, 0, r, w, e);
-    nav_times(inverse, nav->pv[1], w);
-    nav->pp[3] -= nav_dot(w, nav->pv[1]);
-    nav->pp[4] -= nav_dot(w, nav->pv[2]);
+    nav_times(inverse, nav->ekf.pv[1], w);
+    nav->ekf.pp[3] -= nav_dot(w, nav->ekf.pv[1]);
+    nav->ekf.pp[4] -= nav_dot(w, nav->ekf.pv[2]);
     nav_update_cross_covariance_row(nav, 1, r, w, e);
-    nav_times(inverse, nav->pv[2], w);
-    nav->pp[5] -= nav_dot(w, nav->pv[2]);
+    nav_times(inverse, nav->ekf.pv[2], w);
+    nav->ekf.pp[5] -= nav_dot(w, nav->ekf.pv[2]);
     nav_update_cross_covariance_row(nav, 2, r, w, e);
     return true;
 }
@@ -122,7 +122,7 @@ static uint8_t nav_measured_axes(const auvid_nav_t *nav, unsigned valid)
     for (int i = 0; i < 3; ++i) {
         auvid_real_t outside = AUVID_C(0.0);
         for (int j = 0; j < 3; ++j) {
-            auvid_real_t part = (valid >> j & 1) != 0 ? AUVID_C(0.0) : nav->mount[i][j];
+            auvid_real_t part = (valid >> j & 1) != 0 ? AUVID_C(0.0) : nav->cfg.mount[i][j];
             outside += part * part;
         }
         measured |= (unsigned)(outside <= max_outside) << i;
@@ -153,7 +153,7 @@ auvid_status_t auvid_nav_update_velocity(auvid_nav_t *nav, uint8_t sensor, uint6
         v = part;
     }
     auvid_nav_measurement_t m;
-    auvid_status_t status = nav_within(v, nav->speed_limit);
+    auvid_status_t status = nav_within(v, nav->cfg.speed_limit);
     if (status == AUVID_OK) {
         status = auvid_nav_check_time(nav, sensor, t_us, v, valid, &m);
     }
@@ -178,7 +178,7 @@ auvid_status_t auvid_nav_update_velocity(auvid_nav_t *nav, uint8_t sensor, uint6
     nav_set_flag(nav, AUVID_NAV_VELOCITY_KNOWN | (water ? AUVID_NAV_WATER_AIDED : 0u));
     if (!water) {
         uint8_t measured = nav_measured_axes(nav, valid);
-        nav_store_sample(&nav->ground, m.t_us, nav->velocity, measured);
+        nav_store_sample(&nav->ground, m.t_us, nav->ekf.velocity, measured);
         if ((measured & 3u) == 3u) {
             nav->horizontal_us = m.t_us;
             nav->horizontal = true;

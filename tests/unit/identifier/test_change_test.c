@@ -102,13 +102,13 @@ static void spoil(chain_t *c, auvid_status_t status, const auvid_output_t *out)
     }
     if (out->events & AUVID_EVENT_RESTORED) {
         TEST_ASSERT_EQUAL_UINT32(6, id->change_test.set);
-        TEST_ASSERT_EQUAL_UINT32(4, id->change->accepted.sets);
+        TEST_ASSERT_EQUAL_UINT32(4, id->attached.change->accepted.sets);
         TEST_ASSERT_EQUAL_UINT32(6, id->estimate.number); /* the corrupted one was number 5 */
-        TEST_ASSERT_EQUAL_MEMORY(id->change->accepted.pi, id->estimate.pi,
-                                 sizeof id->change->accepted.pi);
+        TEST_ASSERT_EQUAL_MEMORY(id->attached.change->accepted.pi, id->estimate.pi,
+                                 sizeof id->attached.change->accepted.pi);
         /* from now on it simulates the velocity */
-        TEST_ASSERT_EQUAL_MEMORY(id->change->accepted.pi, id->prediction->pi,
-                                 13 * sizeof id->change->accepted.pi[0]);
+        TEST_ASSERT_EQUAL_MEMORY(id->attached.change->accepted.pi, id->attached.prediction->pi,
+                                 13 * sizeof id->attached.change->accepted.pi[0]);
         TEST_ASSERT_TRUE(id->estimate.accepted);
         TEST_ASSERT_EQUAL_UINT64(c->t_us - SIM_TICK_US, id->estimate.t_us);
     }
@@ -204,7 +204,7 @@ static void test_a_confirmed_estimate_is_accepted_by_the_next_set(void)
     const auvid_change_test_t *to = &chain.id.change_test;
     TEST_ASSERT_EQUAL_UINT32(3, to->set);
     TEST_ASSERT_EQUAL_UINT32(2, to->estimate);
-    TEST_ASSERT_EQUAL_UINT32(2, chain.id.change->accepted.number);
+    TEST_ASSERT_EQUAL_UINT32(2, chain.id.attached.change->accepted.number);
     TEST_ASSERT_FALSE(chain.id.estimate.accepted); /* number 3 has not predicted a set yet */
     TEST_ASSERT_EQUAL_HEX8(0x27, to->excited);
     TEST_ASSERT_EQUAL_HEX8(0, to->changed);
@@ -241,7 +241,7 @@ static void stay_consistent(chain_t *c, auvid_status_t status, const auvid_outpu
         validated = id->change_test.set;
     }
     TEST_ASSERT_FALSE(out->events & AUVID_EVENT_CHANGED);
-    TEST_ASSERT_TRUE(id->change->accepted.number <= id->estimate.number);
+    TEST_ASSERT_TRUE(id->attached.change->accepted.number <= id->estimate.number);
     number = id->estimate.number;
 }
 

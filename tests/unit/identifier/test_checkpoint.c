@@ -174,7 +174,7 @@ static void test_an_identifier_continues_where_it_was_saved(void)
             static auvid_change_detector_t of_twin;
             twin = id;
             of_twin = change;
-            twin.change = &of_twin;
+            twin.attached.change = &of_twin;
             move_from_to(&twin, cell + 1, cell + 60);
             move_from_to(&other, cell + 1, cell + 60);
             bytes = save(&twin, saved, sizeof saved);
@@ -247,8 +247,8 @@ static void test_what_is_attached_stays(void)
     init_predicting(&id);
     auvid_identifier_attach(&id, &validation);
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_checkpoint_restore(&id, saved, bytes));
-    TEST_ASSERT_EQUAL_PTR(&prediction, id.prediction);
-    TEST_ASSERT_EQUAL_PTR(&validation, id.validation);
+    TEST_ASSERT_EQUAL_PTR(&prediction, id.attached.prediction);
+    TEST_ASSERT_EQUAL_PTR(&validation, id.attached.validation);
     TEST_ASSERT_EQUAL_PTR(&auvid_girona500, id.metric.cfg.vehicle);
     TEST_ASSERT_EQUAL_PTR(&auvid_girona500, prediction.vehicle);
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_checkpoint_restore(&id, again, empty_bytes));
@@ -386,7 +386,7 @@ static void test_one_of_another_configuration_is_refused(void)
         cfg = same;
         cfg.nav.gate += (auvid_real_t)(k == 0);
         cfg.nav.max_consecutive_rejections += k == 1;
-        cfg.nav.imu_euler[2] += (auvid_real_t)(k == 2);
+        cfg.nav.mount.imu_euler[2] += (auvid_real_t)(k == 2);
         cfg.recorder.gap_us += 2000000 * (k == 3);
         cfg.recorder.input += k == 4;
         cfg.metric.tau_max[3] += (auvid_real_t)(k == 5);
@@ -504,13 +504,13 @@ static void test_impossible_values_are_refused(void)
     IMPOSSIBLE(metric.sets.set[3].exponent[0] = 100);
     IMPOSSIBLE(metric.sets.set[3].excited = 1); /* without a row */
     IMPOSSIBLE(metric.rows.set.factor[0][0] = AUVID_C(1e30));
-    IMPOSSIBLE(nav.gps_count = 200);
-    IMPOSSIBLE(nav.position[0] = (auvid_real_t)NAN);
+    IMPOSSIBLE(nav.gps.count = 200);
+    IMPOSSIBLE(nav.ekf.position[0] = (auvid_real_t)NAN);
     IMPOSSIBLE(estimate.pi[0] = (auvid_real_t)-INFINITY);
     IMPOSSIBLE(nav.ground.measured = 8);
-    IMPOSSIBLE(nav.past_next = 2 * AUVID_NAV_PAST);
-    IMPOSSIBLE(nav.held_valid[1] = 8);
-    IMPOSSIBLE(nav.holding = 1); /* before the first tick */
+    IMPOSSIBLE(nav.imu.past_next = 2 * AUVID_NAV_PAST);
+    IMPOSSIBLE(nav.held.valid[1] = 8);
+    IMPOSSIBLE(nav.held.sensors = 1); /* before the first tick */
     IMPOSSIBLE(metric.rows.missing[0][1] = 64);
     IMPOSSIBLE(metric.rows.successive[0] = AUVID_METRIC_LAGS + 1);
     IMPOSSIBLE(metric.evaluator.window_of[0] = AUVID_METRIC_WINDOW + 1);
@@ -593,7 +593,7 @@ static void test_a_note_that_names_no_parameter_is_refused(void)
     good.estimate.confidence.note[0] = AUVID_NOTE_BESIDE_BOUND;
     change.accepted.confidence.note[0] = AUVID_NOTE_COMBINATION;
     IMPOSSIBLE(estimate.confidence.partner[0] = vehicle.parameters);
-    IMPOSSIBLE(change->accepted.confidence.partner[0] = vehicle.parameters);
+    IMPOSSIBLE(attached.change->accepted.confidence.partner[0] = vehicle.parameters);
     change.accepted.confidence.partner[0] = 0;
     good.estimate.confidence.note[0] = AUVID_NOTE_DISCREDITED;
     IMPOSSIBLE(estimate.confidence.partner[0] = vehicle.parameters);
@@ -709,9 +709,9 @@ static void test_a_held_sample_not_ahead_of_the_imu_is_refused(void)
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_nav_imu(&id.nav, 100000, still, still));
     TEST_ASSERT_EQUAL(AUVID_PENDING, auvid_nav_dvl(&id.nav, &ahead));
     good = id;
-    IMPOSSIBLE(nav.held_us[AUVID_NAV_DVL_BOTTOM] = 100000);
-    IMPOSSIBLE(nav.held_us[AUVID_NAV_DVL_BOTTOM] = 100001 + good.nav.max_age_us[0]);
-    IMPOSSIBLE(nav.held[AUVID_NAV_DVL_BOTTOM][0] = AUVID_C(1e6));
+    IMPOSSIBLE(nav.held.t_us[AUVID_NAV_DVL_BOTTOM] = 100000);
+    IMPOSSIBLE(nav.held.t_us[AUVID_NAV_DVL_BOTTOM] = 100001 + good.nav.cfg.max_age_us[0]);
+    IMPOSSIBLE(nav.held.value[AUVID_NAV_DVL_BOTTOM][0] = AUVID_C(1e6));
     check_good();
 }
 #undef IMPOSSIBLE

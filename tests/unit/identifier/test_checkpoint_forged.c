@@ -120,7 +120,7 @@ static uint32_t kind_of(const auvid_identifier_t *id)
 {
     const auvid_metric_t *m = &id->metric;
     bool waits = m->sets.held && (m->sets.full || m->sets.waiting > 0 || id->work.untested > 1);
-    return id->work.phase + PHASES * ((uint32_t)waits + 2u * (id->nav.holding != 0));
+    return id->work.phase + PHASES * ((uint32_t)waits + 2u * (id->nav.held.sensors != 0));
 }
 
 /* Save two moments of each kind that occurs in `seconds` of the world, which is excited. */

@@ -61,7 +61,7 @@ static void test_without_it_no_set_is_tested_and_the_estimates_are_the_same(void
     TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&without, &cfg));
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&without.id, &cfg.id));
     chain_run(&without, SETS * CHAIN_SET_S + 6.0);
-    TEST_ASSERT_NULL(without.id.change);
+    TEST_ASSERT_NULL(without.id.attached.change);
     TEST_ASSERT_EQUAL_UINT32(0, without.id.change_test.set);
     TEST_ASSERT_TRUE(without.id.estimate.number > 1 && !without.id.estimate.accepted);
     TEST_ASSERT_EQUAL_UINT32(with.id.estimate.number, without.id.estimate.number);

@@ -472,7 +472,7 @@ static void test_a_held_sample_and_the_next_one_are_both_recorded(void)
     }
     events |= step_at(1580000, 1520000, 0, 0);
     events |= step_at(1600000, 1540000, 1600000, 0);
-    TEST_ASSERT_EQUAL_HEX8(1u << AUVID_NAV_DVL_BOTTOM, chain.id.nav.holding);
+    TEST_ASSERT_EQUAL_HEX8(1u << AUVID_NAV_DVL_BOTTOM, chain.id.nav.held.sensors);
     events |= step_at(1690000, 1690000, 1690000, 0);
     events |= step_at(1790000, 1790000, 1790000, 0);
     TEST_ASSERT_EQUAL_UINT32(9, chain.id.nav.ground.sequence);

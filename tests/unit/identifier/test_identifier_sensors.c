@@ -38,8 +38,8 @@ static void test_a_quaternion_is_used_instead_of_the_euler_angles(void)
     in.imu.quaternion[0] = in.imu.quaternion[3] = (auvid_real_t)sqrt(0.5);
     step();
     TEST_ASSERT_EQUAL_HEX32(0, out.events & AUVID_EVENT_IMU_DROPPED);
-    TEST_ASSERT_TRUE(fabs((double)id.nav.attitude[2] - acos(0)) < 1e-6);
-    TEST_ASSERT_TRUE(fabs((double)id.nav.attitude[0]) < 1e-6);
+    TEST_ASSERT_TRUE(fabs((double)id.nav.imu.attitude[2] - acos(0)) < 1e-6);
+    TEST_ASSERT_TRUE(fabs((double)id.nav.imu.attitude[0]) < 1e-6);
 }
 
 static void test_a_quaternion_of_zeros_is_dropped(void)
@@ -47,7 +47,7 @@ static void test_a_quaternion_of_zeros_is_dropped(void)
     in.imu.by_quaternion = true;
     step();
     TEST_ASSERT_EQUAL_HEX32(AUVID_EVENT_IMU_DROPPED, out.events & AUVID_EVENT_IMU_DROPPED);
-    TEST_ASSERT_EQUAL_UINT(1, id.nav.imu_invalid);
+    TEST_ASSERT_EQUAL_UINT(1, id.nav.imu.invalid);
 }
 
 static void test_a_pressure_is_a_depth(void)
@@ -56,7 +56,8 @@ static void test_a_pressure_is_a_depth(void)
     in.pressure.pressure_pa = AUVID_C(101325.0) + 5 * AUVID_C(1025.0) * AUVID_C(9.80665);
     step();
     TEST_ASSERT_EQUAL_HEX32(0, out.events & AUVID_EVENT_DEPTH_DROPPED);
-    TEST_ASSERT_TRUE(fabs((double)id.nav.position[2] + (double)id.nav.position_lo[2] - 5) < 1e-4);
+    TEST_ASSERT_TRUE(fabs((double)id.nav.ekf.position[2] + (double)id.nav.ekf.position_lo[2] - 5) <
+                     1e-4);
     TEST_ASSERT_TRUE(id.nav.diagnostics[AUVID_NAV_DEPTH].has_sample);
 }
 
@@ -81,14 +82,14 @@ static void test_a_depth_and_a_pressure_of_the_same_time_are_one_sample(void)
 static void test_a_turned_imu_is_configured_in_one_field(void)
 {
     const auvid_real_t half = (auvid_real_t)acos(0);
-    cfg.nav.imu_euler[2] = half; /* its x axis points to starboard */
+    cfg.nav.mount.imu_euler[2] = half; /* its x axis points to starboard */
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&id, &cfg));
     in.imu.attitude[2] = half;
     in.imu.rates[0] = AUVID_C(0.5);
     step();
-    TEST_ASSERT_TRUE(fabs((double)id.nav.attitude[2]) < 1e-6);
-    TEST_ASSERT_TRUE(fabs((double)id.nav.rates[0]) < 1e-6);
-    TEST_ASSERT_TRUE(fabs((double)id.nav.rates[1] - 0.5) < 1e-6);
+    TEST_ASSERT_TRUE(fabs((double)id.nav.imu.attitude[2]) < 1e-6);
+    TEST_ASSERT_TRUE(fabs((double)id.nav.imu.rates[0]) < 1e-6);
+    TEST_ASSERT_TRUE(fabs((double)id.nav.imu.rates[1] - 0.5) < 1e-6);
 }
 
 int main(void)

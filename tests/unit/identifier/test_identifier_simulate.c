@@ -66,7 +66,7 @@ static void test_without_it_nothing_is_simulated_and_the_estimates_are_the_same(
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&without.id, &cfg.id));
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_attach_change_test(&without.id, &without.change));
     chain_run(&without, SETS * CHAIN_SET_S + 6.0);
-    TEST_ASSERT_NULL(without.id.prediction);
+    TEST_ASSERT_NULL(without.id.attached.prediction);
     TEST_ASSERT_EQUAL(0, without.id.change_test.simulated);
     TEST_ASSERT_TRUE(with.id.estimate.number > 1);
     TEST_ASSERT_EQUAL_MEMORY(&with.id.estimate, &without.id.estimate, sizeof with.id.estimate);

@@ -146,10 +146,11 @@ static void test_a_field_of_the_filter_is_named(void)
     WHOLE(nav, gps_start, 9, 8);
     NAMED(RANGE, "nav", "sigma_acceleration", 2, 101, 100, cfg.nav.sigma_acceleration[2] = 101);
     NAMED(RANGE, "nav", "position", 1, -2e5, -1e5, cfg.nav.position[1] = AUVID_C(-2e5));
-    NAMED(RANGE, "nav", "imu_euler", 0, 11, 10, cfg.nav.imu_euler[0] = 11);
-    NAMED(RANGE, "nav", "dvl_euler", 2, -11, -10, cfg.nav.dvl_euler[2] = -11);
-    NAMED(RANGE, "nav", "dvl_lever", 1, 1001, 1000, cfg.nav.dvl_lever[1] = 1001);
-    NAMED(NOT_FINITE, "nav", "dvl_lever", 1, NAN, -1000, cfg.nav.dvl_lever[1] = (auvid_real_t)NAN);
+    NAMED(RANGE, "nav", "mount.imu_euler", 0, 11, 10, cfg.nav.mount.imu_euler[0] = 11);
+    NAMED(RANGE, "nav", "mount.dvl_euler", 2, -11, -10, cfg.nav.mount.dvl_euler[2] = -11);
+    NAMED(RANGE, "nav", "mount.dvl_lever", 1, 1001, 1000, cfg.nav.mount.dvl_lever[1] = 1001);
+    NAMED(NOT_FINITE, "nav", "mount.dvl_lever", 1, NAN, -1000,
+          cfg.nav.mount.dvl_lever[1] = (auvid_real_t)NAN);
     NAMED(NOT_FINITE, "nav", "gate", -1, INFINITY, 1e6, cfg.nav.gate = (auvid_real_t)INFINITY);
 }
 

@@ -151,7 +151,7 @@ static void test_long_tick_is_predicted_in_full_and_reported(void)
     read_state();
     TEST_ASSERT_DOUBLE_WITHIN(1e-3, 5, (double)state.position[0]);
     TEST_ASSERT_DOUBLE_WITHIN(1e-5, before + 0.02 * 5, variance(3));
-    TEST_ASSERT_EQUAL_UINT(1, nav.imu_gaps);
+    TEST_ASSERT_EQUAL_UINT(1, nav.imu.gaps);
     TEST_ASSERT_TRUE((state.flags & AUVID_NAV_IN_GAP) != 0);
     TEST_ASSERT_EQUAL_INT(AUVID_OK, tick(20000));
     read_state();
@@ -182,7 +182,7 @@ static void test_gap_of_zero_never_reports_one(void)
     TEST_ASSERT_EQUAL_INT(AUVID_OK, tick(2000000));
     now += UINT64_C(5000000000); /* more than 32 bits of microseconds */
     TEST_ASSERT_EQUAL_INT(AUVID_OK, tick(1));
-    TEST_ASSERT_EQUAL_UINT(0, nav.imu_gaps);
+    TEST_ASSERT_EQUAL_UINT(0, nav.imu.gaps);
 }
 
 /* 1 mm/s for ten hours at 100 Hz: each step is far below the last digit of 2000 m. */
@@ -190,7 +190,7 @@ static void test_position_far_away_sums_steps_that_plain_single_precision_loses(
 {
     cfg.position[0] = 2000;
     start();
-    nav.velocity[0] = real(0.001);
+    nav.ekf.velocity[0] = real(0.001);
     for (int k = 0; k < 360000; ++k) {
         TEST_ASSERT_EQUAL_INT(AUVID_OK, tick(10000));
     }

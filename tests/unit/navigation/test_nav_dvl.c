@@ -61,7 +61,7 @@ static void assert_velocity(double u, double v, double w)
 {
     const double expected[3] = {u, v, w};
     for (int i = 0; i < 3; ++i) {
-        TEST_ASSERT_DOUBLE_WITHIN(2e-4, expected[i], (double)nav.velocity[i]);
+        TEST_ASSERT_DOUBLE_WITHIN(2e-4, expected[i], (double)nav.ekf.velocity[i]);
     }
 }
 
@@ -89,15 +89,15 @@ static void test_default_tuning_takes_at_least_96_percent_of_each_sample(void)
             tick(20000);
         }
     }
-    auvid_real_t before = nav.velocity[0];
+    auvid_real_t before = nav.ekf.velocity[0];
     TEST_ASSERT_EQUAL_INT(AUVID_OK, bottom(1.1, 0, 0));
-    TEST_ASSERT_TRUE(nav.velocity[0] - before > real(0.096));
+    TEST_ASSERT_TRUE(nav.ekf.velocity[0] - before > real(0.096));
 }
 
 /* An instrument yawed by 90 degrees measures surge on its -y axis. */
 static void test_mounting_turns_the_sample_into_the_body_frame(void)
 {
-    cfg.dvl_euler[2] = AUVID_PI / 2;
+    cfg.mount.dvl_euler[2] = AUVID_PI / 2;
     start();
     TEST_ASSERT_EQUAL_INT(AUVID_OK, bottom(0.3, -1, 0.2));
     assert_velocity(1, 0.3, 0.2);
@@ -105,7 +105,7 @@ static void test_mounting_turns_the_sample_into_the_body_frame(void)
 
 static void test_instrument_upside_down_reads_sway_and_heave_negated(void)
 {
-    cfg.dvl_euler[0] = AUVID_PI;
+    cfg.mount.dvl_euler[0] = AUVID_PI;
     start();
     TEST_ASSERT_EQUAL_INT(AUVID_OK, bottom(1, 0.3, 0.2));
     assert_velocity(1, -0.3, -0.2);
@@ -114,8 +114,8 @@ static void test_instrument_upside_down_reads_sway_and_heave_negated(void)
 /* Rotation on the spot with the DVL 2 m ahead and 1 m below. */
 static void test_lever_arm_of_a_current_sample_is_removed_with_the_current_rates(void)
 {
-    cfg.dvl_lever[0] = 2;
-    cfg.dvl_lever[2] = 1;
+    cfg.mount.dvl_lever[0] = 2;
+    cfg.mount.dvl_lever[2] = 1;
     start();
     rates[1] = real(0.1);
     rates[2] = real(0.2);
@@ -135,8 +135,8 @@ static void test_partial_sample_changes_only_what_it_measures(void)
 /* The body axes that the valid axes measure of an instrument turned by `yaw` and `roll`. */
 static unsigned measured_by(unsigned valid, double roll, double yaw)
 {
-    cfg.dvl_euler[0] = real(roll);
-    cfg.dvl_euler[2] = real(yaw);
+    cfg.mount.dvl_euler[0] = real(roll);
+    cfg.mount.dvl_euler[2] = real(yaw);
     start();
     TEST_ASSERT_EQUAL_INT(AUVID_OK, give(AUVID_DVL_BOTTOM, (uint8_t)valid, 0.1, 0.2, 0.3));
     return nav.ground.measured;
@@ -190,10 +190,10 @@ static void test_time_of_horizontal_and_of_complete_velocity_over_ground_is_kept
 static void test_partial_samples_of_a_turned_instrument_equal_a_complete_one(void)
 {
     const double v[3] = {0.8, -0.3, 0.4};
-    cfg.dvl_euler[0] = real(0.3);
-    cfg.dvl_euler[1] = real(-0.5);
-    cfg.dvl_euler[2] = real(2.0);
-    cfg.dvl_lever[0] = real(0.7);
+    cfg.mount.dvl_euler[0] = real(0.3);
+    cfg.mount.dvl_euler[1] = real(-0.5);
+    cfg.mount.dvl_euler[2] = real(2.0);
+    cfg.mount.dvl_lever[0] = real(0.7);
     rates[2] = real(0.3);
     start();
     TEST_ASSERT_EQUAL_INT(AUVID_OK, bottom(v[0], v[1], v[2]));
@@ -208,7 +208,7 @@ static void test_partial_samples_of_a_turned_instrument_equal_a_complete_one(voi
     TEST_ASSERT_EQUAL_INT(AUVID_OK, auvid_nav_covariance(&whole, p));
     TEST_ASSERT_EQUAL_INT(AUVID_OK, auvid_nav_covariance(&nav, q));
     for (int i = 0; i < 3; ++i) {
-        TEST_ASSERT_DOUBLE_WITHIN(2e-6, (double)whole.velocity[i], (double)nav.velocity[i]);
+        TEST_ASSERT_DOUBLE_WITHIN(2e-6, (double)whole.ekf.velocity[i], (double)nav.ekf.velocity[i]);
         for (int j = 0; j < 3; ++j) {
             TEST_ASSERT_DOUBLE_WITHIN(2e-6, (double)p[3 + i][3 + j], (double)q[3 + i][3 + j]);
         }
@@ -277,7 +277,7 @@ static void test_velocity_is_reinitialised_without_changing_the_other_axes(void)
         TEST_ASSERT_EQUAL_INT(k < 3 ? AUVID_GATED : AUVID_OK, bottom(1, -0.9, 0));
     }
     assert_velocity(1, -0.9, 0);
-    TEST_ASSERT_DOUBLE_WITHIN(1e-7, 4.9e-5, (double)nav.vv[3]);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-7, 4.9e-5, (double)nav.ekf.vv[3]);
     TEST_ASSERT_EQUAL_UINT(1, nav.diagnostics[AUVID_NAV_DVL_BOTTOM].resets);
 }
 
@@ -289,7 +289,7 @@ static void test_ground_sample_is_the_velocity_just_after_a_bottom_lock(void)
     TEST_ASSERT_EQUAL_INT(AUVID_OK, bottom(1.05, 0, 0));
     TEST_ASSERT_EQUAL_UINT32(2, nav.ground.sequence);
     TEST_ASSERT_EQUAL_UINT64(now, nav.ground.t_us);
-    TEST_ASSERT_TRUE(memcmp(nav.ground.velocity, nav.velocity, sizeof nav.velocity) == 0);
+    TEST_ASSERT_TRUE(memcmp(nav.ground.velocity, nav.ekf.velocity, sizeof nav.ekf.velocity) == 0);
     auvid_nav_velocity_sample_t before = nav.ground;
     tick(200000);
     TEST_ASSERT_EQUAL_INT(AUVID_GATED, bottom(-1, 0, 0));
@@ -321,8 +321,8 @@ static void test_water_lock_is_not_applied_while_bottom_lock_is_fresh(void)
 
 static void test_water_sample_has_mounting_and_lever_arm_removed(void)
 {
-    cfg.dvl_euler[2] = AUVID_PI / 2;
-    cfg.dvl_lever[0] = 2;
+    cfg.mount.dvl_euler[2] = AUVID_PI / 2;
+    cfg.mount.dvl_lever[0] = 2;
     rates[2] = real(0.2);
     start();
     TEST_ASSERT_EQUAL_INT(AUVID_OK, water(0.3 + 0.4, -1, 0));
@@ -343,9 +343,9 @@ static void test_water_lock_is_applied_when_bottom_lock_is_stale(void)
 {
     TEST_ASSERT_EQUAL_INT(AUVID_OK, bottom(1, 0, 0));
     tick(1000001);
-    double p = (double)nav.vv[0], r = 0.007 * 0.007 + 0.3 * 0.3;
+    double p = (double)nav.ekf.vv[0], r = 0.007 * 0.007 + 0.3 * 0.3;
     TEST_ASSERT_EQUAL_INT(AUVID_OK, water(0.7, 0, 0));
-    TEST_ASSERT_DOUBLE_WITHIN(1e-4, 1 - 0.3 * p / (p + r), (double)nav.velocity[0]);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-4, 1 - 0.3 * p / (p + r), (double)nav.ekf.velocity[0]);
     TEST_ASSERT_TRUE((nav.flags & AUVID_NAV_WATER_AIDED) != 0);
     TEST_ASSERT_EQUAL_UINT32(1, nav.water.sequence);
     TEST_ASSERT_DOUBLE_WITHIN(1e-6, 0.7, (double)nav.water.velocity[0]);

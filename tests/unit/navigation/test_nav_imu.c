@@ -67,9 +67,9 @@ static void quaternion(const double *e, double *q)
 
 static void init(double phi, double theta, double psi)
 {
-    cfg.imu_euler[0] = (auvid_real_t)phi;
-    cfg.imu_euler[1] = (auvid_real_t)theta;
-    cfg.imu_euler[2] = (auvid_real_t)psi;
+    cfg.mount.imu_euler[0] = (auvid_real_t)phi;
+    cfg.mount.imu_euler[1] = (auvid_real_t)theta;
+    cfg.mount.imu_euler[2] = (auvid_real_t)psi;
     TEST_ASSERT_EQUAL_INT(AUVID_OK, auvid_nav_init(&nav, &cfg));
 }
 
@@ -159,7 +159,7 @@ static void test_a_pitch_of_90_degrees_keeps_the_rotation(void)
         w[i] = (auvid_real_t)q[i];
     }
     init(0, 0, 0);
-    TEST_ASSERT_EQUAL_INT(AUVID_OK, auvid_nav_imu_quaternion(&nav, 1, w, cfg.imu_euler));
+    TEST_ASSERT_EQUAL_INT(AUVID_OK, auvid_nav_imu_quaternion(&nav, 1, w, cfg.mount.imu_euler));
     TEST_ASSERT_EQUAL_INT(AUVID_OK, auvid_nav_state(&nav, &state));
     assert_near(0, state.attitude[0]);
     TEST_ASSERT_TRUE(fabs((double)state.attitude[1] - PI / 2) < 1e-3);
@@ -171,7 +171,7 @@ static void assert_refused(auvid_status_t status, double w, double x)
     const auvid_real_t q[4] = {(auvid_real_t)w, (auvid_real_t)x, 0, 0}, rates[3] = {0};
     auvid_nav_t before = nav;
     TEST_ASSERT_EQUAL_INT(status, auvid_nav_imu_quaternion(&nav, now + 20000, q, rates));
-    ++before.imu_invalid;
+    ++before.imu.invalid;
     TEST_ASSERT_TRUE(memcmp(&before, &nav, sizeof nav) == 0);
 }
 
@@ -212,9 +212,9 @@ static void test_a_quaternion_within_the_tolerance_is_normalised(void)
 
 static void test_an_impossible_mounting_of_the_imu_is_refused(void)
 {
-    cfg.imu_euler[1] = 11;
+    cfg.mount.imu_euler[1] = 11;
     TEST_ASSERT_EQUAL_INT(AUVID_ERR_RANGE, auvid_nav_init(&nav, &cfg));
-    cfg.imu_euler[1] = (auvid_real_t)NAN;
+    cfg.mount.imu_euler[1] = (auvid_real_t)NAN;
     TEST_ASSERT_EQUAL_INT(AUVID_ERR_NOT_FINITE, auvid_nav_init(&nav, &cfg));
 }
 

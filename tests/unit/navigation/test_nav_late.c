@@ -38,7 +38,7 @@ void setUp(void)
     auvid_nav_defaults(&cfg);
     cfg.gate = 0;
     cfg.gps_start = 0;
-    cfg.dvl_lever[0] = 2;
+    cfg.mount.dvl_lever[0] = 2;
     yaw_rate = still;
     start();
 }
@@ -81,7 +81,7 @@ static double spin(uint32_t age_us)
     const double v[3] = {0, 2 * yaw_rate(1e-6 * (double)(now - age_us)), 0};
     nav.diagnostics[AUVID_NAV_DVL_BOTTOM].innovation_count =
         0; /* samples may come in any order here */
-    memset(nav.velocity, 0, sizeof nav.velocity);
+    memset(nav.ekf.velocity, 0, sizeof nav.ekf.velocity);
     TEST_ASSERT_EQUAL_INT(AUVID_OK, dvl(AUVID_DVL_BOTTOM, now - age_us, v));
     return (double)of(AUVID_NAV_DVL_BOTTOM)->innovation[1];
 }
@@ -157,7 +157,7 @@ static void test_velocity_of_a_late_sample_is_along_the_axes_of_its_time(void)
 {
     const double rate = 0.5;
     double late_s = 0.15, max_error = 0;
-    cfg.dvl_lever[0] = 0;
+    cfg.mount.dvl_lever[0] = 0;
     start();
     for (int k = 1; k <= 500; ++k) {
         double t = 0.02 * k;
@@ -199,7 +199,7 @@ static void test_a_sample_ahead_waits_for_the_imu_and_is_applied_as_a_late_one(v
     TEST_ASSERT_EQUAL_UINT32(1, nav.ground.sequence);
     auvid_nav_t held = nav;
     nav = other; /* the same sample arrives after the IMU passed its time */
-    nav.holding = 0;
+    nav.held.sensors = 0;
     TEST_ASSERT_EQUAL_INT(AUVID_OK, auvid_nav_imu(&nav, now, zero, zero));
     TEST_ASSERT_EQUAL_INT(AUVID_OK, dvl(AUVID_DVL_BOTTOM, taken, v));
     TEST_ASSERT_EQUAL_MEMORY(&held, &nav, sizeof nav);
@@ -219,8 +219,8 @@ static void test_a_sample_of_every_sensor_can_be_held(void)
     TEST_ASSERT_EQUAL_UINT32(1, nav.water.sequence);
     TEST_ASSERT_EQUAL_UINT32(1, of(AUVID_NAV_DEPTH)->accepted);
     TEST_ASSERT_EQUAL_UINT32(1, of(AUVID_NAV_GPS)->accepted);
-    TEST_ASSERT_EQUAL_UINT(0, nav.held_rejected);
-    TEST_ASSERT_DOUBLE_WITHIN(0.01, 0.25, (double)(nav.position[2] + nav.position_lo[2]));
+    TEST_ASSERT_EQUAL_UINT(0, nav.held.rejected);
+    TEST_ASSERT_DOUBLE_WITHIN(0.01, 0.25, (double)(nav.ekf.position[2] + nav.ekf.position_lo[2]));
 }
 
 /* Samples every 40 ms and an IMU 100 ms late: if the newest replaced the held one, the IMU would
@@ -264,10 +264,10 @@ static void test_no_sample_is_held_longer_than_its_largest_age(void)
     TEST_ASSERT_EQUAL_INT(AUVID_PENDING, dvl(AUVID_DVL_BOTTOM, now + 500000, v));
     tick(1000001); /* the IMU returns when the sample is too old */
     TEST_ASSERT_EQUAL_UINT(2, of(AUVID_NAV_DVL_BOTTOM)->stale);
-    TEST_ASSERT_EQUAL_HEX8(1u << AUVID_NAV_DVL_BOTTOM, nav.held_rejected);
+    TEST_ASSERT_EQUAL_HEX8(1u << AUVID_NAV_DVL_BOTTOM, nav.held.rejected);
     TEST_ASSERT_EQUAL_UINT32(0, nav.ground.sequence);
     tick(TICK_US);
-    TEST_ASSERT_EQUAL_UINT(0, nav.held_rejected); /* reported once */
+    TEST_ASSERT_EQUAL_UINT(0, nav.held.rejected); /* reported once */
 }
 
 static void test_without_a_largest_age_no_sample_is_held(void)
@@ -287,7 +287,7 @@ static void test_a_held_sample_is_gated_when_it_is_used(void)
     TEST_ASSERT_EQUAL_INT(AUVID_PENDING, dvl(AUVID_DVL_BOTTOM, now + 50000, v));
     run(0.06);
     TEST_ASSERT_EQUAL_UINT(1, of(AUVID_NAV_DVL_BOTTOM)->gated);
-    TEST_ASSERT_EQUAL_HEX8(1u << AUVID_NAV_DVL_BOTTOM, nav.held_rejected);
+    TEST_ASSERT_EQUAL_HEX8(1u << AUVID_NAV_DVL_BOTTOM, nav.held.rejected);
     TEST_ASSERT_EQUAL_UINT32(1, nav.ground.sequence);
 }
 
@@ -298,7 +298,7 @@ static void test_a_sample_out_of_range_is_not_held(void)
     TEST_ASSERT_EQUAL_INT(AUVID_ERR_NOT_FINITE,
                           auvid_nav_depth(&nav, now + 50000, (auvid_real_t)NAN));
     TEST_ASSERT_EQUAL_INT(AUVID_ERR_RANGE, auvid_nav_gps(&nav, now + 50000, 1, real(2e5)));
-    TEST_ASSERT_EQUAL_UINT(0, nav.holding);
+    TEST_ASSERT_EQUAL_UINT(0, nav.held.sensors);
 }
 
 int main(void)

@@ -64,13 +64,13 @@ static auvid_nav_diagnostics_t *of(int sensor)
 static void test_time_that_goes_back_is_refused(void)
 {
     TEST_ASSERT_EQUAL_INT(AUVID_ERR_TIME_BACK, auvid_nav_imu(&nav, now - 1, zero, zero));
-    assert_counted_only(&nav.imu_time);
+    assert_counted_only(&nav.imu.stale);
 }
 
 static void test_time_that_stands_still_is_refused(void)
 {
     TEST_ASSERT_EQUAL_INT(AUVID_ERR_TIME_SAME, auvid_nav_imu(&nav, now, zero, zero));
-    assert_counted_only(&nav.imu_time);
+    assert_counted_only(&nav.imu.stale);
 }
 
 static void test_attitude_or_rate_that_is_not_finite_is_refused(void)
@@ -81,9 +81,9 @@ static void test_attitude_or_rate_that_is_not_finite_is_refused(void)
             auvid_real_t v[3] = {0, 0, 0};
             v[i] = bad[k];
             TEST_ASSERT_EQUAL_INT(AUVID_ERR_NOT_FINITE, auvid_nav_imu(&nav, now + 9, v, zero));
-            assert_counted_only(&nav.imu_invalid);
+            assert_counted_only(&nav.imu.invalid);
             TEST_ASSERT_EQUAL_INT(AUVID_ERR_NOT_FINITE, auvid_nav_imu(&nav, now + 9, zero, v));
-            assert_counted_only(&nav.imu_invalid);
+            assert_counted_only(&nav.imu.invalid);
         }
     }
 }
@@ -92,9 +92,9 @@ static void test_attitude_or_rate_out_of_range_is_refused(void)
 {
     const auvid_real_t angle[3] = {0, 10001, 0}, rate[3] = {0, 0, -101};
     TEST_ASSERT_EQUAL_INT(AUVID_ERR_RANGE, auvid_nav_imu(&nav, now + 9, angle, zero));
-    assert_counted_only(&nav.imu_invalid);
+    assert_counted_only(&nav.imu.invalid);
     TEST_ASSERT_EQUAL_INT(AUVID_ERR_RANGE, auvid_nav_imu(&nav, now + 9, zero, rate));
-    assert_counted_only(&nav.imu_invalid);
+    assert_counted_only(&nav.imu.invalid);
 }
 
 static void test_measurements_that_are_not_finite_are_refused(void)
@@ -217,18 +217,19 @@ static void test_sample_slightly_ahead_is_used_as_of_the_last_tick(void)
     auvid_nav_t other = nav;
     TEST_ASSERT_EQUAL_INT(AUVID_OK, auvid_nav_depth(&nav, now + 15000, real(0.21)));
     TEST_ASSERT_EQUAL_INT(AUVID_OK, auvid_nav_depth(&other, now, real(0.21)));
-    TEST_ASSERT_TRUE(memcmp(nav.pp, other.pp, sizeof nav.pp) == 0);
-    TEST_ASSERT_TRUE(memcmp(nav.position_lo, other.position_lo, sizeof nav.position_lo) == 0);
+    TEST_ASSERT_TRUE(memcmp(nav.ekf.pp, other.ekf.pp, sizeof nav.ekf.pp) == 0);
+    TEST_ASSERT_TRUE(
+        memcmp(nav.ekf.position_lo, other.ekf.position_lo, sizeof nav.ekf.position_lo) == 0);
 }
 
 /* While sinking at 0.5 m/s, a correct depth 0.4 s old must not change z. */
 static void test_late_depth_is_compared_with_the_depth_of_its_time(void)
 {
     auvid_dvl_sample_t s = {now, {1, 0, real(0.5)}, AUVID_DVL_BOTTOM, AUVID_DVL_ALL};
-    nav.velocity[2] = real(0.5);
+    nav.ekf.velocity[2] = real(0.5);
     TEST_ASSERT_EQUAL_INT(AUVID_OK, auvid_nav_dvl(&nav, &s));
     uint64_t taken = now;
-    double depth = (double)nav.position[2] + (double)nav.position_lo[2];
+    double depth = (double)nav.ekf.position[2] + (double)nav.ekf.position_lo[2];
     for (int k = 0; k < 20; ++k) {
         tick(20000);
     }
@@ -246,8 +247,8 @@ static void test_late_velocity_leaves_the_noise_since_in_the_variance(void)
     TEST_ASSERT_EQUAL_INT(AUVID_OK, bottom_at(taken, 1.05));
     double since = 1e-6 * (double)(now - taken) * 0.02; /* sigma^2 reference_tick age */
     double prior = 4.9e-5 + 0.02 * 0.04, r = 4.9e-5;    /* at `taken`, roughly */
-    TEST_ASSERT_DOUBLE_WITHIN(2e-5, since + prior * r / (prior + r), (double)nav.vv[0]);
-    TEST_ASSERT_DOUBLE_WITHIN(5e-3, 1.05, (double)nav.velocity[0]);
+    TEST_ASSERT_DOUBLE_WITHIN(2e-5, since + prior * r / (prior + r), (double)nav.ekf.vv[0]);
+    TEST_ASSERT_DOUBLE_WITHIN(5e-3, 1.05, (double)nav.ekf.velocity[0]);
 }
 
 static void test_late_velocity_after_another_measurement_still_shrinks_the_variance(void)
@@ -257,10 +258,10 @@ static void test_late_velocity_after_another_measurement_still_shrinks_the_varia
         tick(20000);
     }
     TEST_ASSERT_EQUAL_INT(AUVID_OK, auvid_nav_depth(&nav, now, real(0.2)));
-    double was = (double)nav.vv[0];
+    double was = (double)nav.ekf.vv[0];
     TEST_ASSERT_EQUAL_INT(AUVID_OK, bottom_at(taken, 1.05));
-    TEST_ASSERT_TRUE((double)nav.vv[0] < was && nav.vv[0] > 0);
-    TEST_ASSERT_DOUBLE_WITHIN(1e-2, 1.05, (double)nav.velocity[0]);
+    TEST_ASSERT_TRUE((double)nav.ekf.vv[0] < was && nav.ekf.vv[0] > 0);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-2, 1.05, (double)nav.ekf.velocity[0]);
 }
 
 static void test_first_calls_must_come_in_their_order(void)
@@ -376,8 +377,8 @@ static void test_every_real_of_the_configuration_must_be_finite(void)
                              &cfg.sigma_velocity,
                              &cfg.gate,
                              &cfg.speed_limit,
-                             &cfg.dvl_euler[2],
-                             &cfg.dvl_lever[0],
+                             &cfg.mount.dvl_euler[2],
+                             &cfg.mount.dvl_lever[0],
                              &cfg.density,
                              &cfg.gravity,
                              &cfg.surface_pressure,

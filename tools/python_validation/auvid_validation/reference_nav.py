@@ -45,8 +45,8 @@ class Auvid:
         c = self.config
         lib.auvid_nav_defaults(c)
         c.gate, c.gps_start, c.surface_depth, c.speed_limit = 0, 0, 1e5, 0
-        c.dvl_euler[2] = DVL_YAW
-        c.dvl_lever[:] = DVL_LEVER
+        c.mount.dvl_euler[2] = DVL_YAW
+        c.mount.dvl_lever[:] = DVL_LEVER
         for i, sigma in enumerate((0.5, 1.0, 0.7)):
             c.sigma_acceleration[i] = sigma
         assert lib.auvid_nav_init(self.nav, c) == 0
@@ -82,8 +82,8 @@ class Model:
         self.tick_s = float(config.reference_tick)
         self.r = {"dvl": config.sigma_dvl**2, "depth": config.sigma_depth**2,
                   "gps": config.sigma_gps**2}
-        self.mount = body_to_world(values(config.dvl_euler).astype(float))
-        self.lever = values(config.dvl_lever).astype(float)
+        self.mount = body_to_world(values(config.mount.dvl_euler).astype(float))
+        self.lever = values(config.mount.dvl_lever).astype(float)
         self.x = np.zeros(6)
         self.p = np.diag([config.sigma_position**2] * 3 + [config.sigma_velocity**2] * 3)
 

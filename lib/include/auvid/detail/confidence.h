@@ -50,6 +50,23 @@
 extern "C" {
 #endif
 
+/** Influences of the sets on the estimate. Private. */
+typedef struct {
+    auvid_real_t set[AUVID_MAX_PARAMETERS];                                /* of one set */
+    auvid_real_t sum[AUVID_MAX_PARAMETERS], squares[AUVID_MAX_PARAMETERS]; /* of all */
+} auvid_confidence_influence_t;
+
+/** Spread of the scores of each DoF. Private. */
+typedef struct {
+    auvid_real_t scatter[AUVID_DOF_COUNT], degrees_of_freedom[AUVID_DOF_COUNT];
+    auvid_real_t rows[AUVID_DOF_COUNT];
+} auvid_confidence_spread_t;
+
+/** Where the computation is. Private. */
+typedef struct {
+    uint8_t set, dof, row;
+} auvid_confidence_place_t;
+
 /** The computation. Private. */
 typedef struct {
     const auvid_metric_t *metric; /* during a call only */
@@ -67,19 +84,18 @@ typedef struct {
         auvid_regressor_t regressor;               /* between the phases SCATTER and JUDGE */
         auvid_real_t covariance[AUVID_COVARIANCE]; /* from JUDGE on; copied to the estimate */
     };
-    auvid_real_t score[AUVID_MAX_PARAMETERS];     /* of one DoF of one set, at its optimum */
-    auvid_real_t influence[AUVID_MAX_PARAMETERS]; /* of one set on the estimate */
-    auvid_real_t sum[AUVID_MAX_PARAMETERS], squares[AUVID_MAX_PARAMETERS]; /* of influences */
+    auvid_real_t score[AUVID_MAX_PARAMETERS]; /* of one DoF of one set, at its optimum */
+    auvid_confidence_influence_t influence;
     auvid_real_t variance[AUVID_MAX_PARAMETERS]; /* diagonal of (J'J)^-1 */
     auvid_real_t widening[AUVID_MAX_PARAMETERS]; /* of it, for estimated and uncertain delays */
     /* step of the parameters to the most probable delays */
     auvid_real_t delay_step[AUVID_MAX_PARAMETERS];
-    auvid_real_t scatter[AUVID_DOF_COUNT], degrees_of_freedom[AUVID_DOF_COUNT]; /* of the scores */
-    auvid_real_t rows[AUVID_DOF_COUNT];
+    auvid_confidence_spread_t spread;
     uint32_t at_bound;                          /* bit i: parameter i is near a bound */
     uint8_t column_of[AUVID_MAX_PARAMETERS];    /* of parameter i in the joint factor; or NOWHERE */
     uint8_t parameter_of[AUVID_MAX_PARAMETERS]; /* of column k */
-    uint8_t n, spent, phase, at_set, at_dof, at_row;
+    uint8_t n, spent, phase;
+    auvid_confidence_place_t at;
     bool not_converged; /* the search has not converged */
     bool delayed;       /* the widening by estimated or uncertain delays is being computed */
     uint8_t reserved[AUVID_GAP(sizeof(auvid_real_t), 2 * AUVID_MAX_PARAMETERS + 12)];
