@@ -44,7 +44,7 @@ many() {
 public=include/auvid
 refused 'a row for each sensor' navigation/auvid_nav.c \
     's/(AUVID_NAV_SENSOR_COUNT) = (.*)/\1 = \2 + 1/' $public/nav.h
-refused 'auvid_nav_t.holding' navigation/auvid_nav_late.c \
+refused 'auvid_nav_held_t.sensors' navigation/auvid_nav_late.c \
     's/(AUVID_NAV_SENSOR_COUNT) = .*/\1 = 9/' $public/nav.h
 refused 'auvid_nav_t.flags' navigation/auvid_nav.c \
     "$(before AUVID_NAV_FLAG_END 'AUVID_NAV_EXTRA = 1 << 16,')" $public/nav.h
