@@ -60,7 +60,8 @@ VALIDATION_SHORT := $(filter-out %/test_package.sh,$(VALIDATION_SCRIPTS))
 SLEEPER := tests/program/test_realtime.sh
 SCRIPTS := $(SLEEPER) $(filter-out $(SLEEPER),$(SCRIPTS))
 # Builds of packages (CMake, pkg-config, C++) and with all kinds of flags are left to the long form.
-BUILDS := $(addprefix tests/program/,test_drop_in.sh test_hostile_builds.sh)
+BUILDS := $(addprefix tests/program/,test_drop_in.sh test_hostile_builds.sh test_sizes_derived.sh \
+    test_threads.sh)
 # What needs a real bus, here or in a virtual machine.
 VCAN_SCRIPTS := $(wildcard tests/vcan/test_*.sh)
 # Of these, what takes minutes of a machine's clock is left to the long form and `make test-vcan`.
@@ -112,9 +113,12 @@ TESTED = $(call objects,$(1),$(LIB) $(SIMULATOR) $(WORLD) $(SUPPORT)) build/$(1)
 TEST_PROGRAMS := $(foreach way,release sanitized double,\
         $(UNIT:tests/unit/%.c=build/$(way)/tests/unit/%)) \
     $(REFERENCE:%.cpp=build/release/%) \
-    $(foreach way,wide wide_double wide_sanitized,$(VEHICLES:%.c=build/$(way)/%)) \
-    $(foreach way,wide wide_double,$(VEHICLES_REFERENCE:%.cpp=build/$(way)/%)) \
+    $(VEHICLES:%.c=build/wide/%) $(VEHICLES_REFERENCE:%.cpp=build/wide/%) \
     $(foreach way,release sanitized,$(PORT_TESTS:%.c=build/$(way)/%)) $(GOLDEN_TESTS)
+# The larger models in double and under the sanitizers are left to the long form.
+TEST_PROGRAMS_LONG := $(TEST_PROGRAMS) \
+    $(foreach way,wide_double wide_sanitized,$(VEHICLES:%.c=build/$(way)/%)) \
+    $(VEHICLES_REFERENCE:%.cpp=build/wide_double/%)
 # The CAN codec alone, for the comparison with cantools.
 CAN_CODEC := $(wildcard lib/src/can/auvid_can*.c)
 CAN_LIBRARIES := build/can/float.so build/can/double.so
@@ -169,9 +173,9 @@ test: build/auvid $(TEST_PROGRAMS) | setup ## Install what is missing, run all t
 	@tests/run.sh $(VCAN_SHORT) $(FIRMWARE_SCRIPTS) $(VALIDATION_SHORT) $(TEST_PROGRAMS) \
 	    $(filter-out $(BUILDS),$(SCRIPTS)) -- tests/statuses/test_statuses.sh
 
-test-long: build/auvid $(TEST_PROGRAMS) | setup ## The same with long campaigns (an hour)
+test-long: build/auvid $(TEST_PROGRAMS_LONG) | setup ## The same with long campaigns (an hour)
 	@AUVID_TEST_LONG=1 tests/run.sh $(VCAN_SCRIPTS) $(FIRMWARE_SCRIPTS) \
-	    $(SCRIPTS) $(TEST_PROGRAMS) $(VALIDATION_SCRIPTS) $(MUTATION_SCRIPTS) -- \
+	    $(SCRIPTS) $(TEST_PROGRAMS_LONG) $(VALIDATION_SCRIPTS) $(MUTATION_SCRIPTS) -- \
 	    tests/statuses/test_statuses.sh
 
 test test-long: $(CAN_LIBRARIES) $(VCAN_PROGRAMS) $(filter-out %/large.so,$(VALIDATION_LIBRARIES))
@@ -393,11 +397,11 @@ build/validation/%.so: $(VALIDATION) Makefile \
 	    -ffp-contract=off -Ilib/include -Ilib/src -Itools/simulator -Itests/support $(CFLAGS) \
 	    -o $@ $(VALIDATION) -lm
 
-.IGNORE: $(TEST_PROGRAMS) $(VCAN_PROGRAMS) $(VALIDATION_LIBRARIES)
+.IGNORE: $(TEST_PROGRAMS_LONG) $(VCAN_PROGRAMS) $(VALIDATION_LIBRARIES)
 .IGNORE: $(IMAGES) $(IMAGES_LONG) $(UNIT_IMAGES_LONG) $(FIRMWARE_HOSTS) $(COUNTED_IMAGES)
 .IGNORE: $(GOLDEN_IMAGE) $(CHECKPOINT_IMAGES)
 
 -include $(foreach way,$(WAYS),$(patsubst %.o,%.d,\
     $(call objects,$(way),$(LIB) $(SIMULATOR) $(PROGRAM) $(PORT) $(SUPPORT))))
 -include $(wildcard build/firmware/*/*/*/*.d build/firmware/*/*/*/*/*.d)
--include $(addsuffix .d,$(TEST_PROGRAMS) $(VCAN_PROGRAMS) $(BENCH_PROGRAMS) $(MUTATED_TESTS))
+-include $(addsuffix .d,$(TEST_PROGRAMS_LONG) $(VCAN_PROGRAMS) $(BENCH_PROGRAMS) $(MUTATED_TESTS))
