@@ -200,7 +200,7 @@ const auvid_checkpoint_limit_t auvid_checkpoint_limit[] = {
     BYTE(bounded_ls, dof, dof, AUVID_DOF_COUNT),
 
     FINITE(confidence_job, dry_mass_kg, spread.rows),
-    VALUE(confidence_job, pi, pi),
+    VALUE(confidence_job, pi, single_dof_optimum),
     BYTE(confidence_job, parameter_of, parameter_of, AUVID_MAX_PARAMETERS - 1),
     WHOLE(confidence_job, uint8_t, n, n, 1, AUVID_MAX_PARAMETERS),
     BYTE(confidence_job, phase, phase, DONE - 1),
