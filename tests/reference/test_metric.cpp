@@ -162,7 +162,7 @@ static void round_cell(Cell &c, auvid_sample_t *s)
     }
 }
 
-// ---- the pipeline of metric.h ----
+// ---- the pipeline of detail/metric.h ----
 
 static Vector savitzky_golay(int h, int order, int derivative, double dt)
 {

@@ -26,8 +26,10 @@ typedef struct {
     auvid_real_t late[AUVID_METRIC_DELAYS - 1][AUVID_DOF_COUNT + AUVID_MAX_COMMANDS];
 } auvid_row_t;
 
+/** Configuration of the metric; copied at init. Written by the user; the defaults are those of
+ * auvid_identifier_defaults. A parameter whose bit in `free` is set is estimated. */
 typedef struct {
-    const auvid_vehicle_t *vehicle; /**< required; must outlive the metric */
+    const auvid_vehicle_t *vehicle; /**< required; the identifier sets it */
     auvid_row_t *rows;    /**< residual path: storage for (sets + 1) set_rows rows, owned by the
                             caller, must outlive the metric; NULL otherwise */
     uint32_t velocity_us; /**< time between velocity samples [us], interpolated in between; 0: a
@@ -35,9 +37,9 @@ typedef struct {
                                identifier also AUVID_VELOCITY_OBSERVED (default): the median of the
                                first seven intervals; a rate that changes later is not noticed.
                                In the residual path only thrusters.h reads it */
-    auvid_real_t fixed[AUVID_MAX_PARAMETERS]; /**< values of the others, and of free ones while
-                                their DoF is not excited; 0 of a free one: not known, see
-                                auvid_metric_searched. Default 0 */
+    auvid_real_t fixed[AUVID_MAX_PARAMETERS]; /**< values of the parameters that are not free, and
+                                of free ones while their DoF is not excited, in the model's order
+                                and units; 0 of a free one: not known. Default 0 */
     auvid_real_t tau_max[AUVID_DOF_COUNT];    /**< scale of the wrench [N, Nm], > 0; makes the cost
                                                    dimensionless. Default 100, 40. In the
                                                    identifier 0 (default): 100, 40 until
@@ -59,7 +61,7 @@ typedef struct {
                                      with its uncertainty.delay_s */
     uint32_t free;      /**< bit i: parameter i is estimated; others stay at `fixed`. 0: all free;
                         default the vehicle's own choice */
-    uint32_t cell_us;   /**< the recorder's cell [us]; default 100000 */
+    uint32_t cell_us;   /**< the recorder's cell [us]; default 100000. The identifier sets it */
     uint16_t row_cells; /**< cells between rows; >= 1, default 5 */
     uint16_t set_rows;  /**< rows in a set; >= 1, default 60 (30 s);
                               sets * set_rows <= 60000 */

@@ -32,7 +32,7 @@ enum { AUVID_PRIOR_BYTES = 236 };
 typedef struct {
     auvid_real_t pi[AUVID_MAX_PARAMETERS];    /**< means, in the parameters' units */
     auvid_real_t sigma[AUVID_MAX_PARAMETERS]; /**< standard errors, > 0 */
-    /** mean square of the effective noise divided by that of the residual (confidence.h), > 0 */
+    /** mean square of the effective noise divided by that of the residual (estimate.h), > 0 */
     auvid_real_t variance_inflation[AUVID_DOF_COUNT];
     uint32_t known; /**< bit i: parameter i has a prior; 0: none has */
 } auvid_prior_t;

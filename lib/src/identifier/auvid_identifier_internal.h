@@ -9,7 +9,7 @@
 #include "auvid/identifier.h"
 
 /** Set each scale of the wrench that the configuration leaves to auvid to what the thrusters give
- * (metric.h). Only before the first wrench is recorded. */
+ * (metric_config.h). Only before the first wrench is recorded. */
 void auvid_identifier_set_scale(auvid_identifier_t *id, const auvid_allocation_t *allocation);
 
 /** Units that the start of a search costs: it draws a population. */

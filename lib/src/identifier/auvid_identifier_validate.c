@@ -5,7 +5,7 @@
  *
  * An estimate becomes the accepted one when the next set confirms it. If it predicts that set worse
  * than the accepted estimate does, it is withdrawn. Chow's F of all DoF (auvid_metric_change) with
- * the effective noise (confidence.h) decides whether the vehicle has changed. So neither a strong
+ * the effective noise (estimate.h) decides whether the vehicle has changed. So neither a strong
  * disturbance nor a set with other motion raises an alarm.
  */
 #include "auvid_identifier_internal.h"

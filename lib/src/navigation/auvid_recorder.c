@@ -23,7 +23,7 @@ static const uint8_t first_channel[STREAMS + 1] = {0, 6, 7, 8, 9, AUVID_RECORDER
  * The rest of the ring is for the delay of the samples. */
 enum { MAX_LAG = AUVID_RECORDER_CELLS - 8 };
 
-/* Longest period of the velocity samples (metric.h). */
+/* Longest period of the velocity samples (metric_config.h). */
 enum { MAX_PERIOD_US = 1000000 };
 
 enum { PHI = 0, RATES = 3, VELOCITIES = 6, TAU = 9, COMMAND = 9 + AUVID_DOF_COUNT };

@@ -13,7 +13,7 @@
  *
  * Cost: at most 4 (n + 1) changes of the active set of n + 1 steps each, usually two. A step costs
  * at most a rotation of a row of n + 1 numbers. Memory: sizeof(auvid_bounded_ls_t), declared in
- * optimizer.h.
+ * detail/optimizer.h.
  */
 #ifndef AUVID_BOUNDED_LS_INTERNAL_H
 #define AUVID_BOUNDED_LS_INTERNAL_H

@@ -1,4 +1,4 @@
-"""The metric against the pipeline of metric.h in numpy, in double: scipy's Savitzky-Golay filters,
+"""The metric against the pipeline of detail/metric.h in numpy, in double: scipy's Savitzky-Golay filters,
 all rows kept, every least-squares problem by numpy.linalg.lstsq or scipy.optimize.
 
 The data are cells of a simulated Girona500 without delay, two sets of them; bands are weighted as
@@ -58,7 +58,7 @@ def windows(config, cells, taps):
 
 
 class Pipeline:
-    """metric.h's rows: for each of X Y Z N the two bands of [Y, tau], and their weights."""
+    """The rows of detail/metric.h: for each of X Y Z N the two bands of [Y, tau], and their weights."""
 
     def __init__(self, config, cells, literal):
         self.kernels, self.ratio, self.rows = [], [], []
