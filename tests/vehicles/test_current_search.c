@@ -1,6 +1,6 @@
 /* Tests that the search finds the optimum of a hull in a current: 15 parameters and the delay, not
- * linear. The oracle computes the same cost over the stored rows (metric_config.h) in double, from Eq.
- * 12-15 in moving water. It minimises it by Levenberg-Marquardt from many starts, at the delay
+ * linear. The oracle computes the same cost over the stored rows (metric_config.h) in double, from
+ * Eq. 12-15 in moving water. It minimises it by Levenberg-Marquardt from many starts, at the delay
  * found. */
 #include <math.h>
 #include <stdio.h>

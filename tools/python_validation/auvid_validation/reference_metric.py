@@ -1,5 +1,5 @@
-"""The metric against the pipeline of detail/metric.h in numpy, in double: scipy's Savitzky-Golay filters,
-all rows kept, every least-squares problem by numpy.linalg.lstsq or scipy.optimize.
+"""The metric against the pipeline of detail/metric.h in numpy, in double: scipy's Savitzky-Golay
+filters, all rows kept, every least-squares problem by numpy.linalg.lstsq or scipy.optimize.
 
 The data are cells of a simulated Girona500 without delay, two sets of them; bands are weighted as
 metric.h says (each by its own residual)."""
@@ -58,7 +58,7 @@ def windows(config, cells, taps):
 
 
 class Pipeline:
-    """The rows of detail/metric.h: for each of X Y Z N the two bands of [Y, tau], and their weights."""
+    """detail/metric.h's rows: for X Y Z N the two bands of [Y, tau], and their weights."""
 
     def __init__(self, config, cells, literal):
         self.kernels, self.ratio, self.rows = [], [], []
