@@ -30,6 +30,7 @@ void field_run_defaults(field_run_config_t *config)
     config->thrust_scale = config->dvl_scale = config->delay_s = -1.0;
     config->sets = 8;
     config->budget = AUVID_DEFAULT_BUDGET;
+    config->uncertain = true;
 }
 
 /* The thrusters as known to the operator. */
@@ -138,9 +139,17 @@ static bool excite(field_run_t *run, const field_run_config_t *config)
     auvid_actuation_config_t cfg;
     field_run_actuation(config, &cfg);
     allocate(config->field.vehicle, &thrusters);
-    return auvid_allocation_init(&run->allocation, &thrusters) >= 0 &&
-           auvid_identifier_attach_actuation(&run->id, &run->actuation, &cfg, &run->allocation) >=
-               0;
+    if (auvid_allocation_init(&run->allocation, &thrusters) < 0 ||
+        auvid_identifier_attach_actuation(&run->id, &run->actuation, &cfg, &run->allocation) < 0) {
+        return false;
+    }
+    if (config->uncertain) {
+        auvid_uncertain_config_t inputs;
+        auvid_uncertain_defaults(&inputs);
+        return auvid_identifier_attach_uncertain(&run->id, &run->uncertain, &inputs,
+                                                 &run->allocation) >= 0;
+    }
+    return true;
 }
 
 /* Records until all sets are complete, or until a passive run ends. */
@@ -157,9 +166,10 @@ static void record_motion(field_run_t *run, const field_run_config_t *config)
         auvid_output_t out;
         field_step(&run->field, excited ? thruster_N : NULL, &seen);
         if (seen.reported) {
-            auvid_real_t wrench[AUVID_DOF_COUNT];
+            auvid_real_t wrench[AUVID_DOF_COUNT], command[AUVID_MAX_COMMANDS] = {0};
             copy(wrench, seen.wrench, AUVID_DOF_COUNT);
-            (void)auvid_identifier_applied(id, seen.reported_us, wrench, NULL);
+            copy(command, seen.thruster_N, SIM_THRUSTERS);
+            (void)auvid_identifier_applied(id, seen.reported_us, wrench, command);
         }
         if (excited && k >= begin_at) {
             begin(id);
@@ -183,7 +193,7 @@ static void estimate_force(const auvid_identifier_t *id, int e, double velocity,
 {
     auvid_drag_t drag;
     to->half = HUGE_VAL;
-    to->estimated = to->estimated && auvid_estimate_drag(&id->estimate, id->metric.cfg.vehicle,
+    to->estimated = to->estimated && auvid_estimate_drag(auvid_identifier_estimate(id), id->metric.cfg.vehicle,
                                                          (auvid_dof_t)field_dof(e),
                                                          (auvid_real_t)velocity, &drag) == AUVID_OK;
     if (to->estimated) {
@@ -208,7 +218,8 @@ static void estimate_forces(const auvid_identifier_t *id, field_record_t *record
 static void gather(const field_run_t *run, const field_run_config_t *config, field_record_t *record)
 {
     const auvid_identifier_t *id = &run->id;
-    const auvid_estimate_t *estimate = &id->estimate;
+    const auvid_estimate_t *found = auvid_identifier_estimate(id);
+    const auvid_estimate_t *estimate = found != NULL ? found : &id->estimate;
     field_built_t built;
     memset(record, 0, sizeof *record);
     record->seed = config->field.seed;

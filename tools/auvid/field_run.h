@@ -11,6 +11,7 @@
 
 #include "auvid/averaged.h"
 #include "auvid/actuation.h"
+#include "auvid/uncertain.h"
 #include "field_projection.h"
 
 /** Length of a passive run [s]. */
@@ -24,6 +25,7 @@ typedef struct {
     field_config_t field;
     /** Uncertainties of the identifier (auvid_uncertainty_t). Negative: the library's default. */
     double thrust_scale, dvl_scale, delay_s;
+    bool uncertain; /**< with uncertain inputs (uncertain.h) */
     uint32_t sets;   /**< excited: number of sets of 30 s */
     uint32_t budget; /**< work units per tick */
 } field_run_config_t;
@@ -62,6 +64,7 @@ typedef struct {
     auvid_change_detector_t change;
     auvid_allocation_t allocation;
     auvid_actuation_t actuation;
+    auvid_uncertain_t uncertain;
     field_projection_t projection;
 } field_run_t;
 

@@ -259,6 +259,8 @@ typedef struct {
     const struct auvid_simulate_functions *simulate; /* for these two */
     auvid_change_detector_t *change;
     const struct auvid_change_functions *change_functions; /* for it */
+    struct auvid_uncertain *uncertain;
+    const struct auvid_uncertain_functions *uncertain_functions; /* for it */
     const auvid_listener_t *listener;                      /* as configured */
     void *listener_context;
 } auvid_identifier_attached_t;

@@ -154,7 +154,12 @@ auvid_status_t auvid_identifier_check_attach(const auvid_identifier_t *id, const
 
 const auvid_estimate_t *auvid_identifier_estimate(const auvid_identifier_t *id)
 {
-    return id != NULL && id->estimate.number > 0 ? &id->estimate : NULL;
+    const auvid_estimate_t *other = id != NULL && id->attached.uncertain_functions != NULL
+                                        ? id->attached.uncertain_functions->estimate(id)
+                                        : NULL;
+    return other != NULL                             ? other
+           : id != NULL && id->estimate.number > 0 ? &id->estimate
+                                                     : NULL;
 }
 
 auvid_real_t auvid_estimate_covariance(const auvid_estimate_t *estimate,

@@ -65,6 +65,25 @@ typedef struct auvid_change_functions {
     auvid_work_phase_row_t phases[AUVID_WORK_CHANGE_TEST - AUVID_WORK_PREPARE + 1];
 } auvid_change_functions_t;
 
+/** What the identifier calls of the uncertain inputs, if they are attached. */
+typedef struct auvid_uncertain_functions {
+    /** After an estimate without them. @return true: a solution with them has begun; `phase`
+     * continues it, and ends with auvid_identifier_announce */
+    bool (*begin)(auvid_identifier_t *id);
+    bool (*is_solving)(const auvid_identifier_t *id);
+    /** Returns the estimate with uncertain inputs; NULL: there is none. */
+    const auvid_estimate_t *(*estimate)(const auvid_identifier_t *id);
+    void (*restart)(auvid_identifier_t *id); /**< the vehicle has changed */
+    auvid_work_phase_row_t phase;
+} auvid_uncertain_functions_t;
+
+/** The estimate is complete: report it, and end the work on these sets. */
+void auvid_identifier_announce(auvid_identifier_t *id);
+
+/** Largest speed of a DoF in the ring's sets in which it was excited [m/s, rad/s].
+ * @param k 2 j: forward in DoF j; 2 j + 1: backward */
+auvid_real_t auvid_identifier_speed(const auvid_metric_t *m, int k);
+
 /** Test the last estimate with the oldest set not yet tested; if there is none, merge. */
 void auvid_identifier_begin_tests(auvid_identifier_t *id);
 

@@ -175,6 +175,9 @@ static void identifier_conclude_test(auvid_identifier_t *id)
         id->work.cold_start = true;
         id->work.searching = false;
         id->events |= AUVID_EVENT_CHANGED;
+        if (id->attached.uncertain_functions != NULL) {
+            id->attached.uncertain_functions->restart(id);
+        }
     }
 }
 

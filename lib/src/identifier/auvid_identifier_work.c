@@ -88,18 +88,15 @@ static void identifier_expand(auvid_identifier_t *id, const auvid_real_t *theta)
     id->work.delay_s = identifier_searches_delay(id) ? theta[n] : id->metric.cfg.delay_s[0];
 }
 
-/* Largest speeds in the sets of the estimate. */
-static void identifier_collect_speeds(const auvid_metric_t *m, auvid_estimate_t *e)
+auvid_real_t auvid_identifier_speed(const auvid_metric_t *m, int k)
 {
-    for (int k = 0; k < 2 * AUVID_DOF_COUNT; ++k) {
-        uint16_t max_speed = 0;
-        for (int age = 0; age < auvid_metric_sets(m); ++age) {
-            const auvid_set_t *set = auvid_metric_set(m, age);
-            uint16_t speed = (set->excited >> k / 2 & 1) != 0 ? set->fastest[k / 2][k % 2] : 0;
-            max_speed = speed > max_speed ? speed : max_speed;
-        }
-        e->speed[k / 2][k % 2] = AUVID_C(0.001) * (auvid_real_t)max_speed;
+    uint16_t max_speed = 0;
+    for (int age = 0; age < auvid_metric_sets(m); ++age) {
+        const auvid_set_t *set = auvid_metric_set(m, age);
+        uint16_t speed = (set->excited >> k / 2 & 1) != 0 ? set->fastest[k / 2][k % 2] : 0;
+        max_speed = speed > max_speed ? speed : max_speed;
     }
+    return AUVID_C(0.001) * (auvid_real_t)max_speed;
 }
 
 static void identifier_publish_estimate(auvid_identifier_t *id)
@@ -118,13 +115,23 @@ static void identifier_publish_estimate(auvid_identifier_t *id)
     }
     e->first_order_lag = id->metric.result.first_order_lag;
     auvid_metric_r2(&id->metric, e->r2_force);
-    identifier_collect_speeds(&id->metric, e);
+    for (int k = 0; k < 2 * AUVID_DOF_COUNT; ++k) {
+        e->speed[k / 2][k % 2] = auvid_identifier_speed(&id->metric, k);
+    }
     e->not_converged = id->work.not_converged;
     e->evaluations_crs = id->work.searched.crs;
     e->evaluations_line = id->work.searched.line_search;
     e->confidence = id->confidence.result;
     memcpy(e->covariance, id->confidence.covariance, sizeof e->covariance);
     e->accepted = false;
+    const auvid_uncertain_functions_t *uncertain = id->attached.uncertain_functions;
+    if (uncertain == NULL || !uncertain->begin(id)) {
+        auvid_identifier_announce(id);
+    }
+}
+
+void auvid_identifier_announce(auvid_identifier_t *id)
+{
     identifier_simulate(id);
     id->events |= AUVID_EVENT_ESTIMATE;
     identifier_rest(id);
@@ -282,6 +289,10 @@ static const auvid_work_phase_row_t identifier_phases[AUVID_WORK_PHASE_COUNT] = 
 static const auvid_work_phase_row_t *identifier_phase(const auvid_identifier_t *id)
 {
     uint32_t phase = id->work.phase, test = phase - AUVID_WORK_PREPARE;
+    const auvid_uncertain_functions_t *uncertain = id->attached.uncertain_functions;
+    if (uncertain != NULL && phase == AUVID_WORK_CONFIDENCE && uncertain->is_solving(id)) {
+        return &uncertain->phase;
+    }
     return test <= AUVID_WORK_CHANGE_TEST - AUVID_WORK_PREPARE &&
                    id->attached.change_functions != NULL
                ? &id->attached.change_functions->phases[test]

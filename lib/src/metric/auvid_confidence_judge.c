@@ -176,6 +176,35 @@ void auvid_confidence_scale(job_t *c, int i)
     }
 }
 
+void auvid_confidence_revise(job_t *c, const auvid_real_t *pi, const auvid_real_t *lower,
+                             const auvid_real_t *upper)
+{
+    memcpy(c->pi, pi, sizeof c->pi);
+    c->at_bound = 0;
+    c->result.identifiable = c->result.implausible = 0;
+    auvid_confidence_limits(c, lower, upper, false);
+}
+
+void auvid_confidence_revise_parameter(job_t *c, const auvid_metric_t *metric, int i,
+                                       auvid_real_t sigma, uint8_t partner)
+{
+    auvid_finding_t found = {.sigma = sigma, .partner = partner, .bound_partner = NOWHERE};
+    c->metric = metric;
+    c->delay_step[i] = AUVID_C(0.0);
+    if (sigma > AUVID_C(0.0)) {
+        confidence_consider(c, c->parameter_of[i]);
+        auvid_confidence_conclude(c, i, &found);
+    } else {
+        auvid_confidence_note_idle(c, c->parameter_of[i]);
+    }
+    for (int j = 0; j < AUVID_DOF_COUNT && i == c->n - 1; ++j) {
+        if (auvid_metric_is_excited(metric, j) && auvid_metric_equation(metric, j).count > 0) {
+            auvid_confidence_discredit(c, j);
+        }
+    }
+    c->metric = NULL;
+}
+
 void auvid_confidence_judge(job_t *c, int i)
 {
     auvid_real_t x[AUVID_MAX_PARAMETERS] = {AUVID_C(0.0)}, y[AUVID_MAX_PARAMETERS] = {AUVID_C(0.0)};

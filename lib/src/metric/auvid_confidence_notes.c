@@ -61,6 +61,13 @@ static void confidence_acceleration_row(const auvid_vehicle_t *vehicle, int j, a
     }
 }
 
+void auvid_confidence_acceleration(const auvid_vehicle_t *vehicle, int j,
+                                   auvid_real_t a[AUVID_MAX_PARAMETERS])
+{
+    auvid_regressor_t y;
+    confidence_acceleration_row(vehicle, j, &y, a);
+}
+
 /* nu_j = high (low weight (1 + rho) / (1 - rho) + high weight): the high band is noise, and the low
  * band contains that noise times (1 + rho) / (1 - rho). */
 void auvid_confidence_bias(auvid_confidence_job_t *c, int j)

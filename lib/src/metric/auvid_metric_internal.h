@@ -44,6 +44,25 @@ struct auvid_path {
     auvid_status_t (*linearise)(auvid_metric_t *m, uint32_t *budget);
 };
 
+/** Columns that are formed outside of the metric from the same cells as its rows, with the same
+ * smoother (regressor path). */
+typedef struct auvid_metric_extra {
+    /** A cell, before `accumulate`. @param first the first one after a gap */
+    void (*cell)(void *context, const auvid_metric_t *m, const auvid_sample_t *cell, bool first);
+    /** Adds the cell to the row under construction at `slot`. @param begins it is its first cell
+     * @param motion, thrust the weights of columns of motion and of thrust, for forces [0] and for
+     * moments [1] */
+    void (*accumulate)(void *context, uint32_t slot, bool begins, const auvid_real_t motion[2],
+                       const auvid_real_t thrust[2]);
+    /** Takes DoF j's row of the complete one at `slot`. @param row its regressor; NULL: it has no
+     * row
+     * @param lag distance in rows of the two rows of a sum or difference */
+    void (*take)(void *context, const auvid_metric_t *m, int j, uint32_t slot,
+                 const auvid_real_t *row, uint32_t lag);
+    /** The row is complete. */
+    void (*next)(void *context);
+} auvid_metric_extra_t;
+
 /** Larger entries of a row are treated as a fault. The squares of 60000 rows up to this limit are
  * finite in single precision. */
 #define METRIC_LARGEST_ENTRY AUVID_C(1e15)

@@ -171,6 +171,11 @@ static void metric_accumulate_rows(auvid_metric_t *m, uint32_t slot, uint32_t ag
     for (int j = 0; fixed != NULL && j < AUVID_DOF_COUNT; ++j) {
         m->rows.fixed_wrench[slot][j] += (j < AUVID_ROLL ? force : moment) * fixed[j];
     }
+    if (m->extra != NULL) {
+        const auvid_real_t motion_weight[2] = {force, moment};
+        const auvid_real_t thrust_weight[2] = {force + metric_spread_weight(m, age), moment};
+        m->extra->accumulate(m->extra_context, slot, age == 0, motion_weight, thrust_weight);
+    }
 }
 
 /* Rotate sums and differences of this row and an earlier one into DoF j's R factors. The factor 1/2
@@ -196,6 +201,15 @@ static void metric_rotate_row(auvid_metric_t *m, int j, const auvid_real_t *row)
         (uint8_t)(rows->successive[j] + (rows->successive[j] < AUVID_METRIC_LAGS));
 }
 
+/* Pass DoF j's row, or that it has none, to the columns from outside; j = -1: no DoF has one. */
+static void metric_take_extra(auvid_metric_t *m, int j, uint32_t slot, const auvid_real_t *row)
+{
+    int last = j < 0 ? AUVID_DOF_COUNT - 1 : j;
+    for (int k = j < 0 ? 0 : j; m->extra != NULL && k <= last; ++k) {
+        m->extra->take(m->extra_context, m, k, slot, row, m->cfg.lag[k >= AUVID_ROLL]);
+    }
+}
+
 /* Take a row into the R factors, except for the DoF whose equation reads what was not measured. A
  * row in which the regressor failed does not count: its wrench would seem explained. */
 static void metric_take_row(auvid_metric_t *m, uint64_t t_us, uint32_t slot)
@@ -209,6 +223,7 @@ static void metric_take_row(auvid_metric_t *m, uint64_t t_us, uint32_t slot)
             AUVID_OK ||
         auvid_all_within(fixed, AUVID_DOF_COUNT, METRIC_LARGEST_ENTRY) != AUVID_OK) {
         memset(rows->successive, 0, sizeof rows->successive);
+        metric_take_extra(m, -1, slot, NULL);
         return;
     }
     bool any = false;
@@ -224,6 +239,7 @@ static void metric_take_row(auvid_metric_t *m, uint64_t t_us, uint32_t slot)
         }
         if ((excluded >> j & 1) != 0) {
             rows->successive[j] = 0;
+            metric_take_extra(m, j, slot, NULL);
             motion += count;
             wrench += AUVID_METRIC_DELAYS;
             continue;
@@ -231,6 +247,7 @@ static void metric_take_row(auvid_metric_t *m, uint64_t t_us, uint32_t slot)
         any = true;
         auvid_metric_update_wrench_moments(&rows->set, j, *wrench);
         memcpy(row, motion, (size_t)count * sizeof *row);
+        metric_take_extra(m, j, slot, motion);
         motion += count;
         for (int d = 0; d < AUVID_METRIC_DELAYS; ++d) {
             row[count + d] = *wrench++ - fixed[j];
@@ -239,6 +256,9 @@ static void metric_take_row(auvid_metric_t *m, uint64_t t_us, uint32_t slot)
     }
     auvid_metric_count_row(&rows->set, any);
     ++rows->since_gap;
+    if (m->extra != NULL) {
+        m->extra->next(m->extra_context);
+    }
 }
 
 /* Add the equations of cell n of the record to all rows under construction. The newest, begun
@@ -255,6 +275,9 @@ static void metric_add_equations(auvid_metric_t *m, const auvid_sample_t *sample
     }
     metric_evaluate(m, sample, y);
     bool any = metric_row_channels(m, y, late, channel, fixed);
+    if (m->extra != NULL) {
+        m->extra->cell(m->extra_context, m, sample, n == 0);
+    }
     for (uint32_t age = n % step; age < m->layout.taps && age <= n; age += step) {
         metric_accumulate_rows(m, slot, age, channel, any ? fixed : NULL, sample->missing);
         slot = slot > 0 ? slot - 1u : m->layout.overlap - 1u;

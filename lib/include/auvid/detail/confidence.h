@@ -128,6 +128,21 @@ void auvid_confidence_limits(auvid_confidence_job_t *job, const auvid_real_t *lo
 auvid_status_t auvid_confidence_work(auvid_confidence_job_t *job, const auvid_metric_t *metric,
                                      uint32_t *budget);
 
+#define auvid_confidence_revise AUVID_SIZED(auvid_confidence_revise)
+/** After the computation: begin to assess other values of the same parameters, from another
+ * estimator. Call auvid_confidence_revise_parameter for each column then.
+ * @param pi [n]
+ * @param lower, upper [n] bounds of the search */
+void auvid_confidence_revise(auvid_confidence_job_t *job, const auvid_real_t *pi,
+                             const auvid_real_t *lower, const auvid_real_t *upper);
+
+#define auvid_confidence_revise_parameter AUVID_SIZED(auvid_confidence_revise_parameter)
+/** Assess the next parameter, parameter_of[i], i = 0 .. n - 1.
+ * @param sigma its standard error, given thrust and DVL scale; 0: not known
+ * @param partner the parameter with which it is strongly correlated; 255: none */
+void auvid_confidence_revise_parameter(auvid_confidence_job_t *job, const auvid_metric_t *metric,
+                                       int i, auvid_real_t sigma, uint8_t partner);
+
 #ifdef __cplusplus
 }
 #endif

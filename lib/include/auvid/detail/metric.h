@@ -209,6 +209,9 @@ typedef struct auvid_metric {
      * there are none. Returns AUVID_OK; AUVID_PENDING; AUVID_EMPTY (repeat the last pass) */
     auvid_status_t (*add_rows)(struct auvid_metric *m, uint32_t *budget);
     void *add_rows_context;
+    /* More columns of the regressor path's rows, outside of the metric (uncertain.h). NULL: none */
+    const struct auvid_metric_extra *extra;
+    void *extra_context;
     auvid_metric_layout_t layout;
     /* state: from here on, see checkpoint.h */
     auvid_metric_result_t result;

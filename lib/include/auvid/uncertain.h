@@ -1,0 +1,177 @@
+/**
+ * @file uncertain.h
+ * Uncertain inputs: what the user supplies to the identification without knowing it exactly.
+ *
+ * Thrusters whose curve comes from a data sheet, time stamps, a current, a drag that differs
+ * forward and backward: each of these errors is small, and each biases the estimate without leaving
+ * a trace in the scatter of the data. The module gives each a column in the equations and a prior,
+ * mean zero. The parameters and the uncertain inputs are then estimated together, per DoF j
+ *
+ *     z_j = R_j pi + C_j b + e_j,   b_k ~ N(0, sigma_k^2).
+ *
+ * z is the supplied thrust behind a nominal lag of the propellers' speed. The noise is in the
+ * acceleration, not in the thrust: in the column of the mass, u' becomes u' + e / m (prediction
+ * error, three Gauss-Newton steps). Otherwise columns that contain the thrust would shrink it. In
+ * the moments, which thrusters form as small differences, half of e is ascribed to the thrust.
+ * Columns of the hull are made orthogonal to its drag, so that X_u and X_uu remain the best drag of
+ * the model for the motion that was seen.
+ *
+ * The common scale of the thrust is not observable. It stays in auvid_uncertainty_t.
+ *
+ * The rows are taken while the excitation runs, in open loop. A motion that is the answer of a
+ * controller does not tell thrust from disturbance. Once some were taken, each search is followed
+ * by a solution with uncertain inputs, without a search: auvid_identifier_estimate then returns it.
+ * The estimate without uncertain inputs is identifier.estimate. After a change of the vehicle the
+ * rows begin anew. The rows hold about as much as the ring of sets.
+ *
+ *     static auvid_uncertain_t uncertain;
+ *     auvid_uncertain_defaults(&inputs);
+ *     auvid_identifier_attach_uncertain(&id, &uncertain, &inputs, &thrusters);
+ *
+ * The commands (auvid_input_t.command) must be the thrusters' forces in newtons, as reported.
+ *
+ * Regressor path only. Attach it once; a program without it does not contain it. It is not saved in
+ * a checkpoint. Cost: see README. Memory: sizeof(auvid_uncertain_t).
+ *
+ * Sources: Fuller 1987 (errors in variables); Ljung 1999, 7 (prediction error); Schmidt 1966
+ * (considered parameters). None of it is in the paper.
+ */
+#ifndef AUVID_UNCERTAIN_H
+#define AUVID_UNCERTAIN_H
+
+#include "auvid/allocation.h"
+#include "auvid/identifier.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/** Uncertain inputs that are one number of the vehicle. The gains of its thrusters follow. */
+typedef enum {
+    AUVID_UNCERTAIN_BACKWARD,  /**< backward thrust is weaker by this part */
+    AUVID_UNCERTAIN_DEAD_BAND, /**< thrust is smaller by this force [N] */
+    AUVID_UNCERTAIN_CURVE,     /**< thrust follows the power 1 + this of its nominal value */
+    AUVID_UNCERTAIN_INFLOW,    /**< thrust is lost with speed, by this part per m/s */
+    AUVID_UNCERTAIN_SAG,       /**< thrust is lost with time, by this part in 240 s */
+    AUVID_UNCERTAIN_LAG,       /**< the propellers' lag beyond the nominal one [s] */
+    AUVID_UNCERTAIN_CURRENT_X, /**< current to the north [m/s] */
+    AUVID_UNCERTAIN_CURRENT_Y, /**< current to the east [m/s] */
+    AUVID_UNCERTAIN_GAIN,      /**< gain of the first thruster */
+    AUVID_UNCERTAIN_SHARED = AUVID_UNCERTAIN_GAIN + AUVID_MAX_THRUSTERS
+} auvid_uncertain_input_t;
+
+/** Standard deviations of the priors; copied. 0: this input is exact and has no column. */
+typedef struct {
+    auvid_real_t backward;   /**< relative, 0..1; default 0.05 */
+    auvid_real_t dead_band;  /**< relative to the thruster's largest force, 0..1; default 0.012 */
+    auvid_real_t curve;      /**< of the exponent, 0..1; default 0.05 */
+    auvid_real_t inflow;     /**< per m/s, 0..10; default 0.18 */
+    auvid_real_t sag;        /**< in 240 s, relative, 0..1; default 0.05 */
+    auvid_real_t gain;       /**< of each thruster, relative, 0..1; default 0.05 */
+    auvid_real_t lag_s;      /**< about nominal_lag_s, 0..1; default 0.06 */
+    auvid_real_t delay_s;    /**< of the thrust against each DoF's motion, 0..1; default 0.04 */
+    auvid_real_t current;    /**< each component [m/s], 0..10; default 0.05 */
+    auvid_real_t asymmetry;  /**< of drag, relative, 0..1; default 0.12 */
+    auvid_real_t cross;      /**< sway by yaw rate, yaw by sway and lift, relative to drag, 0..1;
+                                  default 0.15 */
+    auvid_real_t force;      /**< constant, relative to tau_max, 0..1; default 0.03 */
+    auvid_real_t gravity_m;  /**< horizontal distance of the centre of gravity, 0..1; default 0.01 */
+    auvid_real_t nominal_lag_s; /**< first-order lag of the propellers' speed, 0.01..1; default
+                                     0.15 */
+} auvid_uncertain_config_t;
+
+/** Columns of all equations together; numbers of their R factors; most in one equation. */
+#define AUVID_UNCERTAIN_COLUMNS (AUVID_MAX_COLUMNS + 2 * AUVID_MAX_THRUSTERS + 45)
+#define AUVID_UNCERTAIN_FACTOR (AUVID_UNCERTAIN_COLUMNS * AUVID_UNCERTAIN_COLUMNS / 7)
+#define AUVID_UNCERTAIN_ORDER (AUVID_UNCERTAIN_SHARED + AUVID_MAX_PARAMETERS + 8)
+/** Inputs that belong to one DoF, of all DoF together. */
+#define AUVID_UNCERTAIN_OWN 32
+/** Order of the joint R factor. */
+#define AUVID_UNCERTAIN_JOINT (AUVID_UNCERTAIN_SHARED + AUVID_MAX_PARAMETERS + 1)
+
+/** An equation: its columns are own inputs, shared inputs, parameters, thrust. Private. */
+typedef struct {
+    uint16_t factor_at, column_at; /* its R factors; its columns */
+    uint8_t own_at;                /* its own inputs */
+    uint8_t own, inputs;           /* number of own inputs; of own and shared ones */
+    uint8_t order;                 /* all columns; 0: not modelled */
+} auvid_uncertain_equation_t;
+
+/** Rows under construction, and those being rotated into the R factors. Private. */
+typedef struct {
+    auvid_real_t accumulator[AUVID_MAX_OVERLAP][AUVID_UNCERTAIN_COLUMNS];
+    auvid_real_t previous[AUVID_METRIC_LAGS][AUVID_UNCERTAIN_COLUMNS];
+    auvid_real_t band[AUVID_METRIC_BANDS][AUVID_UNCERTAIN_COLUMNS];
+    auvid_real_t channel[AUVID_UNCERTAIN_COLUMNS]; /* of the last cell */
+    auvid_real_t speed[AUVID_MAX_THRUSTERS];  /* sqrt of force, behind the nominal lag */
+    auvid_real_t lagged[AUVID_MAX_THRUSTERS]; /* behind it twice */
+    uint64_t begin_us;                        /* of the first row; 0: none */
+    uint32_t since_gap;
+    uint16_t pending; /* bit 2 j + band: to be rotated */
+    uint8_t successive[AUVID_DOF_COUNT];
+} auvid_uncertain_rows_t;
+
+/** One DoF's part of a pass. Private. */
+typedef struct {
+    auvid_real_t factor[AUVID_UNCERTAIN_ORDER * (AUVID_UNCERTAIN_ORDER + 1) / 2];
+    auvid_real_t value[AUVID_UNCERTAIN_ORDER];    /* of its columns, at the last pass */
+    auvid_real_t residual[AUVID_UNCERTAIN_ORDER]; /* their coefficients in the residual */
+    auvid_real_t slope[AUVID_UNCERTAIN_ORDER];    /* what the residual adds to each column */
+    auvid_real_t drag[2][AUVID_UNCERTAIN_ORDER];  /* part of each input that is linear, quadratic
+                                                     drag */
+    auvid_real_t own_side[8];                     /* see auvid_uncertain_solve.c */
+    auvid_real_t scale[AUVID_METRIC_BANDS];       /* of its rows: 1 / noise */
+    uint8_t drag_at[2];                           /* columns of drag; order: there is none */
+} auvid_uncertain_part_t;
+
+/** The solution under way. Private. */
+typedef struct {
+    auvid_real_t joint[AUVID_UNCERTAIN_JOINT * (AUVID_UNCERTAIN_JOINT + 1) / 2];
+    auvid_real_t own_rows[AUVID_UNCERTAIN_OWN][AUVID_UNCERTAIN_ORDER];
+    auvid_real_t side[AUVID_DOF_COUNT][AUVID_UNCERTAIN_JOINT]; /* see auvid_uncertain_solve.c */
+    auvid_uncertain_part_t part;
+    uint16_t row, spent;
+    uint8_t phase, pass, dof;
+    bool solving;
+} auvid_uncertain_solution_t;
+
+/** Uncertain inputs. The caller owns it; only the functions write. */
+typedef struct auvid_uncertain {
+    auvid_uncertain_config_t cfg;
+    auvid_identifier_t *id;
+    const auvid_allocation_t *allocation;
+    auvid_uncertain_equation_t equation[AUVID_DOF_COUNT];
+    uint8_t code[AUVID_UNCERTAIN_COLUMNS]; /* what each column is */
+    auvid_real_t factor[AUVID_METRIC_BANDS][AUVID_UNCERTAIN_FACTOR];
+    auvid_real_t rows[AUVID_DOF_COUNT]; /* in the R factors */
+    auvid_uncertain_rows_t recorded;
+    auvid_uncertain_solution_t work;
+    auvid_real_t pi[AUVID_MAX_PARAMETERS];       /* last solution */
+    auvid_real_t shared[AUVID_UNCERTAIN_SHARED]; /**< estimates of auvid_uncertain_input_t */
+    auvid_real_t own[AUVID_UNCERTAIN_OWN];
+    auvid_estimate_t estimate; /* read auvid_identifier_estimate */
+} auvid_uncertain_t;
+
+#define auvid_uncertain_defaults AUVID_SIZED(auvid_uncertain_defaults)
+/** Fill *cfg with the defaults, for thrusters known from a data sheet. NULL is a no-op. */
+void auvid_uncertain_defaults(auvid_uncertain_config_t *cfg);
+
+#define auvid_identifier_attach_uncertain AUVID_SIZED(auvid_identifier_attach_uncertain)
+/** Attach the uncertain inputs, once, after auvid_identifier_init and before the first step or
+ * recorded wrench.
+ * @param storage written; must outlive the identifier
+ * @param cfg copied
+ * @param allocation the thrusters; must outlive the identifier
+ * @return AUVID_OK; AUVID_ERR_NULL; AUVID_ERR_STATE (not initialised); AUVID_ERR_ATTACHED (some are
+ * attached already); AUVID_ERR_STARTED (it has stepped, or recorded a wrench); AUVID_ERR_MODEL (not
+ * a model of the regressor path); AUVID_ERR_SIZE (more columns than there is room for; no thruster);
+ * AUVID_ERR_NOT_FINITE; AUVID_ERR_RANGE. After an error nothing has changed. */
+auvid_status_t auvid_identifier_attach_uncertain(auvid_identifier_t *id, auvid_uncertain_t *storage,
+                                                 const auvid_uncertain_config_t *cfg,
+                                                 const auvid_allocation_t *allocation);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

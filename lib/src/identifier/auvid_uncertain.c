@@ -1,0 +1,191 @@
+/*
+ * Uncertain inputs: configuration, and the estimate.
+ */
+#include "auvid/uncertain.h"
+
+#include <string.h>
+
+#include "auvid_identifier_internal.h"
+#include "auvid_uncertain_internal.h"
+#include "../base/auvid_refusal_internal.h"
+
+/* Correlation from which the other parameter is named, and no parameter. */
+#define CORRELATED AUVID_C(0.95)
+enum { NONE = 255 };
+
+void auvid_uncertain_defaults(auvid_uncertain_config_t *cfg)
+{
+    if (cfg != NULL) {
+        *cfg = (auvid_uncertain_config_t){.backward = AUVID_C(0.05),
+                                          .dead_band = AUVID_C(0.012),
+                                          .curve = AUVID_C(0.05),
+                                          .inflow = AUVID_C(0.18),
+                                          .sag = AUVID_C(0.05),
+                                          .gain = AUVID_C(0.05),
+                                          .lag_s = AUVID_C(0.06),
+                                          .delay_s = AUVID_C(0.04),
+                                          .current = AUVID_C(0.05),
+                                          .asymmetry = AUVID_C(0.12),
+                                          .cross = AUVID_C(0.15),
+                                          .force = AUVID_C(0.03),
+                                          .gravity_m = AUVID_C(0.01),
+                                          .nominal_lag_s = AUVID_C(0.15)};
+    }
+}
+
+#define UNCERTAIN_REAL(name, low, high)                                                            \
+    REALS_IN(auvid_uncertain_config_t, name, 1, AUVID_C(low), AUVID_C(high))
+static const auvid_field_t uncertain_fields[] = {
+    UNCERTAIN_REAL(backward, 0.0, 1.0),  UNCERTAIN_REAL(dead_band, 0.0, 1.0),
+    UNCERTAIN_REAL(curve, 0.0, 1.0),     UNCERTAIN_REAL(inflow, 0.0, 10.0),
+    UNCERTAIN_REAL(sag, 0.0, 1.0),       UNCERTAIN_REAL(gain, 0.0, 1.0),
+    UNCERTAIN_REAL(lag_s, 0.0, 1.0),     UNCERTAIN_REAL(delay_s, 0.0, 1.0),
+    UNCERTAIN_REAL(current, 0.0, 10.0),  UNCERTAIN_REAL(asymmetry, 0.0, 1.0),
+    UNCERTAIN_REAL(cross, 0.0, 1.0),     UNCERTAIN_REAL(force, 0.0, 1.0),
+    UNCERTAIN_REAL(gravity_m, 0.0, 1.0), UNCERTAIN_REAL(nominal_lag_s, 0.01, 1.0)};
+
+static auvid_uncertain_t *uncertain_of(const auvid_identifier_t *id)
+{
+    return id->attached.uncertain;
+}
+
+/* Have all excited DoF the rows for a solution? */
+static bool uncertain_is_ready(const auvid_identifier_t *id)
+{
+    bool ready = true;
+    for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
+        ready = ready && (!auvid_metric_is_excited(&id->metric, j) ||
+                          auvid_uncertain_has_rows(uncertain_of(id), j));
+    }
+    return ready;
+}
+
+static bool uncertain_begin(auvid_identifier_t *id)
+{
+    bool ready = uncertain_is_ready(id);
+    if (ready) {
+        auvid_uncertain_begin(uncertain_of(id));
+    } else {
+        uncertain_of(id)->estimate.number = 0;
+    }
+    return ready;
+}
+
+static bool uncertain_is_solving(const auvid_identifier_t *id)
+{
+    return uncertain_of(id)->work.solving;
+}
+
+static const auvid_estimate_t *uncertain_estimate(const auvid_identifier_t *id)
+{
+    const auvid_estimate_t *e = &uncertain_of(id)->estimate;
+    return e->number > 0 ? e : NULL;
+}
+
+static void uncertain_change(auvid_identifier_t *id)
+{
+    auvid_uncertain_restart(uncertain_of(id));
+}
+
+/* Entry (i, k) of the packed covariance of n parameters. */
+static auvid_real_t uncertain_entry(const auvid_real_t *covariance, int n, int i, int k)
+{
+    int row = i < k ? i : k, column = i < k ? k : i;
+    return covariance[auvid_qr_row(n, row) + column - row];
+}
+
+/* Returns the parameter with which parameter p is strongly correlated, or NONE. */
+static uint8_t uncertain_partner(const auvid_real_t *covariance, int n, int p)
+{
+    auvid_real_t largest = CORRELATED, variance = uncertain_entry(covariance, n, p, p);
+    uint8_t partner = NONE;
+    for (int k = 0; k < n; ++k) {
+        auvid_real_t both = auvid_sqrt(variance) * auvid_sqrt(uncertain_entry(covariance, n, k, k));
+        auvid_real_t size = auvid_abs(uncertain_entry(covariance, n, p, k));
+        if (k != p && both > AUVID_C(0.0) && size > largest * both) {
+            largest = size / both;
+            partner = (uint8_t)k;
+        }
+    }
+    return partner;
+}
+
+/* Assess the solution, and write the estimate. */
+static void uncertain_publish(auvid_identifier_t *id)
+{
+    auvid_uncertain_t *u = uncertain_of(id);
+    auvid_confidence_job_t *job = &id->confidence;
+    const auvid_real_t *covariance = u->work.part.factor;
+    int n = id->metric.cfg.vehicle->parameters;
+    auvid_estimate_t *e = &u->estimate;
+    *e = id->estimate;
+    for (int i = 0; i < n; ++i) {
+        bool known = uncertain_entry(covariance, n, i, i) > AUVID_C(0.0);
+        e->pi[i] = known ? u->pi[i] : e->pi[i];
+    }
+    auvid_confidence_revise(job, e->pi, id->search.lower, id->search.upper);
+    for (int i = 0; i < job->n; ++i) {
+        int p = job->parameter_of[i];
+        auvid_confidence_revise_parameter(job, &id->metric, i,
+                                          auvid_sqrt(uncertain_entry(covariance, n, p, p)),
+                                          uncertain_partner(covariance, n, p));
+    }
+    e->confidence = job->result;
+    memset(e->covariance, 0, sizeof e->covariance);
+    for (int i = 0; i < AUVID_QR_FACTOR(n); ++i) {
+        e->covariance[i] = covariance[i];
+    }
+}
+
+static auvid_status_t uncertain_solve(auvid_identifier_t *id, uint32_t *budget)
+{
+    return auvid_uncertain_solve(uncertain_of(id), &id->metric, budget);
+}
+
+static void uncertain_end(auvid_identifier_t *id)
+{
+    uncertain_of(id)->work.solving = false;
+    uncertain_publish(id);
+    auvid_identifier_announce(id);
+}
+
+static const auvid_uncertain_functions_t uncertain_functions = {
+    uncertain_begin,  uncertain_is_solving, uncertain_estimate,
+    uncertain_change, {NULL, uncertain_solve, uncertain_end, NULL}};
+
+auvid_status_t auvid_identifier_attach_uncertain(auvid_identifier_t *id, auvid_uncertain_t *storage,
+                                                 const auvid_uncertain_config_t *cfg,
+                                                 const auvid_allocation_t *allocation)
+{
+    auvid_refusal_t why;
+    if (id == NULL || storage == NULL || cfg == NULL || allocation == NULL) {
+        return AUVID_ERR_NULL;
+    }
+    auvid_status_t status = auvid_identifier_check_attach(id, id->attached.uncertain);
+    if (status < 0) {
+        return status;
+    }
+    auvid_check_begin(&why);
+    AUVID_CHECK_TABLE(&why, cfg, uncertain_fields);
+    if (why.status < 0) {
+        return why.status;
+    }
+    if (auvid_metric_stores_rows(&id->metric)) {
+        return AUVID_ERR_MODEL;
+    }
+    if (AUVID_MAX_COMMANDS < AUVID_MAX_THRUSTERS || allocation->cfg.thrusters == 0) {
+        return AUVID_ERR_SIZE;
+    }
+    memset(storage, 0, sizeof *storage);
+    storage->cfg = *cfg;
+    storage->id = id;
+    storage->allocation = allocation;
+    status = auvid_uncertain_lay_out(storage, &id->metric);
+    if (status == AUVID_OK) {
+        id->attached.uncertain = storage;
+        id->attached.uncertain_functions = &uncertain_functions;
+        id->metric.extra = &auvid_uncertain_extra;
+        id->metric.extra_context = storage;
+    }
+    return status;
+}

@@ -1,0 +1,429 @@
+/*
+ * Uncertain inputs: their columns and priors.
+ *
+ * With f the force of a thruster as supplied, the speed of its propeller follows sqrt|f| with the
+ * nominal lag T. n is that speed and f_n = n |n|; the columns are summed over the thrusters, each
+ * with its entry of the allocation:
+ *
+ *     backward    min(f_n, 0)                    inflow   |f_n| (t . nu), t its column of T
+ *     dead band   f_n / sqrt(f_n^2 + d^2)        sag      f_n t / 240 s
+ *     curve       f_n ln|f_n / f_max|            gain     f_n
+ *     lag         d f_n / dT = -2 |n| (n - n_T) / T, n_T = n behind the lag once more
+ *     delay       -d f_n / dt
+ *
+ * Current c in the world, c_b in the body: nu -> nu - c_b, nu' -> nu' + omega x c_b. Its column is
+ * the difference of the predicted wrench, at the last estimate.
+ */
+#include <string.h>
+
+#include "auvid_uncertain_internal.h"
+#include "auvid_identifier_internal.h"
+#include "../base/auvid_checksum_internal.h"
+
+/* Width of the dead band's step, and smallest argument of the curve, relative to the force's limit.
+ */
+#define DEAD_BAND_WIDTH AUVID_C(0.03)
+#define SMALLEST_CURVE AUVID_C(1e-4)
+/* Time in which thrust sags by cfg.sag. */
+#define SAG_S AUVID_C(240.0)
+/* Step of the current for the difference [m/s]. */
+#define CURRENT_STEP AUVID_C(0.05)
+#define GRAVITY AUVID_C(9.81)
+
+/* ---- which columns there are ---- */
+
+static bool uncertain_acts(const auvid_uncertain_t *u, int i, int j)
+{
+    return auvid_abs(u->allocation->cfg.thruster[i].wrench[j]) > AUVID_C(0.0);
+}
+
+static bool uncertain_is_actuated(const auvid_uncertain_t *u, int j)
+{
+    bool any = false;
+    for (int i = 0; i < u->allocation->cfg.thrusters; ++i) {
+        any = any || uncertain_acts(u, i, j);
+    }
+    return any;
+}
+
+int auvid_uncertain_parameter(const auvid_metric_t *m, auvid_parameter_kind_t kind, int j)
+{
+    auvid_equation_t e = auvid_metric_equation(m, j);
+    for (int k = 0; k < e.count; ++k) {
+        const auvid_parameter_t *p = &m->cfg.vehicle->parameter[e.index[k]];
+        if (p->kind == kind && (int)p->dof == j) {
+            return e.index[k];
+        }
+    }
+    return -1;
+}
+
+/* Does the prior of an input leave it free? */
+static bool uncertain_is_free(const auvid_uncertain_config_t *cfg, int code)
+{
+    const auvid_real_t sigma[] = {
+        [AUVID_UNCERTAIN_BACKWARD] = cfg->backward, [AUVID_UNCERTAIN_DEAD_BAND] = cfg->dead_band,
+        [AUVID_UNCERTAIN_CURVE] = cfg->curve,       [AUVID_UNCERTAIN_INFLOW] = cfg->inflow,
+        [AUVID_UNCERTAIN_SAG] = cfg->sag,           [AUVID_UNCERTAIN_LAG] = cfg->lag_s,
+        [AUVID_UNCERTAIN_CURRENT_X] = cfg->current, [AUVID_UNCERTAIN_CURRENT_Y] = cfg->current,
+        [INPUT_DELAY] = cfg->delay_s,               [INPUT_ASYMMETRY] = cfg->asymmetry,
+        [INPUT_FORCE] = cfg->force,                 [INPUT_CROSS] = cfg->cross,
+        [INPUT_LIFT] = cfg->cross,                  [INPUT_ROLL] = cfg->gravity_m,
+        [INPUT_PITCH] = cfg->gravity_m};
+    bool gain = code >= AUVID_UNCERTAIN_GAIN && code < OWN_INPUTS;
+    return (gain ? cfg->gain : sigma[code]) > AUVID_C(0.0);
+}
+
+/* Is this input in DoF j's equation? */
+static bool uncertain_is_in(const auvid_uncertain_t *u, const auvid_metric_t *m, int code, int j)
+{
+    bool planar = j == AUVID_SURGE || j == AUVID_SWAY || j == AUVID_YAW;
+    if (code >= AUVID_UNCERTAIN_GAIN && code < OWN_INPUTS) {
+        int i = code - AUVID_UNCERTAIN_GAIN;
+        return i < u->allocation->cfg.thrusters && uncertain_acts(u, i, j);
+    }
+    if (auvid_uncertain_of_thrust(code)) {
+        return uncertain_is_actuated(u, j);
+    }
+    switch (code) {
+    case INPUT_ASYMMETRY:
+        return auvid_uncertain_parameter(m, AUVID_PARAMETER_QUADRATIC_DRAG, j) >= 0;
+    case INPUT_FORCE:
+        return auvid_uncertain_parameter(m, AUVID_PARAMETER_FORCE, j) < 0;
+    case INPUT_CROSS:
+        return j == AUVID_SWAY || j == AUVID_YAW;
+    case INPUT_LIFT:
+        return planar ? j != AUVID_SURGE : j == AUVID_HEAVE;
+    case INPUT_ROLL:
+    case INPUT_PITCH:
+        return j == AUVID_YAW;
+    default: /* current */
+        return planar;
+    }
+}
+
+auvid_status_t auvid_uncertain_lay_out(auvid_uncertain_t *u, const auvid_metric_t *m)
+{
+    uint32_t factor = 0, column = 0, own = 0;
+    for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
+        auvid_uncertain_equation_t *e = &u->equation[j];
+        int count = auvid_metric_equation(m, j).count;
+        if (auvid_metric_order(m, j) == 0) {
+            continue;
+        }
+        *e = (auvid_uncertain_equation_t){.factor_at = (uint16_t)factor,
+                                          .column_at = (uint16_t)column,
+                                          .own_at = (uint8_t)own};
+        for (int n = 0; n < INPUTS; ++n) { /* own inputs first */
+            int code = n < INPUTS - OWN_INPUTS ? OWN_INPUTS + n : n - (INPUTS - OWN_INPUTS);
+            if (!uncertain_is_in(u, m, code, j) || !uncertain_is_free(&u->cfg, code)) {
+                continue;
+            }
+            if (column + e->inputs >= AUVID_UNCERTAIN_COLUMNS) {
+                return AUVID_ERR_SIZE;
+            }
+            u->code[column + e->inputs++] = (uint8_t)code;
+            e->own = (uint8_t)(e->own + (code >= OWN_INPUTS));
+        }
+        e->order = (uint8_t)(e->inputs + count + 1);
+        factor += (uint32_t)AUVID_QR_FACTOR(e->order);
+        column += e->order;
+        own += e->own;
+        if (e->order > AUVID_UNCERTAIN_ORDER || column > AUVID_UNCERTAIN_COLUMNS ||
+            factor > AUVID_UNCERTAIN_FACTOR || own > AUVID_UNCERTAIN_OWN) {
+            return AUVID_ERR_SIZE;
+        }
+    }
+    return AUVID_OK;
+}
+
+/* ---- columns ---- */
+
+/* ln x for x > 0, error below 1e-6: x = m 2^e, ln m = 2 atanh((m - 1) / (m + 1)). */
+static auvid_real_t uncertain_ln(auvid_real_t x)
+{
+    int e = (int)(auvid_single_bits(x * AUVID_C(1.4142135)) >> 23) - 127;
+    auvid_real_t m = x * auvid_from_single_bits((uint32_t)(127 - e) << 23);
+    auvid_real_t s = (m - AUVID_C(1.0)) / (m + AUVID_C(1.0)), q = s * s;
+    auvid_real_t series = AUVID_C(1.0) + q * (AUVID_C(0.33333333) +
+                                              q * (AUVID_C(0.2) + q * AUVID_C(0.14285714)));
+    return AUVID_C(2.0) * s * series + (auvid_real_t)e * AUVID_C(0.69314718);
+}
+
+/* A thruster over a cell: force, and its derivatives. */
+typedef struct {
+    auvid_real_t force, lag, delay;
+} uncertain_thrust_t;
+
+static auvid_real_t uncertain_lag_slope(auvid_real_t n, auvid_real_t lagged, auvid_real_t lag_s)
+{
+    return AUVID_C(-2.0) * auvid_abs(n) * (n - lagged) / lag_s;
+}
+
+/* Mean over a cell, by Simpson's rule. */
+static auvid_real_t uncertain_mean(auvid_real_t begin, auvid_real_t middle, auvid_real_t end)
+{
+    return (begin + AUVID_C(4.0) * middle + end) / AUVID_C(6.0);
+}
+
+/* Advance a propeller by a cell with constant command; keep = exp(-cell / (2 lag)). */
+static uncertain_thrust_t uncertain_advance(auvid_uncertain_t *u, int i, auvid_real_t command,
+                                            bool first, auvid_real_t keep, auvid_real_t cell_s)
+{
+    auvid_real_t *speed = &u->recorded.speed[i], *lagged = &u->recorded.lagged[i];
+    auvid_real_t lag_s = u->cfg.nominal_lag_s, to = auvid_sqrt(auvid_abs(command));
+    to = command < AUVID_C(0.0) ? -to : to;
+    if (first) {
+        *speed = *lagged = to;
+    }
+    auvid_real_t a = *speed, b = to + keep * (a - to), c = to + keep * (b - to);
+    auvid_real_t half = AUVID_C(0.5) * (AUVID_C(1.0) - keep);
+    auvid_real_t la = *lagged, lb = la * keep + half * (a + b), lc = lb * keep + half * (b + c);
+    auvid_real_t fa = a * auvid_abs(a), fc = c * auvid_abs(c);
+    *speed = c;
+    *lagged = lc;
+    return (uncertain_thrust_t){
+        .force = uncertain_mean(fa, b * auvid_abs(b), fc),
+        .lag = uncertain_mean(uncertain_lag_slope(a, la, lag_s), uncertain_lag_slope(b, lb, lag_s),
+                              uncertain_lag_slope(c, lc, lag_s)),
+        .delay = (fa - fc) / cell_s};
+}
+
+/* exp(-x), 0 <= x <= 50, error below 1e-5. */
+static auvid_real_t uncertain_decay(auvid_real_t x)
+{
+    auvid_real_t y = AUVID_C(1.0) - x / AUVID_C(1024.0) * (AUVID_C(1.0) - x / AUVID_C(2048.0));
+    for (int i = 0; i < 10; ++i) {
+        y *= y;
+    }
+    return y;
+}
+
+/* Add a thruster to the thrust columns of all equations: value[code] times its entry. */
+static void uncertain_add_thruster(const auvid_uncertain_t *u, int i, const auvid_real_t *value,
+                                   auvid_real_t force, auvid_real_t *channel)
+{
+    for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
+        const auvid_uncertain_equation_t *e = &u->equation[j];
+        auvid_real_t entry = u->allocation->cfg.thruster[i].wrench[j];
+        auvid_real_t *to = channel + e->column_at;
+        if (e->order == 0 || !(auvid_abs(entry) > AUVID_C(0.0))) {
+            continue;
+        }
+        for (int k = 0; k < e->inputs; ++k) {
+            int code = u->code[e->column_at + k];
+            if (code == AUVID_UNCERTAIN_GAIN + i) {
+                to[k] = entry * force;
+            } else if (code <= AUVID_UNCERTAIN_LAG || code == INPUT_DELAY) {
+                to[k] += entry * value[code <= AUVID_UNCERTAIN_LAG ? code
+                                                                    : AUVID_UNCERTAIN_LAG + 1];
+            }
+        }
+        to[e->order - 1] += entry * force;
+    }
+}
+
+static void uncertain_thrust_columns(auvid_uncertain_t *u, const auvid_metric_t *m,
+                                     const auvid_sample_t *cell, bool first, auvid_real_t *channel)
+{
+    auvid_real_t cell_s = (auvid_real_t)m->cfg.cell_us * AUVID_C(1e-6);
+    auvid_real_t keep = uncertain_decay(AUVID_C(0.5) * cell_s / u->cfg.nominal_lag_s);
+    auvid_real_t elapsed = auvid_seconds(u->recorded.begin_us, cell->t_us) / SAG_S;
+    for (int i = 0; i < u->allocation->cfg.thrusters; ++i) {
+        const auvid_thruster_t *t = &u->allocation->cfg.thruster[i];
+        auvid_real_t max_N = auvid_max(t->max_N, -t->min_N), inflow = AUVID_C(0.0);
+        uncertain_thrust_t f =
+            uncertain_advance(u, i, cell->command[i], first, keep, cell_s);
+        auvid_real_t size = auvid_abs(f.force), width = DEAD_BAND_WIDTH * max_N;
+        for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
+            inflow += t->wrench[j] * cell->nu[j];
+        }
+        if (!(max_N > AUVID_C(0.0))) {
+            continue;
+        }
+        const auvid_real_t value[] = {
+            [AUVID_UNCERTAIN_BACKWARD] = auvid_min(f.force, AUVID_C(0.0)),
+            [AUVID_UNCERTAIN_DEAD_BAND] = f.force / auvid_sqrt(size * size + width * width),
+            [AUVID_UNCERTAIN_CURVE] =
+                f.force * uncertain_ln(auvid_max(size / max_N, SMALLEST_CURVE)),
+            [AUVID_UNCERTAIN_INFLOW] = size * inflow,
+            [AUVID_UNCERTAIN_SAG] = f.force * elapsed,
+            [AUVID_UNCERTAIN_LAG] = f.lag,
+            [AUVID_UNCERTAIN_LAG + 1] = f.delay};
+        uncertain_add_thruster(u, i, value, f.force, channel);
+    }
+}
+
+/* Add sign * Y(sample) pi to the current's column of all equations. */
+static void uncertain_add_prediction(const auvid_uncertain_t *u, const auvid_metric_t *m,
+                                     const auvid_sample_t *sample, int code, auvid_real_t scale,
+                                     auvid_real_t *channel)
+{
+    const auvid_vehicle_t *vehicle = m->cfg.vehicle;
+    auvid_regressor_t y;
+    auvid_clear(y.row[0], sizeof y / sizeof y.row[0][0]);
+    vehicle->regressor(vehicle->context, sample, NULL, &y);
+    for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
+        const auvid_uncertain_equation_t *e = &u->equation[j];
+        for (int k = 0; k < e->inputs; ++k) {
+            for (int i = 0; u->code[e->column_at + k] == code && i < vehicle->parameters; ++i) {
+                channel[e->column_at + k] += scale * y.row[j][i] * u->pi[i];
+            }
+        }
+    }
+}
+
+static void uncertain_current_columns(const auvid_uncertain_t *u, const auvid_metric_t *m,
+                                      const auvid_sample_t *cell, auvid_real_t *channel)
+{
+    auvid_real_t r[3][3];
+    const auvid_real_t *omega = cell->nu + AUVID_ROLL;
+    auvid_rotation(cell->phi, cell->theta, cell->psi, r);
+    for (int axis = 0; axis < 2; ++axis) {
+        auvid_sample_t moved = *cell;
+        const auvid_real_t *c = r[axis]; /* the world's axis in the body */
+        for (int i = 0; i < 3; ++i) {
+            int p = (i + 1) % 3, q = (i + 2) % 3;
+            moved.nu[i] -= CURRENT_STEP * c[i];
+            moved.nu_dot[i] += CURRENT_STEP * (omega[p] * c[q] - omega[q] * c[p]);
+        }
+        int code = AUVID_UNCERTAIN_CURRENT_X + axis;
+        uncertain_add_prediction(u, m, cell, code, AUVID_C(-1.0) / CURRENT_STEP, channel);
+        uncertain_add_prediction(u, m, &moved, code, AUVID_C(1.0) / CURRENT_STEP, channel);
+    }
+}
+
+/* Returns a column of DoF j that is formed from the motion. */
+static auvid_real_t uncertain_motion(const auvid_sample_t *cell, const auvid_real_t angle[2],
+                                     int code, int j)
+{
+    const auvid_real_t *nu = cell->nu;
+    switch (code) {
+    case INPUT_ASYMMETRY:
+        return nu[j] * nu[j];
+    case INPUT_FORCE:
+        return AUVID_C(1.0);
+    case INPUT_CROSS:
+        return j == AUVID_SWAY ? nu[AUVID_YAW] : nu[AUVID_SWAY];
+    case INPUT_LIFT:
+        return j == AUVID_SWAY  ? auvid_abs(nu[AUVID_SURGE]) * nu[AUVID_SWAY]
+               : j == AUVID_YAW ? nu[AUVID_SURGE] * nu[AUVID_SWAY]
+                                : nu[AUVID_SURGE] * nu[AUVID_SURGE];
+    case INPUT_ROLL:
+        return angle[0];
+    default: /* INPUT_PITCH */
+        return angle[1];
+    }
+}
+
+void auvid_uncertain_channels(auvid_uncertain_t *u, const auvid_metric_t *m,
+                              const auvid_sample_t *cell, bool first, auvid_real_t *channel)
+{
+    auvid_real_t sin_phi, cos_phi, sin_theta, cos_theta;
+    auvid_sincos(cell->phi, &sin_phi, &cos_phi);
+    auvid_sincos(cell->theta, &sin_theta, &cos_theta);
+    const auvid_real_t angle[2] = {cos_theta * sin_phi, sin_theta};
+    auvid_clear(channel, AUVID_UNCERTAIN_COLUMNS);
+    for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
+        const auvid_uncertain_equation_t *e = &u->equation[j];
+        for (int k = 0; k < e->inputs; ++k) {
+            int code = u->code[e->column_at + k];
+            if (code > INPUT_DELAY) {
+                channel[e->column_at + k] = uncertain_motion(cell, angle, code, j);
+            }
+        }
+    }
+    uncertain_thrust_columns(u, m, cell, first, channel);
+    if (u->cfg.current > AUVID_C(0.0)) {
+        uncertain_current_columns(u, m, cell, channel);
+    }
+}
+
+/* ---- priors ---- */
+
+/* Size of the last estimate of this kind in DoF j; drag that drives counts as none. */
+static auvid_real_t uncertain_size(const auvid_uncertain_t *u, const auvid_metric_t *m,
+                                   auvid_parameter_kind_t kind, int j)
+{
+    int p = auvid_uncertain_parameter(m, kind, j);
+    auvid_real_t value = p < 0 ? AUVID_C(0.0) : u->pi[p];
+    bool drag = kind == AUVID_PARAMETER_LINEAR_DRAG || kind == AUVID_PARAMETER_QUADRATIC_DRAG;
+    return auvid_max(drag ? -value : value, AUVID_C(0.0));
+}
+
+/* Half the length of the vehicle [m], roughly: twice the radius of gyration. */
+static auvid_real_t uncertain_half_length(const auvid_uncertain_t *u, const auvid_metric_t *m)
+{
+    auvid_real_t inertia = uncertain_size(u, m, AUVID_PARAMETER_INERTIA, AUVID_YAW);
+    auvid_real_t mass = uncertain_size(u, m, AUVID_PARAMETER_MASS, AUVID_SWAY);
+    return mass > AUVID_C(0.0) ? AUVID_C(2.0) * auvid_sqrt(inertia / mass) : AUVID_C(0.0);
+}
+
+/* sqrt(quadratic + linear at half the largest speed). */
+static auvid_real_t uncertain_drag_size(const auvid_uncertain_t *u, const auvid_metric_t *m, int j)
+{
+    auvid_real_t half = AUVID_C(0.5) * auvid_max(auvid_identifier_speed(m, 2 * j),
+                                                 auvid_identifier_speed(m, 2 * j + 1));
+    auvid_real_t linear = uncertain_size(u, m, AUVID_PARAMETER_LINEAR_DRAG, j);
+    return uncertain_size(u, m, AUVID_PARAMETER_QUADRATIC_DRAG, j) +
+           (half > AUVID_C(0.0) ? linear / half : AUVID_C(0.0));
+}
+
+static auvid_real_t uncertain_own_sigma(const auvid_uncertain_t *u, const auvid_metric_t *m,
+                                        int code, int j)
+{
+    const auvid_uncertain_config_t *cfg = &u->cfg;
+    auvid_real_t half_length = uncertain_half_length(u, m);
+    auvid_real_t surge = uncertain_size(u, m, AUVID_PARAMETER_QUADRATIC_DRAG, AUVID_SURGE);
+    auvid_real_t dry = u->id->dry_mass_kg;
+    switch (code) {
+    case INPUT_DELAY:
+        return cfg->delay_s;
+    case INPUT_ASYMMETRY:
+        return cfg->asymmetry * uncertain_drag_size(u, m, j);
+    case INPUT_FORCE:
+        return cfg->force * m->cfg.tau_max[j];
+    case INPUT_CROSS:
+        return cfg->cross * uncertain_size(u, m, AUVID_PARAMETER_LINEAR_DRAG, AUVID_SWAY) *
+               half_length;
+    case INPUT_LIFT:
+        return cfg->cross * surge *
+               (j == AUVID_SWAY  ? AUVID_C(1.0)
+                : j == AUVID_YAW ? AUVID_C(0.67) * half_length
+                                 : AUVID_C(0.5));
+    default: /* centre of gravity */
+        if (!(dry > AUVID_C(0.0))) {
+            dry = AUVID_C(0.6) * uncertain_size(u, m, AUVID_PARAMETER_MASS, AUVID_SURGE);
+        }
+        return cfg->gravity_m * GRAVITY * dry;
+    }
+}
+
+auvid_real_t auvid_uncertain_sigma(const auvid_uncertain_t *u, const auvid_metric_t *m, int code,
+                                   int j)
+{
+    const auvid_uncertain_config_t *cfg = &u->cfg;
+    auvid_real_t max_N = AUVID_C(0.0);
+    switch (code) {
+    case AUVID_UNCERTAIN_BACKWARD:
+        return cfg->backward;
+    case AUVID_UNCERTAIN_DEAD_BAND:
+        for (int i = 0; i < u->allocation->cfg.thrusters; ++i) {
+            max_N = auvid_max(max_N, u->allocation->cfg.thruster[i].max_N);
+        }
+        return cfg->dead_band * max_N;
+    case AUVID_UNCERTAIN_CURVE:
+        return cfg->curve;
+    case AUVID_UNCERTAIN_INFLOW:
+        return cfg->inflow;
+    case AUVID_UNCERTAIN_SAG:
+        return cfg->sag;
+    case AUVID_UNCERTAIN_LAG:
+        return cfg->lag_s;
+    case AUVID_UNCERTAIN_CURRENT_X:
+    case AUVID_UNCERTAIN_CURRENT_Y:
+        return cfg->current;
+    default:
+        return code < OWN_INPUTS ? cfg->gain : uncertain_own_sigma(u, m, code, j);
+    }
+}

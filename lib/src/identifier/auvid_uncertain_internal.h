@@ -1,0 +1,76 @@
+/**
+ * @file auvid_uncertain_internal.h
+ * Private: the parts of the uncertain inputs.
+ */
+#ifndef AUVID_UNCERTAIN_INTERNAL_H
+#define AUVID_UNCERTAIN_INTERNAL_H
+
+#include "auvid/uncertain.h"
+#include "../metric/auvid_metric_evaluator_internal.h"
+
+/** What a column is: below OWN_INPUTS one of auvid_uncertain_input_t. */
+enum {
+    OWN_INPUTS = AUVID_UNCERTAIN_SHARED,
+    INPUT_DELAY = OWN_INPUTS,
+    INPUT_ASYMMETRY,
+    INPUT_FORCE,
+    INPUT_CROSS,
+    INPUT_LIFT,
+    INPUT_ROLL,  /* centre of gravity aside */
+    INPUT_PITCH, /* centre of gravity ahead */
+    INPUTS
+};
+
+/** Is the column formed from the thrust? Else from the motion. */
+static inline bool auvid_uncertain_of_thrust(int code)
+{
+    return code <= AUVID_UNCERTAIN_LAG ||
+           (code >= AUVID_UNCERTAIN_GAIN && code <= INPUT_DELAY);
+}
+
+/** Is it a force of the hull, made orthogonal to its drag? */
+static inline bool auvid_uncertain_of_hull(int code)
+{
+    return code >= INPUT_ASYMMETRY && code <= INPUT_LIFT;
+}
+
+/** Lay out the columns of all equations. @return AUVID_OK; AUVID_ERR_SIZE */
+auvid_status_t auvid_uncertain_lay_out(auvid_uncertain_t *u, const auvid_metric_t *m);
+
+/** Compute the channels of a cell: the inputs of each equation, and last its thrust. */
+void auvid_uncertain_channels(auvid_uncertain_t *u, const auvid_metric_t *m,
+                              const auvid_sample_t *cell, bool first, auvid_real_t *channel);
+
+/** Returns the standard deviation of the prior of a column of DoF j. */
+auvid_real_t auvid_uncertain_sigma(const auvid_uncertain_t *u, const auvid_metric_t *m, int code,
+                                   int j);
+
+/** Returns the parameter of this kind in DoF j's equation, -1: there is none. */
+int auvid_uncertain_parameter(const auvid_metric_t *m, auvid_parameter_kind_t kind, int j);
+
+/** Rotate rows that wait. @param most number of rows */
+void auvid_uncertain_rotate_pending(auvid_uncertain_t *u, int most);
+
+/** Forget the rows. */
+void auvid_uncertain_restart(auvid_uncertain_t *u);
+
+/** Begin the solution, from the last one or from the estimate without uncertain inputs. */
+void auvid_uncertain_begin(auvid_uncertain_t *u);
+
+/** Continue it. @return AUVID_OK: .pi, .shared and .own are written, and the covariance of the
+ * parameters, packed, is in .work.part.factor; AUVID_PENDING */
+auvid_status_t auvid_uncertain_solve(auvid_uncertain_t *u, const auvid_metric_t *m,
+                                     uint32_t *budget);
+
+/** Does the solution read DoF j's factors in several steps? Then they must not change. */
+bool auvid_uncertain_reads(const auvid_uncertain_t *u, int j);
+
+/** Has DoF j enough rows for a solution? */
+static inline bool auvid_uncertain_has_rows(const auvid_uncertain_t *u, int j)
+{
+    return u->rows[j] >= AUVID_C(40.0);
+}
+
+extern const struct auvid_metric_extra auvid_uncertain_extra;
+
+#endif

@@ -1,0 +1,121 @@
+/*
+ * Uncertain inputs: rows, from cells to two R factors for each DoF.
+ *
+ * The columns pass the metric's smoother. Sums and differences of successive rows are the low and
+ * the high band, as in auvid_metric_regressor.c. A row is rotated in while the next one is formed,
+ * a few DoF with each cell: the work of a tick stays small.
+ */
+#include <string.h>
+
+#include "auvid/actuation.h"
+#include "auvid_uncertain_internal.h"
+
+/* Rows rotated with each cell. Two bands of six DoF are done within five cells. */
+enum { ROTATED_PER_CELL = 3 };
+
+/* Are rows taken? Only while the vehicle moves by the excitation. */
+static bool uncertain_is_open_loop(const auvid_uncertain_t *u)
+{
+    const auvid_actuation_t *actuation = u->id->actuation;
+    return actuation != NULL && actuation->guard.state == AUVID_GUARD_EXCITING;
+}
+
+void auvid_uncertain_restart(auvid_uncertain_t *u)
+{
+    memset(u->factor, 0, sizeof u->factor);
+    memset(u->rows, 0, sizeof u->rows);
+    u->recorded.begin_us = 0;
+    u->recorded.pending = 0;
+    u->estimate.number = 0;
+}
+
+void auvid_uncertain_rotate_pending(auvid_uncertain_t *u, int most)
+{
+    for (int k = 0; k < 2 * AUVID_DOF_COUNT && most > 0; ++k) {
+        if ((u->recorded.pending >> k & 1) != 0 && !auvid_uncertain_reads(u, k / 2)) {
+            const auvid_uncertain_equation_t *e = &u->equation[k / 2];
+            auvid_qr_update(u->factor[k % 2] + e->factor_at, e->order, 0,
+                            u->recorded.band[k % 2] + e->column_at);
+            u->recorded.pending = (uint16_t)(u->recorded.pending & ~(1u << k));
+            --most;
+        }
+    }
+}
+
+static void uncertain_cell(void *context, const auvid_metric_t *m, const auvid_sample_t *cell,
+                           bool first)
+{
+    auvid_uncertain_t *u = context;
+    auvid_uncertain_rotate_pending(u, ROTATED_PER_CELL);
+    if (first) {
+        memset(u->recorded.successive, 0, sizeof u->recorded.successive);
+    }
+    if (u->recorded.begin_us == 0) {
+        u->recorded.begin_us = cell->t_us;
+    }
+    auvid_uncertain_channels(u, m, cell, first, u->recorded.channel);
+}
+
+static void uncertain_accumulate(void *context, uint32_t slot, bool begins,
+                                 const auvid_real_t motion[2], const auvid_real_t thrust[2])
+{
+    auvid_uncertain_t *u = context;
+    auvid_real_t *row = u->recorded.accumulator[slot];
+    if (begins) {
+        auvid_clear(row, AUVID_UNCERTAIN_COLUMNS);
+    }
+    for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
+        const auvid_uncertain_equation_t *e = &u->equation[j];
+        int at = e->column_at, last = at + e->order - 1;
+        auvid_real_t by_motion = motion[j >= AUVID_ROLL], by_thrust = thrust[j >= AUVID_ROLL];
+        for (int k = at; k < at + e->inputs; ++k) {
+            row[k] += (auvid_uncertain_of_thrust(u->code[k]) ? by_thrust : by_motion) *
+                      u->recorded.channel[k];
+        }
+        if (e->order > 0) {
+            row[last] += by_thrust * u->recorded.channel[last];
+        }
+    }
+}
+
+static void uncertain_take(void *context, const auvid_metric_t *m, int j, uint32_t slot,
+                           const auvid_real_t *regressor, uint32_t lag)
+{
+    auvid_uncertain_t *u = context;
+    auvid_uncertain_rows_t *r = &u->recorded;
+    const auvid_uncertain_equation_t *e = &u->equation[j];
+    int at = e->column_at;
+    auvid_real_t *row = r->accumulator[slot] + at;
+    if (regressor == NULL || e->order == 0) {
+        r->successive[j] = 0;
+        return;
+    }
+    memcpy(row + e->inputs, regressor, (size_t)(e->order - 1 - e->inputs) * sizeof *row);
+    if (auvid_all_within(row, e->order, METRIC_LARGEST_ENTRY) != AUVID_OK) {
+        r->successive[j] = 0;
+        return;
+    }
+    (void)m;
+    auvid_real_t *last = r->previous[r->since_gap % AUVID_METRIC_LAGS] + at;
+    const auvid_real_t *other =
+        r->previous[(r->since_gap + AUVID_METRIC_LAGS - lag) % AUVID_METRIC_LAGS] + at;
+    bool busy = (r->pending >> 2 * j & 3) != 0; /* the solution has not yet read the last one */
+    if (r->successive[j] >= lag && !busy && uncertain_is_open_loop(u)) {
+        for (int k = 0; k < e->order; ++k) {
+            r->band[0][at + k] = AUVID_C(0.5) * (row[k] + other[k]);
+            r->band[1][at + k] = AUVID_C(0.5) * (row[k] - other[k]);
+        }
+        r->pending = (uint16_t)(r->pending | 3u << 2 * j);
+        u->rows[j] += AUVID_C(1.0);
+    }
+    memcpy(last, row, e->order * sizeof *row);
+    r->successive[j] = (uint8_t)(r->successive[j] + (r->successive[j] < AUVID_METRIC_LAGS));
+}
+
+static void uncertain_next(void *context)
+{
+    ++((auvid_uncertain_t *)context)->recorded.since_gap;
+}
+
+const struct auvid_metric_extra auvid_uncertain_extra = {uncertain_cell, uncertain_accumulate,
+                                                         uncertain_take, uncertain_next};
