@@ -44,12 +44,12 @@ ROOMS["node"] = " ".join(ROOMS)
 # Headers of lib/include/auvid, and of detail/ in it; auvid.h is above all.
 PUBLIC = {
     "base": "config types smoother",
-    "models": "vehicle fossen current averaged thrusters",
+    "models": "vehicle fossen current thrusters",
     "navigation": "nav recorder",
     "metric": "metric_config metric confidence estimate validation",
     "search": "optimizer",
     "excitation": "excitation allocation guard",
-    "identifier": "identifier actuation adaptive checkpoint prior",
+    "identifier": "identifier actuation adaptive checkpoint prior uncertain",
     "can": "can can_messages",
     "node": "node",
 }

@@ -17,7 +17,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "auvid/averaged.h"
+#include "auvid/vehicle.h"
 #include "auvid/fossen.h"
 #include "chain.h"
 #include "finish.h"

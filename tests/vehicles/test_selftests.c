@@ -4,7 +4,7 @@
 #include <string.h>
 
 #include "auvid/allocation.h"
-#include "auvid/averaged.h"
+#include "auvid/vehicle.h"
 #include "auvid/current.h"
 #include "auvid/fossen.h"
 #include "auvid/identifier.h"

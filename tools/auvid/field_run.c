@@ -193,9 +193,10 @@ static void estimate_force(const auvid_identifier_t *id, int e, double velocity,
 {
     auvid_drag_t drag;
     to->half = HUGE_VAL;
-    to->estimated = to->estimated && auvid_estimate_drag(auvid_identifier_estimate(id), id->metric.cfg.vehicle,
-                                                         (auvid_dof_t)field_dof(e),
-                                                         (auvid_real_t)velocity, &drag) == AUVID_OK;
+    to->estimated =
+        to->estimated &&
+        auvid_estimate_drag(auvid_identifier_estimate(id), id->metric.cfg.vehicle,
+                            (auvid_dof_t)field_dof(e), (auvid_real_t)velocity, &drag) == AUVID_OK;
     if (to->estimated) {
         to->value = (double)drag.force;
         to->half = drag.half_width < AUVID_LARGEST ? (double)drag.half_width : HUGE_VAL;

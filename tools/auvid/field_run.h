@@ -9,7 +9,7 @@
 #ifndef PROGRAM_FIELD_RUN_H
 #define PROGRAM_FIELD_RUN_H
 
-#include "auvid/averaged.h"
+#include "auvid/vehicle.h"
 #include "auvid/actuation.h"
 #include "auvid/uncertain.h"
 #include "field_projection.h"

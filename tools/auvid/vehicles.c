@@ -2,7 +2,7 @@
 
 #include <string.h>
 
-#include "auvid/averaged.h"
+#include "auvid/vehicle.h"
 #include "auvid/fossen.h"
 
 #if AUVID_MAX_PARAMETERS >= 22 && AUVID_MAX_THRUSTERS >= 8

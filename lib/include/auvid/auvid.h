@@ -13,7 +13,6 @@
 #include "auvid/types.h"
 
 /* vehicle models, and models that wrap another one */
-#include "auvid/averaged.h"
 #include "auvid/current.h"
 #include "auvid/fossen.h"
 #include "auvid/thrusters.h"
@@ -24,6 +23,7 @@
 #include "auvid/identifier.h"
 #include "auvid/metric_config.h"
 #include "auvid/nav.h"
+#include "auvid/uncertain.h"
 
 /* excitation */
 #include "auvid/actuation.h"

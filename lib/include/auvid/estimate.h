@@ -209,7 +209,7 @@ auvid_real_t auvid_estimate_covariance(const auvid_estimate_t *estimate,
  * Linear and quadratic drag are correlated: F may be known although neither of them is. Drag by
  * velocities of other DoF is not included. If the model has a current, the speed is that through
  * the water, but the largest speed in the data is the recorded one.
- * @param vehicle the estimate's model; averaged.h, current.h and thrusters.h keep the hull's drag
+ * @param vehicle the estimate's model; vehicle.h, current.h and thrusters.h keep the hull's drag
  * @param speed [m/s, rad/s], < 0: backward; up to +-AUVID_RECORDER_LARGEST. Reliable from 0.3 to 1
  * of estimate->speed
  * @param drag written if AUVID_OK. A fixed parameter is exact; an unknown standard error makes

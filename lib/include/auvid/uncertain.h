@@ -22,7 +22,7 @@
  * controller does not tell thrust from disturbance. Once some were taken, each search is followed
  * by a solution with uncertain inputs, without a search: auvid_identifier_estimate then returns it.
  * The estimate without uncertain inputs is identifier.estimate. After a change of the vehicle the
- * rows begin anew. The rows hold about as much as the ring of sets.
+ * rows begin again. The rows hold about as much as the ring of sets.
  *
  *     static auvid_uncertain_t uncertain;
  *     auvid_uncertain_defaults(&inputs);
@@ -62,20 +62,20 @@ typedef enum {
 
 /** Standard deviations of the priors; copied. 0: this input is exact and has no column. */
 typedef struct {
-    auvid_real_t backward;   /**< relative, 0..1; default 0.05 */
-    auvid_real_t dead_band;  /**< relative to the thruster's largest force, 0..1; default 0.012 */
-    auvid_real_t curve;      /**< of the exponent, 0..1; default 0.05 */
-    auvid_real_t inflow;     /**< per m/s, 0..10; default 0.18 */
-    auvid_real_t sag;        /**< in 240 s, relative, 0..1; default 0.05 */
-    auvid_real_t gain;       /**< of each thruster, relative, 0..1; default 0.05 */
-    auvid_real_t lag_s;      /**< about nominal_lag_s, 0..1; default 0.06 */
-    auvid_real_t delay_s;    /**< of the thrust against each DoF's motion, 0..1; default 0.04 */
-    auvid_real_t current;    /**< each component [m/s], 0..10; default 0.05 */
-    auvid_real_t asymmetry;  /**< of drag, relative, 0..1; default 0.12 */
-    auvid_real_t cross;      /**< sway by yaw rate, yaw by sway and lift, relative to drag, 0..1;
+    auvid_real_t backward;  /**< relative, 0..1; default 0.05 */
+    auvid_real_t dead_band; /**< relative to the thruster's largest force, 0..1; default 0.012 */
+    auvid_real_t curve;     /**< of the exponent, 0..1; default 0.05 */
+    auvid_real_t inflow;    /**< per m/s, 0..10; default 0.18 */
+    auvid_real_t sag;       /**< in 240 s, relative, 0..1; default 0.05 */
+    auvid_real_t gain;      /**< of each thruster, relative, 0..1; default 0.05 */
+    auvid_real_t lag_s;     /**< about nominal_lag_s, 0..1; default 0.06 */
+    auvid_real_t delay_s;   /**< of the thrust against each DoF's motion, 0..1; default 0.04 */
+    auvid_real_t current;   /**< each component [m/s], 0..10; default 0.05 */
+    auvid_real_t asymmetry; /**< of drag, relative, 0..1; default 0.12 */
+    auvid_real_t cross;     /**< sway by yaw rate, yaw by sway and lift, relative to drag, 0..1;
                                   default 0.15 */
-    auvid_real_t force;      /**< constant, relative to tau_max, 0..1; default 0.03 */
-    auvid_real_t gravity_m;  /**< horizontal distance of the centre of gravity, 0..1; default 0.01 */
+    auvid_real_t force;     /**< constant, relative to tau_max, 0..1; default 0.03 */
+    auvid_real_t gravity_m; /**< centre of gravity ahead and aside, 0..1; default 0.01 */
     auvid_real_t nominal_lag_s; /**< first-order lag of the propellers' speed, 0.01..1; default
                                      0.15 */
 } auvid_uncertain_config_t;
@@ -103,9 +103,9 @@ typedef struct {
     auvid_real_t previous[AUVID_METRIC_LAGS][AUVID_UNCERTAIN_COLUMNS];
     auvid_real_t band[AUVID_METRIC_BANDS][AUVID_UNCERTAIN_COLUMNS];
     auvid_real_t channel[AUVID_UNCERTAIN_COLUMNS]; /* of the last cell */
-    auvid_real_t speed[AUVID_MAX_THRUSTERS];  /* sqrt of force, behind the nominal lag */
-    auvid_real_t lagged[AUVID_MAX_THRUSTERS]; /* behind it twice */
-    uint64_t begin_us;                        /* of the first row; 0: none */
+    auvid_real_t speed[AUVID_MAX_THRUSTERS];       /* sqrt of force, behind the nominal lag */
+    auvid_real_t lagged[AUVID_MAX_THRUSTERS];      /* behind it twice */
+    uint64_t begin_us;                             /* of the first row; 0: none */
     uint32_t since_gap;
     uint16_t pending; /* bit 2 j + band: to be rotated */
     uint8_t successive[AUVID_DOF_COUNT];
@@ -164,7 +164,8 @@ void auvid_uncertain_defaults(auvid_uncertain_config_t *cfg);
  * @param allocation the thrusters; must outlive the identifier
  * @return AUVID_OK; AUVID_ERR_NULL; AUVID_ERR_STATE (not initialised); AUVID_ERR_ATTACHED (some are
  * attached already); AUVID_ERR_STARTED (it has stepped, or recorded a wrench); AUVID_ERR_MODEL (not
- * a model of the regressor path); AUVID_ERR_SIZE (more columns than there is room for; no thruster);
+ * a model of the regressor path); AUVID_ERR_SIZE (more columns than there is room for; no
+ * thruster; AUVID_MAX_COMMANDS < AUVID_MAX_THRUSTERS);
  * AUVID_ERR_NOT_FINITE; AUVID_ERR_RANGE. After an error nothing has changed. */
 auvid_status_t auvid_identifier_attach_uncertain(auvid_identifier_t *id, auvid_uncertain_t *storage,
                                                  const auvid_uncertain_config_t *cfg,

@@ -157,9 +157,7 @@ const auvid_estimate_t *auvid_identifier_estimate(const auvid_identifier_t *id)
     const auvid_estimate_t *other = id != NULL && id->attached.uncertain_functions != NULL
                                         ? id->attached.uncertain_functions->estimate(id)
                                         : NULL;
-    return other != NULL                             ? other
-           : id != NULL && id->estimate.number > 0 ? &id->estimate
-                                                     : NULL;
+    return other != NULL ? other : id != NULL && id->estimate.number > 0 ? &id->estimate : NULL;
 }
 
 auvid_real_t auvid_estimate_covariance(const auvid_estimate_t *estimate,

@@ -6,7 +6,7 @@
 #include <string.h>
 
 #include "auvid_identifier_internal.h"
-#include "auvid_uncertain_internal.h"
+#include "auvid_uncertain_parts_internal.h"
 #include "../base/auvid_refusal_internal.h"
 
 /* Correlation from which the other parameter is named, and no parameter. */
@@ -33,16 +33,24 @@ void auvid_uncertain_defaults(auvid_uncertain_config_t *cfg)
     }
 }
 
-#define UNCERTAIN_REAL(name, low, high)                                                            \
-    REALS_IN(auvid_uncertain_config_t, name, 1, AUVID_C(low), AUVID_C(high))
+#define UNCERTAIN_UP_TO(name, high) REALS_IN(auvid_uncertain_config_t, name, 1, AUVID_C(0.0), high)
+#define ONE AUVID_C(1.0)
+#define TEN AUVID_C(10.0)
 static const auvid_field_t uncertain_fields[] = {
-    UNCERTAIN_REAL(backward, 0.0, 1.0),  UNCERTAIN_REAL(dead_band, 0.0, 1.0),
-    UNCERTAIN_REAL(curve, 0.0, 1.0),     UNCERTAIN_REAL(inflow, 0.0, 10.0),
-    UNCERTAIN_REAL(sag, 0.0, 1.0),       UNCERTAIN_REAL(gain, 0.0, 1.0),
-    UNCERTAIN_REAL(lag_s, 0.0, 1.0),     UNCERTAIN_REAL(delay_s, 0.0, 1.0),
-    UNCERTAIN_REAL(current, 0.0, 10.0),  UNCERTAIN_REAL(asymmetry, 0.0, 1.0),
-    UNCERTAIN_REAL(cross, 0.0, 1.0),     UNCERTAIN_REAL(force, 0.0, 1.0),
-    UNCERTAIN_REAL(gravity_m, 0.0, 1.0), UNCERTAIN_REAL(nominal_lag_s, 0.01, 1.0)};
+    UNCERTAIN_UP_TO(backward, ONE),
+    UNCERTAIN_UP_TO(dead_band, ONE),
+    UNCERTAIN_UP_TO(curve, ONE),
+    UNCERTAIN_UP_TO(inflow, TEN),
+    UNCERTAIN_UP_TO(sag, ONE),
+    UNCERTAIN_UP_TO(gain, ONE),
+    UNCERTAIN_UP_TO(lag_s, ONE),
+    UNCERTAIN_UP_TO(delay_s, ONE),
+    UNCERTAIN_UP_TO(current, TEN),
+    UNCERTAIN_UP_TO(asymmetry, ONE),
+    UNCERTAIN_UP_TO(cross, ONE),
+    UNCERTAIN_UP_TO(force, ONE),
+    UNCERTAIN_UP_TO(gravity_m, ONE),
+    REALS_IN(auvid_uncertain_config_t, nominal_lag_s, 1, AUVID_C(0.01), ONE)};
 
 static auvid_uncertain_t *uncertain_of(const auvid_identifier_t *id)
 {
@@ -123,7 +131,8 @@ static void uncertain_publish(auvid_identifier_t *id)
         bool known = uncertain_entry(covariance, n, i, i) > AUVID_C(0.0);
         e->pi[i] = known ? u->pi[i] : e->pi[i];
     }
-    auvid_confidence_revise(job, e->pi, id->search.lower, id->search.upper);
+    auvid_confidence_revise(job, e->pi);
+    auvid_confidence_limits(job, id->search.lower, id->search.upper, false);
     for (int i = 0; i < job->n; ++i) {
         int p = job->parameter_of[i];
         auvid_confidence_revise_parameter(job, &id->metric, i,
@@ -149,9 +158,12 @@ static void uncertain_end(auvid_identifier_t *id)
     auvid_identifier_announce(id);
 }
 
-static const auvid_uncertain_functions_t uncertain_functions = {
-    uncertain_begin,  uncertain_is_solving, uncertain_estimate,
-    uncertain_change, {NULL, uncertain_solve, uncertain_end, NULL}};
+static const auvid_uncertain_functions_t uncertain_table = {
+    uncertain_begin,
+    uncertain_is_solving,
+    uncertain_estimate,
+    uncertain_change,
+    {NULL, uncertain_solve, uncertain_end, NULL}};
 
 auvid_status_t auvid_identifier_attach_uncertain(auvid_identifier_t *id, auvid_uncertain_t *storage,
                                                  const auvid_uncertain_config_t *cfg,
@@ -183,7 +195,7 @@ auvid_status_t auvid_identifier_attach_uncertain(auvid_identifier_t *id, auvid_u
     status = auvid_uncertain_lay_out(storage, &id->metric);
     if (status == AUVID_OK) {
         id->attached.uncertain = storage;
-        id->attached.uncertain_functions = &uncertain_functions;
+        id->attached.uncertain_functions = &uncertain_table;
         id->metric.extra = &auvid_uncertain_extra;
         id->metric.extra_context = storage;
     }

@@ -16,7 +16,7 @@
  */
 #include <string.h>
 
-#include "auvid_uncertain_internal.h"
+#include "auvid_uncertain_parts_internal.h"
 #include "auvid_identifier_internal.h"
 #include "../base/auvid_checksum_internal.h"
 
@@ -61,15 +61,21 @@ int auvid_uncertain_parameter(const auvid_metric_t *m, auvid_parameter_kind_t ki
 /* Does the prior of an input leave it free? */
 static bool uncertain_is_free(const auvid_uncertain_config_t *cfg, int code)
 {
-    const auvid_real_t sigma[] = {
-        [AUVID_UNCERTAIN_BACKWARD] = cfg->backward, [AUVID_UNCERTAIN_DEAD_BAND] = cfg->dead_band,
-        [AUVID_UNCERTAIN_CURVE] = cfg->curve,       [AUVID_UNCERTAIN_INFLOW] = cfg->inflow,
-        [AUVID_UNCERTAIN_SAG] = cfg->sag,           [AUVID_UNCERTAIN_LAG] = cfg->lag_s,
-        [AUVID_UNCERTAIN_CURRENT_X] = cfg->current, [AUVID_UNCERTAIN_CURRENT_Y] = cfg->current,
-        [INPUT_DELAY] = cfg->delay_s,               [INPUT_ASYMMETRY] = cfg->asymmetry,
-        [INPUT_FORCE] = cfg->force,                 [INPUT_CROSS] = cfg->cross,
-        [INPUT_LIFT] = cfg->cross,                  [INPUT_ROLL] = cfg->gravity_m,
-        [INPUT_PITCH] = cfg->gravity_m};
+    const auvid_real_t sigma[] = {[AUVID_UNCERTAIN_BACKWARD] = cfg->backward,
+                                  [AUVID_UNCERTAIN_DEAD_BAND] = cfg->dead_band,
+                                  [AUVID_UNCERTAIN_CURVE] = cfg->curve,
+                                  [AUVID_UNCERTAIN_INFLOW] = cfg->inflow,
+                                  [AUVID_UNCERTAIN_SAG] = cfg->sag,
+                                  [AUVID_UNCERTAIN_LAG] = cfg->lag_s,
+                                  [AUVID_UNCERTAIN_CURRENT_X] = cfg->current,
+                                  [AUVID_UNCERTAIN_CURRENT_Y] = cfg->current,
+                                  [INPUT_DELAY] = cfg->delay_s,
+                                  [INPUT_ASYMMETRY] = cfg->asymmetry,
+                                  [INPUT_FORCE] = cfg->force,
+                                  [INPUT_CROSS] = cfg->cross,
+                                  [INPUT_LIFT] = cfg->cross,
+                                  [INPUT_ROLL] = cfg->gravity_m,
+                                  [INPUT_PITCH] = cfg->gravity_m};
     bool gain = code >= AUVID_UNCERTAIN_GAIN && code < OWN_INPUTS;
     return (gain ? cfg->gain : sigma[code]) > AUVID_C(0.0);
 }
@@ -111,9 +117,8 @@ auvid_status_t auvid_uncertain_lay_out(auvid_uncertain_t *u, const auvid_metric_
         if (auvid_metric_order(m, j) == 0) {
             continue;
         }
-        *e = (auvid_uncertain_equation_t){.factor_at = (uint16_t)factor,
-                                          .column_at = (uint16_t)column,
-                                          .own_at = (uint8_t)own};
+        *e = (auvid_uncertain_equation_t){
+            .factor_at = (uint16_t)factor, .column_at = (uint16_t)column, .own_at = (uint8_t)own};
         for (int n = 0; n < INPUTS; ++n) { /* own inputs first */
             int code = n < INPUTS - OWN_INPUTS ? OWN_INPUTS + n : n - (INPUTS - OWN_INPUTS);
             if (!uncertain_is_in(u, m, code, j) || !uncertain_is_free(&u->cfg, code)) {
@@ -145,8 +150,8 @@ static auvid_real_t uncertain_ln(auvid_real_t x)
     int e = (int)(auvid_single_bits(x * AUVID_C(1.4142135)) >> 23) - 127;
     auvid_real_t m = x * auvid_from_single_bits((uint32_t)(127 - e) << 23);
     auvid_real_t s = (m - AUVID_C(1.0)) / (m + AUVID_C(1.0)), q = s * s;
-    auvid_real_t series = AUVID_C(1.0) + q * (AUVID_C(0.33333333) +
-                                              q * (AUVID_C(0.2) + q * AUVID_C(0.14285714)));
+    auvid_real_t series =
+        AUVID_C(1.0) + q * (AUVID_C(0.33333333) + q * (AUVID_C(0.2) + q * AUVID_C(0.14285714)));
     return AUVID_C(2.0) * s * series + (auvid_real_t)e * AUVID_C(0.69314718);
 }
 
@@ -182,11 +187,11 @@ static uncertain_thrust_t uncertain_advance(auvid_uncertain_t *u, int i, auvid_r
     auvid_real_t fa = a * auvid_abs(a), fc = c * auvid_abs(c);
     *speed = c;
     *lagged = lc;
-    return (uncertain_thrust_t){
-        .force = uncertain_mean(fa, b * auvid_abs(b), fc),
-        .lag = uncertain_mean(uncertain_lag_slope(a, la, lag_s), uncertain_lag_slope(b, lb, lag_s),
-                              uncertain_lag_slope(c, lc, lag_s)),
-        .delay = (fa - fc) / cell_s};
+    return (uncertain_thrust_t){.force = uncertain_mean(fa, b * auvid_abs(b), fc),
+                                .lag = uncertain_mean(uncertain_lag_slope(a, la, lag_s),
+                                                      uncertain_lag_slope(b, lb, lag_s),
+                                                      uncertain_lag_slope(c, lc, lag_s)),
+                                .delay = (fa - fc) / cell_s};
 }
 
 /* exp(-x), 0 <= x <= 50, error below 1e-5. */
@@ -215,8 +220,8 @@ static void uncertain_add_thruster(const auvid_uncertain_t *u, int i, const auvi
             if (code == AUVID_UNCERTAIN_GAIN + i) {
                 to[k] = entry * force;
             } else if (code <= AUVID_UNCERTAIN_LAG || code == INPUT_DELAY) {
-                to[k] += entry * value[code <= AUVID_UNCERTAIN_LAG ? code
-                                                                    : AUVID_UNCERTAIN_LAG + 1];
+                to[k] +=
+                    entry * value[code <= AUVID_UNCERTAIN_LAG ? code : AUVID_UNCERTAIN_LAG + 1];
             }
         }
         to[e->order - 1] += entry * force;
@@ -232,8 +237,7 @@ static void uncertain_thrust_columns(auvid_uncertain_t *u, const auvid_metric_t 
     for (int i = 0; i < u->allocation->cfg.thrusters; ++i) {
         const auvid_thruster_t *t = &u->allocation->cfg.thruster[i];
         auvid_real_t max_N = auvid_max(t->max_N, -t->min_N), inflow = AUVID_C(0.0);
-        uncertain_thrust_t f =
-            uncertain_advance(u, i, cell->command[i], first, keep, cell_s);
+        uncertain_thrust_t f = uncertain_advance(u, i, cell->command[i], first, keep, cell_s);
         auvid_real_t size = auvid_abs(f.force), width = DEAD_BAND_WIDTH * max_N;
         for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
             inflow += t->wrench[j] * cell->nu[j];

@@ -8,7 +8,7 @@
 #include <string.h>
 
 #include "auvid/actuation.h"
-#include "auvid_uncertain_internal.h"
+#include "auvid_uncertain_parts_internal.h"
 
 /* Rows rotated with each cell. Two bands of six DoF are done within five cells. */
 enum { ROTATED_PER_CELL = 3 };

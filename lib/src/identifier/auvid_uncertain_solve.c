@@ -22,7 +22,7 @@
  */
 #include <string.h>
 
-#include "auvid_uncertain_internal.h"
+#include "auvid_uncertain_parts_internal.h"
 
 #define SMOOTHED AUVID_C(2.6) /* see auvid_confidence.c */
 #define WIDENED AUVID_C(1.43)
@@ -94,10 +94,10 @@ static void uncertain_prepare_values(uncertain_t *u, const auvid_metric_t *m, in
     const uint8_t *index = auvid_metric_equation(m, j).index;
     p->drag_at[0] = p->drag_at[1] = e->order;
     for (int k = 0; k < e->order; ++k) {
-        p->value[k] = k < e->own              ? u->own[e->own_at + k]
-                      : k < e->inputs         ? u->shared[u->code[e->column_at + k]]
-                      : k < e->order - 1      ? u->pi[index[k - e->inputs]]
-                                              : AUVID_C(-1.0);
+        p->value[k] = k < e->own         ? u->own[e->own_at + k]
+                      : k < e->inputs    ? u->shared[u->code[e->column_at + k]]
+                      : k < e->order - 1 ? u->pi[index[k - e->inputs]]
+                                         : AUVID_C(-1.0);
         p->residual[k] = -p->value[k];
         if (k >= e->inputs && k < e->order - 1) {
             const auvid_parameter_t *parameter = &m->cfg.vehicle->parameter[index[k - e->inputs]];
@@ -201,8 +201,8 @@ static void uncertain_prepare(uncertain_t *u, const auvid_metric_t *m, int j)
     ratio = auvid_clamp(ratio, AUVID_C(1.0) / LARGEST_RATIO, LARGEST_RATIO);
     weight[0] = auvid_sqrt(ratio);
     weight[1] = AUVID_C(1.0) / weight[0];
-    auvid_real_t noise = auvid_sqrt(SMOOTHED * (weight[0] * squares[0] + weight[1] * squares[1]) /
-                                    u->rows[j]);
+    auvid_real_t noise =
+        auvid_sqrt(SMOOTHED * (weight[0] * squares[0] + weight[1] * squares[1]) / u->rows[j]);
     auvid_real_t least = AUVID_C(1e-5) * m->cfg.tau_max[j];
     for (int band = 0; band < AUVID_METRIC_BANDS; ++band) {
         p->scale[band] = auvid_sqrt(weight[band]) / auvid_max(noise, least);
@@ -298,8 +298,8 @@ static void uncertain_finish(uncertain_t *u, const auvid_metric_t *m)
             const auvid_real_t *r = u->work.own_rows[e->own_at + i];
             auvid_real_t sum = AUVID_C(0.0);
             for (int k = i + 1; k < e->order; ++k) {
-                sum += r[k] * (k < e->own ? u->own[e->own_at + k]
-                                          : x[uncertain_joint_column(u, m, j, k)]);
+                sum += r[k] *
+                       (k < e->own ? u->own[e->own_at + k] : x[uncertain_joint_column(u, m, j, k)]);
             }
             u->own[e->own_at + i] = auvid_abs(r[i]) > AUVID_C(0.0) ? -sum / r[i] : AUVID_C(0.0);
         }
@@ -339,7 +339,6 @@ static uint8_t uncertain_next_dof(const uncertain_t *u, int j)
     }
     return (uint8_t)j;
 }
-
 
 void auvid_uncertain_begin(auvid_uncertain_t *u)
 {

@@ -176,13 +176,11 @@ void auvid_confidence_scale(job_t *c, int i)
     }
 }
 
-void auvid_confidence_revise(job_t *c, const auvid_real_t *pi, const auvid_real_t *lower,
-                             const auvid_real_t *upper)
+void auvid_confidence_revise(job_t *c, const auvid_real_t *pi)
 {
     memcpy(c->pi, pi, sizeof c->pi);
     c->at_bound = 0;
     c->result.identifiable = c->result.implausible = 0;
-    auvid_confidence_limits(c, lower, upper, false);
 }
 
 void auvid_confidence_revise_parameter(job_t *c, const auvid_metric_t *metric, int i,

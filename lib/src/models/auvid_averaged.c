@@ -9,7 +9,7 @@
  * Linear interpolation between samples T apart is a triangular kernel of variance T^2 / 6 (see
  * auvid_metric.c). The mean over a cell adds cell^2 / 12.
  */
-#include "auvid/averaged.h"
+#include "auvid/vehicle.h"
 
 #include "../base/auvid_math_internal.h"
 

@@ -5,7 +5,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "auvid/averaged.h"
+#include "auvid/vehicle.h"
 #include "unity.h"
 
 enum { CELL_US = 100000, VELOCITY_US = 200000 };

@@ -5,7 +5,6 @@
 #include <math.h>
 #include <string.h>
 
-#include "auvid/averaged.h"
 #include "auvid/vehicle.h"
 #include "unity.h"
 

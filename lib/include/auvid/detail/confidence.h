@@ -130,11 +130,10 @@ auvid_status_t auvid_confidence_work(auvid_confidence_job_t *job, const auvid_me
 
 #define auvid_confidence_revise AUVID_SIZED(auvid_confidence_revise)
 /** After the computation: begin to assess other values of the same parameters, from another
- * estimator. Call auvid_confidence_revise_parameter for each column then.
- * @param pi [n]
- * @param lower, upper [n] bounds of the search */
-void auvid_confidence_revise(auvid_confidence_job_t *job, const auvid_real_t *pi,
-                             const auvid_real_t *lower, const auvid_real_t *upper);
+ * estimator. Call auvid_confidence_limits and auvid_confidence_revise_parameter for each column
+ * then.
+ * @param pi [n] */
+void auvid_confidence_revise(auvid_confidence_job_t *job, const auvid_real_t *pi);
 
 #define auvid_confidence_revise_parameter AUVID_SIZED(auvid_confidence_revise_parameter)
 /** Assess the next parameter, parameter_of[i], i = 0 .. n - 1.

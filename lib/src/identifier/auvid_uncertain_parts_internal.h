@@ -1,9 +1,9 @@
 /**
- * @file auvid_uncertain_internal.h
+ * @file auvid_uncertain_parts_internal.h
  * Private: the parts of the uncertain inputs.
  */
-#ifndef AUVID_UNCERTAIN_INTERNAL_H
-#define AUVID_UNCERTAIN_INTERNAL_H
+#ifndef AUVID_UNCERTAIN_PARTS_INTERNAL_H
+#define AUVID_UNCERTAIN_PARTS_INTERNAL_H
 
 #include "auvid/uncertain.h"
 #include "../metric/auvid_metric_evaluator_internal.h"
@@ -24,8 +24,7 @@ enum {
 /** Is the column formed from the thrust? Else from the motion. */
 static inline bool auvid_uncertain_of_thrust(int code)
 {
-    return code <= AUVID_UNCERTAIN_LAG ||
-           (code >= AUVID_UNCERTAIN_GAIN && code <= INPUT_DELAY);
+    return code <= AUVID_UNCERTAIN_LAG || (code >= AUVID_UNCERTAIN_GAIN && code <= INPUT_DELAY);
 }
 
 /** Is it a force of the hull, made orthogonal to its drag? */
