@@ -28,6 +28,7 @@ typedef struct {
     bool matched;        /**< only the scales of thrust and DVL are drawn, as configured */
     bool perfect_thrust; /**< no mismatch of the thrust is drawn */
     bool perfect_inputs; /**< every uncertainty is zero */
+    bool plain;          /**< no uncertain inputs (uncertain.h) */
     const char *mismatch[FIELD_MISMATCHES]; /**< NAME=SIZE, as given */
     int mismatches;
     field_vehicle_t vehicle;

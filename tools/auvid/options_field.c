@@ -58,6 +58,10 @@ int options_field_take(reader_t *r, options_t *options)
         f->chosen = "--perfect-thrust";
         return take_flag(r, &f->perfect_thrust);
     }
+    if (strcmp(r->name, "--plain") == 0) {
+        f->chosen = "--plain";
+        return take_flag(r, &f->plain);
+    }
     return strcmp(r->name, "--matched") == 0 ? take_flag(r, &f->matched) : -1;
 }
 

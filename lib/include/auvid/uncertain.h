@@ -56,7 +56,7 @@ typedef enum {
     AUVID_UNCERTAIN_LAG,       /**< the propellers' lag beyond the nominal one [s] */
     AUVID_UNCERTAIN_CURRENT_X, /**< current to the north [m/s] */
     AUVID_UNCERTAIN_CURRENT_Y, /**< current to the east [m/s] */
-    AUVID_UNCERTAIN_GAIN,      /**< gain of the first thruster */
+    AUVID_UNCERTAIN_GAIN,      /**< the first thruster is stronger by this part */
     AUVID_UNCERTAIN_SHARED = AUVID_UNCERTAIN_GAIN + AUVID_MAX_THRUSTERS
 } auvid_uncertain_input_t;
 
@@ -81,7 +81,7 @@ typedef struct {
 } auvid_uncertain_config_t;
 
 /** Columns of all equations together; numbers of their R factors; most in one equation. */
-#define AUVID_UNCERTAIN_COLUMNS (AUVID_MAX_COLUMNS + 2 * AUVID_MAX_THRUSTERS + 45)
+#define AUVID_UNCERTAIN_COLUMNS (2 * AUVID_MAX_PARAMETERS + 2 * AUVID_MAX_THRUSTERS + 45)
 #define AUVID_UNCERTAIN_FACTOR (AUVID_UNCERTAIN_COLUMNS * AUVID_UNCERTAIN_COLUMNS / 7)
 #define AUVID_UNCERTAIN_ORDER (AUVID_UNCERTAIN_SHARED + AUVID_MAX_PARAMETERS + 8)
 /** Inputs that belong to one DoF, of all DoF together. */

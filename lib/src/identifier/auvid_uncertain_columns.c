@@ -1,15 +1,16 @@
 /*
  * Uncertain inputs: their columns and priors.
  *
- * With f the force of a thruster as supplied, the speed of its propeller follows sqrt|f| with the
- * nominal lag T. n is that speed and f_n = n |n|; the columns are summed over the thrusters, each
- * with its entry of the allocation:
+ * A column is the supplied thrust minus the true one, per unit of the input. With f the force of a
+ * thruster as supplied, the speed of its propeller follows sqrt|f| with the nominal lag T. n is that
+ * speed and f_n = n |n|. The columns are summed over the thrusters, each with its column t of the
+ * allocation:
  *
- *     backward    min(f_n, 0)                    inflow   |f_n| (t . nu), t its column of T
- *     dead band   f_n / sqrt(f_n^2 + d^2)        sag      f_n t / 240 s
- *     curve       f_n ln|f_n / f_max|            gain     f_n
- *     lag         d f_n / dT = -2 |n| (n - n_T) / T, n_T = n behind the lag once more
- *     delay       -d f_n / dt
+ *     backward    min(f_n, 0)                    inflow   |f_n| (t . nu)
+ *     dead band   f_n / sqrt(f_n^2 + d^2)        sag      f_n time / 240 s
+ *     curve       -f_n ln|f_n / f_max|           gain     -f_n
+ *     lag         -d f_n / dT = 2 |n| (n - n_T) / T, n_T = n behind the lag once more
+ *     delay       d f_n / dt
  *
  * Current c in the world, c_b in the body: nu -> nu - c_b, nu' -> nu' + omega x c_b. Its column is
  * the difference of the predicted wrench, at the last estimate.
@@ -162,7 +163,7 @@ typedef struct {
 
 static auvid_real_t uncertain_lag_slope(auvid_real_t n, auvid_real_t lagged, auvid_real_t lag_s)
 {
-    return AUVID_C(-2.0) * auvid_abs(n) * (n - lagged) / lag_s;
+    return AUVID_C(2.0) * auvid_abs(n) * (n - lagged) / lag_s;
 }
 
 /* Mean over a cell, by Simpson's rule. */
@@ -191,7 +192,7 @@ static uncertain_thrust_t uncertain_advance(auvid_uncertain_t *u, int i, auvid_r
                                 .lag = uncertain_mean(uncertain_lag_slope(a, la, lag_s),
                                                       uncertain_lag_slope(b, lb, lag_s),
                                                       uncertain_lag_slope(c, lc, lag_s)),
-                                .delay = (fa - fc) / cell_s};
+                                .delay = (fc - fa) / cell_s};
 }
 
 /* exp(-x), 0 <= x <= 50, error below 1e-5. */
@@ -218,7 +219,7 @@ static void uncertain_add_thruster(const auvid_uncertain_t *u, int i, const auvi
         for (int k = 0; k < e->inputs; ++k) {
             int code = u->code[e->column_at + k];
             if (code == AUVID_UNCERTAIN_GAIN + i) {
-                to[k] = entry * force;
+                to[k] = -entry * force;
             } else if (code <= AUVID_UNCERTAIN_LAG || code == INPUT_DELAY) {
                 to[k] +=
                     entry * value[code <= AUVID_UNCERTAIN_LAG ? code : AUVID_UNCERTAIN_LAG + 1];
@@ -249,7 +250,7 @@ static void uncertain_thrust_columns(auvid_uncertain_t *u, const auvid_metric_t 
             [AUVID_UNCERTAIN_BACKWARD] = auvid_min(f.force, AUVID_C(0.0)),
             [AUVID_UNCERTAIN_DEAD_BAND] = f.force / auvid_sqrt(size * size + width * width),
             [AUVID_UNCERTAIN_CURVE] =
-                f.force * uncertain_ln(auvid_max(size / max_N, SMALLEST_CURVE)),
+                -f.force * uncertain_ln(auvid_max(size / max_N, SMALLEST_CURVE)),
             [AUVID_UNCERTAIN_INFLOW] = size * inflow,
             [AUVID_UNCERTAIN_SAG] = f.force * elapsed,
             [AUVID_UNCERTAIN_LAG] = f.lag,

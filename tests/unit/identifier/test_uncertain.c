@@ -1,0 +1,205 @@
+/*
+ * Uncertain inputs: each is found where it is the only mismatch, the parameters stay right, and
+ * without open-loop motion there is no estimate with them.
+ */
+#include <math.h>
+#include <string.h>
+
+#include "auvid/uncertain.h"
+#include "by_residual.h"
+#include "chain.h"
+#include "field_run.h"
+#include "unity.h"
+
+static chain_config_t cfg;
+static chain_t chain;
+static auvid_uncertain_config_t inputs;
+static auvid_uncertain_t storage, unchanged;
+static auvid_identifier_t before;
+static field_run_t run;
+static field_run_config_t field;
+static field_record_t record;
+
+void setUp(void)
+{
+    chain_defaults(&cfg, 1, 1, 0.0);
+    memset(&chain, 0, sizeof chain);
+    memset(&storage, 0, sizeof storage);
+    auvid_uncertain_defaults(&inputs);
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&chain.id, &cfg.id));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_allocation_init(&chain.allocation, &cfg.thrusters));
+}
+
+void tearDown(void)
+{
+}
+
+/* ---- attaching ---- */
+
+static auvid_status_t attach(void)
+{
+    before = chain.id;
+    auvid_status_t status =
+        auvid_identifier_attach_uncertain(&chain.id, &storage, &inputs, &chain.allocation);
+    if (status < 0) {
+        TEST_ASSERT_EQUAL_MEMORY(&before, &chain.id, sizeof before);
+    }
+    return status;
+}
+
+static void test_null_is_refused(void)
+{
+    const auvid_allocation_t *a = &chain.allocation;
+    before = chain.id;
+    TEST_ASSERT_EQUAL(AUVID_ERR_NULL,
+                      auvid_identifier_attach_uncertain(NULL, &storage, &inputs, a));
+    TEST_ASSERT_EQUAL(AUVID_ERR_NULL,
+                      auvid_identifier_attach_uncertain(&chain.id, NULL, &inputs, a));
+    TEST_ASSERT_EQUAL(AUVID_ERR_NULL,
+                      auvid_identifier_attach_uncertain(&chain.id, &storage, NULL, a));
+    TEST_ASSERT_EQUAL(AUVID_ERR_NULL,
+                      auvid_identifier_attach_uncertain(&chain.id, &storage, &inputs, NULL));
+    TEST_ASSERT_EQUAL_MEMORY(&before, &chain.id, sizeof before);
+    auvid_uncertain_defaults(NULL);
+}
+
+static void test_it_attaches_once_and_before_the_first_step(void)
+{
+    auvid_input_t in = {.t_us = 1};
+    auvid_output_t out;
+    TEST_ASSERT_EQUAL(AUVID_OK, attach());
+    unchanged = storage;
+    TEST_ASSERT_EQUAL(AUVID_ERR_ATTACHED, attach());
+    TEST_ASSERT_EQUAL_MEMORY(&unchanged, &storage, sizeof storage);
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&chain.id, &cfg.id)); /* detaches it */
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_step(&chain.id, &in, &out));
+    TEST_ASSERT_EQUAL(AUVID_ERR_STARTED, attach());
+    memset(&chain.id, 0, sizeof chain.id);
+    TEST_ASSERT_EQUAL(AUVID_ERR_STATE, attach());
+}
+
+static void test_a_prior_out_of_range_is_refused(void)
+{
+    inputs.sag = (auvid_real_t)NAN;
+    TEST_ASSERT_EQUAL(AUVID_ERR_NOT_FINITE, attach());
+    auvid_uncertain_defaults(&inputs);
+    inputs.backward = (auvid_real_t)-0.01;
+    TEST_ASSERT_EQUAL(AUVID_ERR_RANGE, attach());
+    auvid_uncertain_defaults(&inputs);
+    inputs.nominal_lag_s = 0; /* it is divided by */
+    TEST_ASSERT_EQUAL(AUVID_ERR_RANGE, attach());
+}
+
+static void test_thrusters_that_are_not_initialised_are_refused(void)
+{
+    memset(&chain.allocation, 0, sizeof chain.allocation);
+    TEST_ASSERT_EQUAL(AUVID_ERR_SIZE, attach());
+}
+
+static void test_more_columns_than_there_is_room_for_are_refused(void)
+{
+    auvid_allocation_config_t many = cfg.thrusters;
+    many.thrusters = AUVID_MAX_THRUSTERS;
+    for (int i = 0; i < AUVID_MAX_THRUSTERS; ++i) {
+        for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
+            many.thruster[i].wrench[j] = 1; /* each acts in all DoF */
+        }
+        many.thruster[i].max_N = 1;
+        many.thruster[i].gain_forward = 1;
+    }
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_allocation_init(&chain.allocation, &many));
+    TEST_ASSERT_EQUAL(AUVID_ERR_SIZE, attach());
+}
+
+static void test_a_model_of_the_residual_path_is_refused(void)
+{
+    static auvid_vehicle_t vehicle;
+    static auvid_row_t rows[180];
+    by_residual_surge(&cfg.id, &vehicle, rows, 2);
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&chain.id, &cfg.id));
+    TEST_ASSERT_EQUAL(AUVID_ERR_MODEL, attach());
+}
+
+/* ---- estimates ---- */
+
+/* Runs the field simulator's Girona500 with one mismatch. */
+static void identify(const char *name, double size)
+{
+    field_run_defaults(&field);
+    field_defaults(&field.field, FIELD_GIRONA500, FIELD_EXCITED, 5);
+    TEST_ASSERT_TRUE(name == NULL || field_set(&field.field, name, size));
+    TEST_ASSERT_TRUE(field_set(&field.field, "disturbance", 0.5));
+    TEST_ASSERT_TRUE(field_run(&run, &field, &record));
+}
+
+static double error(int i)
+{
+    return record.pi[i] / record.truth.si[i] - 1.0;
+}
+
+static void test_each_mismatch_is_found_and_leaves_the_parameters_right(void)
+{
+    static const struct {
+        const char *name;
+        double size;
+        int input;
+        double expected, within;
+    } mismatch[] = {{"thrust_backward", 0.1, AUVID_UNCERTAIN_BACKWARD, 0.1, 0.03},
+                    {"thrust_dead_band", 3.0, AUVID_UNCERTAIN_DEAD_BAND, 3.0, 1.0},
+                    {"thrust_exponent", 0.1, AUVID_UNCERTAIN_CURVE, 0.1, 0.03},
+                    {"thrust_advance", 0.2, AUVID_UNCERTAIN_INFLOW, 0.2, 0.06},
+                    {"thrust_lag", 0.2, AUVID_UNCERTAIN_LAG, 0.05, 0.03},
+                    {NULL, 0.0, AUVID_UNCERTAIN_LAG, -0.15, 0.03}};
+    for (size_t k = 0; k < sizeof mismatch / sizeof mismatch[0]; ++k) {
+        identify(mismatch[k].name, mismatch[k].size);
+        double found = (double)run.uncertain.shared[mismatch[k].input];
+        bool loss =
+            mismatch[k].input != AUVID_UNCERTAIN_CURVE && mismatch[k].input != AUVID_UNCERTAIN_LAG;
+        TEST_ASSERT_DOUBLE_WITHIN_MESSAGE(mismatch[k].within, mismatch[k].expected, found,
+                                          mismatch[k].name == NULL ? "none" : mismatch[k].name);
+        for (int i = SIM_M_U; i <= SIM_M_R; ++i) {
+            TEST_ASSERT_DOUBLE_WITHIN_MESSAGE(0.05, 0.0, error(i), mismatch[k].name);
+            TEST_ASSERT_TRUE(record.flagged[i]);
+        }
+    }
+}
+
+static void test_the_estimate_without_uncertain_inputs_stays_available(void)
+{
+    identify("thrust_advance", 0.3);
+    const auvid_estimate_t *plain = &run.id.estimate;
+    const auvid_estimate_t *with = auvid_identifier_estimate(&run.id);
+    TEST_ASSERT_EQUAL_PTR(&run.uncertain.estimate, with);
+    TEST_ASSERT_EQUAL_UINT32(plain->number, with->number);
+    double drag = fabs((double)plain->pi[SIM_X_UU] / record.truth.si[SIM_X_UU] - 1.0);
+    TEST_ASSERT_TRUE(drag > 2.0 * fabs(error(SIM_X_UU)));
+}
+
+static void test_a_passive_vehicle_has_no_estimate_with_uncertain_inputs(void)
+{
+    chain_set_driver(&cfg);
+    TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &cfg));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_allocation_init(&chain.allocation, &cfg.thrusters));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_attach_uncertain(&chain.id, &storage, &inputs,
+                                                                  &chain.allocation));
+    while (chain.estimates == 0 && chain.tick < 5000) {
+        chain_tick(&chain);
+    }
+    TEST_ASSERT_EQUAL_UINT32(1, chain.estimates);
+    TEST_ASSERT_EQUAL_PTR(&chain.id.estimate, auvid_identifier_estimate(&chain.id));
+}
+
+int main(void)
+{
+    UNITY_BEGIN();
+    RUN_TEST(test_null_is_refused);
+    RUN_TEST(test_it_attaches_once_and_before_the_first_step);
+    RUN_TEST(test_a_prior_out_of_range_is_refused);
+    RUN_TEST(test_thrusters_that_are_not_initialised_are_refused);
+    RUN_TEST(test_more_columns_than_there_is_room_for_are_refused);
+    RUN_TEST(test_a_model_of_the_residual_path_is_refused);
+    RUN_TEST(test_each_mismatch_is_found_and_leaves_the_parameters_right);
+    RUN_TEST(test_the_estimate_without_uncertain_inputs_stays_available);
+    RUN_TEST(test_a_passive_vehicle_has_no_estimate_with_uncertain_inputs);
+    return UNITY_END();
+}
