@@ -149,12 +149,10 @@ static void test_each_mismatch_is_found_and_leaves_the_parameters_right(void)
                     {"thrust_exponent", 0.1, AUVID_UNCERTAIN_CURVE, 0.1, 0.03},
                     {"thrust_advance", 0.2, AUVID_UNCERTAIN_INFLOW, 0.2, 0.06},
                     {"thrust_lag", 0.2, AUVID_UNCERTAIN_LAG, 0.05, 0.03},
-                    {NULL, 0.0, AUVID_UNCERTAIN_LAG, -0.15, 0.03}};
+                    {NULL, 0.0, AUVID_UNCERTAIN_LAG, -0.1, 0.06}}; /* and the delays */
     for (size_t k = 0; k < sizeof mismatch / sizeof mismatch[0]; ++k) {
         identify(mismatch[k].name, mismatch[k].size);
         double found = (double)run.uncertain.shared[mismatch[k].input];
-        bool loss =
-            mismatch[k].input != AUVID_UNCERTAIN_CURVE && mismatch[k].input != AUVID_UNCERTAIN_LAG;
         TEST_ASSERT_DOUBLE_WITHIN_MESSAGE(mismatch[k].within, mismatch[k].expected, found,
                                           mismatch[k].name == NULL ? "none" : mismatch[k].name);
         for (int i = SIM_M_U; i <= SIM_M_R; ++i) {
