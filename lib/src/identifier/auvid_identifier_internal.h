@@ -73,9 +73,17 @@ typedef struct auvid_uncertain_functions {
     bool (*is_solving)(const auvid_identifier_t *id);
     /** Returns the estimate with uncertain inputs; NULL: there is none. */
     const auvid_estimate_t *(*estimate)(const auvid_identifier_t *id);
-    void (*restart)(auvid_identifier_t *id); /**< the vehicle has changed */
+    /** The estimate without them is accepted; or the vehicle has changed. */
+    void (*judge)(auvid_identifier_t *id, bool changed);
     auvid_work_phase_row_t phase;
 } auvid_uncertain_functions_t;
+
+static inline void identifier_judge_uncertain(auvid_identifier_t *id, bool changed)
+{
+    if (id->attached.uncertain_functions != NULL) {
+        id->attached.uncertain_functions->judge(id, changed);
+    }
+}
 
 /** The estimate is complete: report it, and end the work on these sets. */
 void auvid_identifier_announce(auvid_identifier_t *id);

@@ -122,6 +122,7 @@ static void identifier_compare_estimates(auvid_identifier_t *id)
     } else {
         id->estimate.accepted = true;
         id->attached.change->accepted = id->estimate;
+        identifier_judge_uncertain(id, false);
     }
 }
 
@@ -175,9 +176,7 @@ static void identifier_conclude_test(auvid_identifier_t *id)
         id->work.cold_start = true;
         id->work.searching = false;
         id->events |= AUVID_EVENT_CHANGED;
-        if (id->attached.uncertain_functions != NULL) {
-            id->attached.uncertain_functions->restart(id);
-        }
+        identifier_judge_uncertain(id, true);
     }
 }
 
