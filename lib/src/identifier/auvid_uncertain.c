@@ -90,9 +90,13 @@ static const auvid_estimate_t *uncertain_estimate(const auvid_identifier_t *id)
     return e->number > 0 ? e : NULL;
 }
 
-static void uncertain_change(auvid_identifier_t *id)
+static void uncertain_judge(auvid_identifier_t *id, bool changed)
 {
-    auvid_uncertain_restart(uncertain_of(id));
+    auvid_uncertain_t *u = uncertain_of(id);
+    u->estimate.accepted = u->estimate.number == id->estimate.number;
+    if (changed) {
+        auvid_uncertain_restart(u);
+    }
 }
 
 /* Entry (i, k) of the packed covariance of n parameters. */
@@ -162,7 +166,7 @@ static const auvid_uncertain_functions_t uncertain_table = {
     uncertain_begin,
     uncertain_is_solving,
     uncertain_estimate,
-    uncertain_change,
+    uncertain_judge,
     {NULL, uncertain_solve, uncertain_end, NULL}};
 
 auvid_status_t auvid_identifier_attach_uncertain(auvid_identifier_t *id, auvid_uncertain_t *storage,

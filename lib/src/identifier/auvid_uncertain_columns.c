@@ -1,10 +1,9 @@
 /*
  * Uncertain inputs: their columns and priors.
  *
- * A column is the supplied thrust minus the true one, per unit of the input. With f the force of a
- * thruster as supplied, the speed of its propeller follows sqrt|f| with the nominal lag T. n is that
- * speed and f_n = n |n|. The columns are summed over the thrusters, each with its column t of the
- * allocation:
+ * A column is the supplied thrust minus the true one, per unit of the input. The speed of a
+ * propeller follows sqrt|f|, f the supplied force, with the nominal lag T. n is that speed, and
+ * f_n = n |n|. The columns are summed over the thrusters, each with its column t of the allocation:
  *
  *     backward    min(f_n, 0)                    inflow   |f_n| (t . nu)
  *     dead band   f_n / sqrt(f_n^2 + d^2)        sag      f_n time / 240 s
