@@ -65,19 +65,19 @@ typedef struct {
     auvid_real_t backward;  /**< relative, 0..1; default 0.05 */
     auvid_real_t dead_band; /**< relative to the thruster's largest force, 0..1; default 0.012 */
     auvid_real_t curve;     /**< of the exponent, 0..1; default 0.05 */
-    auvid_real_t inflow;    /**< per m/s, 0..10; default 0.18 */
-    auvid_real_t sag;       /**< in 240 s, relative, 0..1; default 0.05 */
+    auvid_real_t inflow;    /**< relative loss of thrust per m/s [s/m], 0..10; default 0.18 */
+    auvid_real_t sag;       /**< of the thrust in 240 s, relative, 0..1; default 0.05 */
     auvid_real_t gain;      /**< of each thruster, relative, 0..1; default 0.05 */
-    auvid_real_t lag_s;     /**< about nominal_lag_s, 0..1; default 0.06 */
-    auvid_real_t delay_s;   /**< of the thrust against each DoF's motion, 0..1; default 0.04 */
+    auvid_real_t lag_s;     /**< about nominal_lag_s [s], 0..1; default 0.06 */
+    auvid_real_t delay_s;   /**< of the thrust against each DoF's motion [s], 0..1; default 0.04 */
     auvid_real_t current;   /**< each component [m/s], 0..10; default 0.05 */
     auvid_real_t asymmetry; /**< of drag, relative, 0..1; default 0.12 */
     auvid_real_t cross;     /**< sway by yaw rate, yaw by sway and lift, relative to drag, 0..1;
                                   default 0.15 */
     auvid_real_t force;     /**< constant, relative to tau_max, 0..1; default 0.03 */
-    auvid_real_t gravity_m; /**< centre of gravity ahead and aside, 0..1; default 0.01 */
-    auvid_real_t nominal_lag_s; /**< first-order lag of the propellers' speed, 0.01..1; default
-                                     0.15 */
+    auvid_real_t gravity_m; /**< centre of gravity ahead and aside [m], 0..1; default 0.01 */
+    auvid_real_t nominal_lag_s; /**< no deviation, but the first-order lag of the propellers' speed
+                                     [s], 0.01..1; default 0.15 */
 } auvid_uncertain_config_t;
 
 /** Columns of all equations together; numbers of their R factors; most in one equation. */
@@ -105,7 +105,7 @@ typedef struct {
     auvid_real_t channel[AUVID_UNCERTAIN_COLUMNS]; /* of the last cell */
     auvid_real_t speed[AUVID_MAX_THRUSTERS];       /* sqrt of force, behind the nominal lag */
     auvid_real_t lagged[AUVID_MAX_THRUSTERS];      /* behind it twice */
-    uint64_t begin_us;                             /* of the first row; 0: none */
+    uint64_t begin_us;                             /* of the first cell; 0: none */
     uint32_t since_gap;
     uint16_t pending; /* bit 2 j + band: to be rotated */
     uint8_t successive[AUVID_DOF_COUNT];
@@ -147,7 +147,8 @@ typedef struct auvid_uncertain {
     auvid_uncertain_rows_t recorded;
     auvid_uncertain_solution_t work;
     auvid_real_t pi[AUVID_MAX_PARAMETERS];       /* last solution */
-    auvid_real_t shared[AUVID_UNCERTAIN_SHARED]; /**< estimates of auvid_uncertain_input_t */
+    auvid_real_t shared[AUVID_UNCERTAIN_SHARED]; /**< estimates by auvid_uncertain_input_t, valid
+                                                      if estimate.number > 0; 0: no column */
     auvid_real_t own[AUVID_UNCERTAIN_OWN];
     auvid_estimate_t estimate; /* read auvid_identifier_estimate */
 } auvid_uncertain_t;

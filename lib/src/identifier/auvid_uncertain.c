@@ -9,10 +9,6 @@
 #include "auvid_uncertain_parts_internal.h"
 #include "../base/auvid_refusal_internal.h"
 
-/* Correlation from which the other parameter is named, and no parameter. */
-#define CORRELATED AUVID_C(0.95)
-enum { NONE = 255 };
-
 void auvid_uncertain_defaults(auvid_uncertain_config_t *cfg)
 {
     if (cfg != NULL) {
@@ -99,21 +95,15 @@ static void uncertain_judge(auvid_identifier_t *id, bool changed)
     }
 }
 
-/* Entry (i, k) of the packed covariance of n parameters. */
-static auvid_real_t uncertain_entry(const auvid_real_t *covariance, int n, int i, int k)
+/* Returns the parameter with which parameter p is strongly correlated, or NOWHERE. */
+static uint8_t uncertain_partner(const auvid_estimate_t *e, const auvid_vehicle_t *vehicle, int p)
 {
-    int row = i < k ? i : k, column = i < k ? k : i;
-    return covariance[auvid_qr_row(n, row) + column - row];
-}
-
-/* Returns the parameter with which parameter p is strongly correlated, or NONE. */
-static uint8_t uncertain_partner(const auvid_real_t *covariance, int n, int p)
-{
-    auvid_real_t largest = CORRELATED, variance = uncertain_entry(covariance, n, p, p);
-    uint8_t partner = NONE;
-    for (int k = 0; k < n; ++k) {
-        auvid_real_t both = auvid_sqrt(variance) * auvid_sqrt(uncertain_entry(covariance, n, k, k));
-        auvid_real_t size = auvid_abs(uncertain_entry(covariance, n, p, k));
+    auvid_real_t largest = AUVID_CORRELATED;
+    auvid_real_t sigma = auvid_sqrt(auvid_estimate_covariance(e, vehicle, p, p));
+    uint8_t partner = NOWHERE;
+    for (int k = 0; k < vehicle->parameters; ++k) {
+        auvid_real_t both = sigma * auvid_sqrt(auvid_estimate_covariance(e, vehicle, k, k));
+        auvid_real_t size = auvid_abs(auvid_estimate_covariance(e, vehicle, p, k));
         if (k != p && both > AUVID_C(0.0) && size > largest * both) {
             largest = size / both;
             partner = (uint8_t)k;
@@ -127,27 +117,24 @@ static void uncertain_publish(auvid_identifier_t *id)
 {
     auvid_uncertain_t *u = uncertain_of(id);
     auvid_confidence_job_t *job = &id->confidence;
-    const auvid_real_t *covariance = u->work.part.factor;
-    int n = id->metric.cfg.vehicle->parameters;
+    const auvid_vehicle_t *vehicle = id->metric.cfg.vehicle;
     auvid_estimate_t *e = &u->estimate;
     *e = id->estimate;
-    for (int i = 0; i < n; ++i) {
-        bool known = uncertain_entry(covariance, n, i, i) > AUVID_C(0.0);
+    memcpy(e->covariance, u->work.part.factor,
+           (size_t)AUVID_QR_FACTOR(vehicle->parameters) * sizeof e->covariance[0]);
+    for (int i = 0; i < vehicle->parameters; ++i) {
+        bool known = auvid_estimate_covariance(e, vehicle, i, i) > AUVID_C(0.0);
         e->pi[i] = known ? u->pi[i] : e->pi[i];
     }
     auvid_confidence_revise(job, e->pi);
     auvid_confidence_limits(job, id->search.lower, id->search.upper, false);
     for (int i = 0; i < job->n; ++i) {
         int p = job->parameter_of[i];
-        auvid_confidence_revise_parameter(job, &id->metric, i,
-                                          auvid_sqrt(uncertain_entry(covariance, n, p, p)),
-                                          uncertain_partner(covariance, n, p));
+        auvid_real_t sigma = auvid_sqrt(auvid_estimate_covariance(e, vehicle, p, p));
+        auvid_confidence_revise_parameter(job, &id->metric, i, sigma,
+                                          uncertain_partner(e, vehicle, p));
     }
     e->confidence = job->result;
-    memset(e->covariance, 0, sizeof e->covariance);
-    for (int i = 0; i < AUVID_QR_FACTOR(n); ++i) {
-        e->covariance[i] = covariance[i];
-    }
 }
 
 static auvid_status_t uncertain_solve(auvid_identifier_t *id, uint32_t *budget)

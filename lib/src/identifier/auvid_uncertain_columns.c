@@ -46,7 +46,8 @@ static bool uncertain_is_actuated(const auvid_uncertain_t *u, int j)
     return any;
 }
 
-int auvid_uncertain_parameter(const auvid_metric_t *m, auvid_parameter_kind_t kind, int j)
+/* Returns the parameter of this kind in DoF j's equation, -1: there is none. */
+static int uncertain_parameter(const auvid_metric_t *m, auvid_parameter_kind_t kind, int j)
 {
     auvid_equation_t e = auvid_metric_equation(m, j);
     for (int k = 0; k < e.count; ++k) {
@@ -93,9 +94,9 @@ static bool uncertain_is_in(const auvid_uncertain_t *u, const auvid_metric_t *m,
     }
     switch (code) {
     case INPUT_ASYMMETRY:
-        return auvid_uncertain_parameter(m, AUVID_PARAMETER_QUADRATIC_DRAG, j) >= 0;
+        return uncertain_parameter(m, AUVID_PARAMETER_QUADRATIC_DRAG, j) >= 0;
     case INPUT_FORCE:
-        return auvid_uncertain_parameter(m, AUVID_PARAMETER_FORCE, j) < 0;
+        return uncertain_parameter(m, AUVID_PARAMETER_FORCE, j) < 0;
     case INPUT_CROSS:
         return j == AUVID_SWAY || j == AUVID_YAW;
     case INPUT_LIFT:
@@ -349,7 +350,7 @@ void auvid_uncertain_channels(auvid_uncertain_t *u, const auvid_metric_t *m,
 static auvid_real_t uncertain_size(const auvid_uncertain_t *u, const auvid_metric_t *m,
                                    auvid_parameter_kind_t kind, int j)
 {
-    int p = auvid_uncertain_parameter(m, kind, j);
+    int p = uncertain_parameter(m, kind, j);
     auvid_real_t value = p < 0 ? AUVID_C(0.0) : u->pi[p];
     bool drag = kind == AUVID_PARAMETER_LINEAR_DRAG || kind == AUVID_PARAMETER_QUADRATIC_DRAG;
     return auvid_max(drag ? -value : value, AUVID_C(0.0));

@@ -6,6 +6,7 @@
 #define AUVID_UNCERTAIN_PARTS_INTERNAL_H
 
 #include "auvid/uncertain.h"
+#include "../metric/auvid_confidence_notes_internal.h"
 #include "../metric/auvid_metric_evaluator_internal.h"
 
 /** What a column is: below OWN_INPUTS one of auvid_uncertain_input_t. */
@@ -43,12 +44,6 @@ void auvid_uncertain_channels(auvid_uncertain_t *u, const auvid_metric_t *m,
 /** Returns the standard deviation of the prior of a column of DoF j. */
 auvid_real_t auvid_uncertain_sigma(const auvid_uncertain_t *u, const auvid_metric_t *m, int code,
                                    int j);
-
-/** Returns the parameter of this kind in DoF j's equation, -1: there is none. */
-int auvid_uncertain_parameter(const auvid_metric_t *m, auvid_parameter_kind_t kind, int j);
-
-/** Rotate rows that wait. @param most number of rows */
-void auvid_uncertain_rotate_pending(auvid_uncertain_t *u, int most);
 
 /** Forget the rows. */
 void auvid_uncertain_restart(auvid_uncertain_t *u);

@@ -26,10 +26,12 @@ void auvid_uncertain_restart(auvid_uncertain_t *u)
     memset(u->rows, 0, sizeof u->rows);
     u->recorded.begin_us = 0;
     u->recorded.pending = 0;
+    memset(u->recorded.successive, 0, sizeof u->recorded.successive);
     u->estimate.number = 0;
 }
 
-void auvid_uncertain_rotate_pending(auvid_uncertain_t *u, int most)
+/* Rotate up to `most` of the rows that wait. */
+static void uncertain_rotate_pending(auvid_uncertain_t *u, int most)
 {
     for (int k = 0; k < 2 * AUVID_DOF_COUNT && most > 0; ++k) {
         if ((u->recorded.pending >> k & 1) != 0 && !auvid_uncertain_reads(u, k / 2)) {
@@ -46,7 +48,7 @@ static void uncertain_cell(void *context, const auvid_metric_t *m, const auvid_s
                            bool first)
 {
     auvid_uncertain_t *u = context;
-    auvid_uncertain_rotate_pending(u, ROTATED_PER_CELL);
+    uncertain_rotate_pending(u, ROTATED_PER_CELL);
     if (first) {
         memset(u->recorded.successive, 0, sizeof u->recorded.successive);
     }
@@ -78,8 +80,8 @@ static void uncertain_accumulate(void *context, uint32_t slot, bool begins,
     }
 }
 
-static void uncertain_take(void *context, const auvid_metric_t *m, int j, uint32_t slot,
-                           const auvid_real_t *regressor, uint32_t lag)
+static void uncertain_take(void *context, int j, uint32_t slot, const auvid_real_t *regressor,
+                           uint32_t lag)
 {
     auvid_uncertain_t *u = context;
     auvid_uncertain_rows_t *r = &u->recorded;
@@ -95,7 +97,6 @@ static void uncertain_take(void *context, const auvid_metric_t *m, int j, uint32
         r->successive[j] = 0;
         return;
     }
-    (void)m;
     auvid_real_t *last = r->previous[r->since_gap % AUVID_METRIC_LAGS] + at;
     const auvid_real_t *other =
         r->previous[(r->since_gap + AUVID_METRIC_LAGS - lag) % AUVID_METRIC_LAGS] + at;

@@ -26,9 +26,8 @@
 #include "../base/auvid_linalg_internal.h"
 #include "auvid_metric_evaluator_internal.h"
 
-#define POOLED AUVID_C(10.0)     /* nu, see auvid_confidence.c */
-#define WIDENED AUVID_C(1.3)     /* m */
-#define CORRELATED AUVID_C(0.95) /* correlation from which the other parameter is named */
+#define POOLED AUVID_C(10.0) /* nu, see auvid_confidence.c */
+#define WIDENED AUVID_C(1.3) /* m */
 
 typedef auvid_confidence_job_t job_t;
 
@@ -239,7 +238,7 @@ void auvid_confidence_judge(job_t *c, int i)
     }
     found.sigma = auvid_sqrt(WIDENED * variance * widening + c->delay_step[i] * c->delay_step[i]);
     found.bias = auvid_abs(delta);
-    found.partner = largest > CORRELATED ? c->parameter_of[partner] : NOWHERE;
+    found.partner = largest > AUVID_CORRELATED ? c->parameter_of[partner] : NOWHERE;
     confidence_consider(c, p);
     auvid_confidence_conclude(c, i, &found);
     confidence_write_row(c, i, plain, y);

@@ -44,9 +44,8 @@ static auvid_real_t confidence_noise_correlation(const auvid_metric_t *m, int j)
     return product / square;
 }
 
-/* Compute a, the derivatives of DoF j's row by its acceleration. */
-static void confidence_acceleration_row(const auvid_vehicle_t *vehicle, int j, auvid_regressor_t *y,
-                                        auvid_real_t a[AUVID_MAX_PARAMETERS])
+void auvid_confidence_acceleration_row(const auvid_vehicle_t *vehicle, int j, auvid_regressor_t *y,
+                                       auvid_real_t a[AUVID_MAX_PARAMETERS])
 {
     auvid_sample_t sample;
     memset(&sample, 0, sizeof sample);
@@ -61,13 +60,6 @@ static void confidence_acceleration_row(const auvid_vehicle_t *vehicle, int j, a
     }
 }
 
-void auvid_confidence_acceleration(const auvid_vehicle_t *vehicle, int j,
-                                   auvid_real_t a[AUVID_MAX_PARAMETERS])
-{
-    auvid_regressor_t y;
-    confidence_acceleration_row(vehicle, j, &y, a);
-}
-
 /* nu_j = high (low weight (1 + rho) / (1 - rho) + high weight): the high band is noise, and the low
  * band contains that noise times (1 + rho) / (1 - rho). */
 void auvid_confidence_bias(auvid_confidence_job_t *c, int j)
@@ -77,7 +69,7 @@ void auvid_confidence_bias(auvid_confidence_job_t *c, int j)
     if (auvid_metric_stores_rows(m)) {
         return; /* the high band of other rows is not their noise */
     }
-    confidence_acceleration_row(m->cfg.vehicle, j, &c->regressor, a);
+    auvid_confidence_acceleration_row(m->cfg.vehicle, j, &c->regressor, a);
     for (int i = 0; i < m->cfg.vehicle->parameters; ++i) {
         mass += a[i] * c->pi[i];
     }

@@ -21,6 +21,11 @@ void auvid_confidence_take_row(auvid_confidence_job_t *c, const auvid_set_t *set
 void auvid_confidence_finish_dof(auvid_confidence_job_t *c, int j);
 void auvid_confidence_finish_set(auvid_confidence_job_t *c);
 
+/** Compute a, the derivatives of DoF j's row by its acceleration: its mass is a pi.
+ * @param y memory for the rows */
+void auvid_confidence_acceleration_row(const auvid_vehicle_t *vehicle, int j, auvid_regressor_t *y,
+                                       auvid_real_t a[AUVID_MAX_PARAMETERS]);
+
 /** Add DoF j's part of the right-hand side of the masses' bias to the influences. */
 void auvid_confidence_bias(auvid_confidence_job_t *c, int j);
 
@@ -34,6 +39,9 @@ typedef struct {
     uint8_t partner;          /**< the parameter with which it is correlated, or NOWHERE */
     uint8_t bound_partner;    /**< the most correlated parameter at its bound, or NOWHERE */
 } auvid_finding_t;
+
+/** Correlation from which the other parameter is named. */
+#define AUVID_CORRELATED AUVID_C(0.95)
 
 #define AUVID_HALF_WIDTH AUVID_CONFIDENCE_HALF_WIDTH
 

@@ -152,10 +152,6 @@ static inline void auvid_metric_solve_again(auvid_metric_t *m, int j, auvid_real
 /** Continue the passes of a merge from the present one on. @return true if they are complete */
 bool auvid_metric_merge_sets(auvid_metric_t *m, uint32_t *budget);
 
-/** Computes a, the derivatives of DoF j's row by its acceleration: its mass is a pi. */
-void auvid_confidence_acceleration(const auvid_vehicle_t *vehicle, int j,
-                                   auvid_real_t a[AUVID_MAX_PARAMETERS]);
-
 /* ---- the residual path ---- */
 
 /** Spend units on a call of the model's residual. @return true if all are spent: call it */

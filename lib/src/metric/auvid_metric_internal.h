@@ -57,8 +57,7 @@ typedef struct auvid_metric_extra {
     /** Takes DoF j's row of the complete one at `slot`. @param row its regressor; NULL: it has no
      * row
      * @param lag distance in rows of the two rows of a sum or difference */
-    void (*take)(void *context, const auvid_metric_t *m, int j, uint32_t slot,
-                 const auvid_real_t *row, uint32_t lag);
+    void (*take)(void *context, int j, uint32_t slot, const auvid_real_t *row, uint32_t lag);
     /** The row is complete. */
     void (*next)(void *context);
 } auvid_metric_extra_t;

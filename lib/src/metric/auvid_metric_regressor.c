@@ -206,7 +206,7 @@ static void metric_take_extra(auvid_metric_t *m, int j, uint32_t slot, const auv
 {
     int last = j < 0 ? AUVID_DOF_COUNT - 1 : j;
     for (int k = j < 0 ? 0 : j; m->extra != NULL && k <= last; ++k) {
-        m->extra->take(m->extra_context, m, k, slot, row, m->cfg.lag[k >= AUVID_ROLL]);
+        m->extra->take(m->extra_context, k, slot, row, m->cfg.lag[k >= AUVID_ROLL]);
     }
 }
 
