@@ -114,7 +114,10 @@ typedef struct {
 
 /** One DoF's part of a pass. Private. */
 typedef struct {
-    auvid_real_t factor[AUVID_UNCERTAIN_ORDER * (AUVID_UNCERTAIN_ORDER + 1) / 2];
+    union {
+        auvid_real_t factor[AUVID_UNCERTAIN_ORDER * (AUVID_UNCERTAIN_ORDER + 1) / 2];
+        auvid_regressor_t regressor; /* before the first row */
+    };
     auvid_real_t value[AUVID_UNCERTAIN_ORDER];    /* of its columns, at the last pass */
     auvid_real_t residual[AUVID_UNCERTAIN_ORDER]; /* their coefficients in the residual */
     auvid_real_t slope[AUVID_UNCERTAIN_ORDER];    /* what the residual adds to each column */

@@ -152,9 +152,9 @@ static void uncertain_prepare_slopes(uncertain_t *u, const auvid_metric_t *m, in
     auvid_equation_t equation = auvid_metric_equation(m, j);
     auvid_real_t lambda = j < AUVID_ROLL ? AUVID_C(1.0) : AUVID_C(0.5), mass = AUVID_C(0.0);
     auvid_real_t a[AUVID_MAX_PARAMETERS];
-    auvid_regressor_t y;
     auvid_real_t zz = uncertain_product(u, j, e->order - 1, e->order - 1, weight);
-    auvid_confidence_acceleration_row(m->cfg.vehicle, j, &y, a);
+    auvid_confidence_acceleration_row(m->cfg.vehicle, j, &p->regressor, a);
+    memset(&p->regressor, 0, sizeof p->regressor); /* the factor is there from now on */
     for (int k = 0; k < equation.count; ++k) {
         mass += a[equation.index[k]] * u->pi[equation.index[k]];
     }
