@@ -16,6 +16,7 @@
 #include "auvid_identifier_internal.h"
 #include "../base/auvid_math_internal.h"
 #include "../metric/auvid_metric_evaluator_internal.h"
+#include "../navigation/auvid_recorder_internal.h"
 
 auvid_real_t auvid_identifier_common_delay(const auvid_estimate_t *estimate)
 {
@@ -179,11 +180,28 @@ static void identifier_begin_sets(auvid_identifier_t *id)
 
 /* ---- the phases ---- */
 
+/* The rows are mostly noise: record longer cells instead. */
+static void identifier_lengthen_cells(auvid_identifier_t *id)
+{
+    identifier_rest(id);
+    id->work.set_pending = false;
+    auvid_recorder_set_cell(&id->recorder, auvid_metric_cell_us(&id->metric));
+    if (id->attached.validation != NULL) {
+        id->attached.validation->vehicle = NULL; /* it simulates cells of the old length */
+    }
+    identifier_simulate(id);
+    id->events |= AUVID_EVENT_LONGER_CELLS;
+}
+
 /* Merge, then spend the start cost of a search, then begin it. */
 static auvid_status_t identifier_merge(auvid_identifier_t *id, uint32_t *budget)
 {
     if (id->work.spent == 0) {
         auvid_status_t status = auvid_metric_merge(&id->metric, budget);
+        if (status == AUVID_OK && auvid_metric_lengthen(&id->metric)) {
+            identifier_lengthen_cells(id);
+            return AUVID_PENDING;
+        }
         id->work.spent = status == AUVID_OK;
         return status == AUVID_OK ? AUVID_PENDING : status;
     }
@@ -332,5 +350,5 @@ auvid_status_t auvid_identifier_work(auvid_identifier_t *id, uint32_t budget)
         id->work.max_units = id->work.last_units;
     }
     bool idle = id->work.phase == AUVID_WORK_IDLE && !id->work.set_pending;
-    return status < 0 || idle ? status : AUVID_PENDING;
+    return status < 0 ? status : idle ? AUVID_OK : AUVID_PENDING;
 }
