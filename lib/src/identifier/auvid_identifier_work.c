@@ -103,6 +103,17 @@ static void identifier_collect_speeds(const auvid_metric_t *m, auvid_estimate_t 
     }
 }
 
+/* The rows were mostly noise: record longer cells. */
+static void identifier_lengthen_cells(auvid_identifier_t *id)
+{
+    auvid_recorder_set_cell(&id->recorder, auvid_metric_cell_us(&id->metric));
+    if (id->attached.validation != NULL) {
+        id->attached.validation->vehicle = NULL; /* it simulates cells of the old length */
+    }
+    id->work.set_pending = false;
+    id->events |= AUVID_EVENT_LONGER_CELLS;
+}
+
 static void identifier_publish_estimate(auvid_identifier_t *id)
 {
     auvid_estimate_t *e = &id->estimate;
@@ -126,9 +137,12 @@ static void identifier_publish_estimate(auvid_identifier_t *id)
     e->confidence = id->confidence.result;
     memcpy(e->covariance, id->confidence.covariance, sizeof e->covariance);
     e->accepted = false;
-    identifier_simulate(id);
     id->events |= AUVID_EVENT_ESTIMATE;
     identifier_rest(id);
+    if (auvid_metric_lengthen(&id->metric)) {
+        identifier_lengthen_cells(id);
+    }
+    identifier_simulate(id);
 }
 
 /* ---- from sets to the merge ---- */
@@ -180,28 +194,11 @@ static void identifier_begin_sets(auvid_identifier_t *id)
 
 /* ---- the phases ---- */
 
-/* The rows are mostly noise: record longer cells instead. */
-static void identifier_lengthen_cells(auvid_identifier_t *id)
-{
-    identifier_rest(id);
-    id->work.set_pending = false;
-    auvid_recorder_set_cell(&id->recorder, auvid_metric_cell_us(&id->metric));
-    if (id->attached.validation != NULL) {
-        id->attached.validation->vehicle = NULL; /* it simulates cells of the old length */
-    }
-    identifier_simulate(id);
-    id->events |= AUVID_EVENT_LONGER_CELLS;
-}
-
 /* Merge, then spend the start cost of a search, then begin it. */
 static auvid_status_t identifier_merge(auvid_identifier_t *id, uint32_t *budget)
 {
     if (id->work.spent == 0) {
         auvid_status_t status = auvid_metric_merge(&id->metric, budget);
-        if (status == AUVID_OK && auvid_metric_lengthen(&id->metric)) {
-            identifier_lengthen_cells(id);
-            return AUVID_PENDING;
-        }
         id->work.spent = status == AUVID_OK;
         return status == AUVID_OK ? AUVID_PENDING : status;
     }
@@ -350,5 +347,5 @@ auvid_status_t auvid_identifier_work(auvid_identifier_t *id, uint32_t budget)
         id->work.max_units = id->work.last_units;
     }
     bool idle = id->work.phase == AUVID_WORK_IDLE && !id->work.set_pending;
-    return status < 0 ? status : idle ? AUVID_OK : AUVID_PENDING;
+    return status < 0 || idle ? status : AUVID_PENDING;
 }

@@ -152,7 +152,7 @@ static inline void auvid_metric_solve_again(auvid_metric_t *m, int j, auvid_real
 /** At the residuals of the first pass: note whether DoF j asks for longer cells. */
 void auvid_metric_judge_width(auvid_metric_t *m, int j);
 
-/** After a merge: double the cells and drop all sets, or decide to keep the cells.
+/** After a merge and the search: double the cells and drop all sets, or decide to keep the cells.
  * @return true if they are doubled */
 bool auvid_metric_lengthen(auvid_metric_t *m);
 

@@ -89,6 +89,7 @@ static void test_longer_cells_drop_all_sets_and_break_the_record(void)
     }
     TEST_ASSERT_TRUE(id.recorder.broken || (events & AUVID_EVENT_GAP));
     TEST_ASSERT_EQUAL_UINT32(200000, id.recorder.cell_us);
+    TEST_ASSERT_NOT_NULL(auvid_identifier_estimate(&id)); /* from the sets that are dropped */
     TEST_ASSERT_EQUAL(AUVID_WORK_IDLE, id.work.phase);
     TEST_ASSERT_EQUAL_UINT32(0, id.metric.rows.set.rows);
     for (int i = 0; i < AUVID_MAX_SETS; ++i) {

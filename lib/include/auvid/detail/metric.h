@@ -35,12 +35,12 @@
  * residual path one shift, common to wrench and commands, is searched together with the parameters.
  *
  * Width of the smoother, in the regressor path: it is a number of cells, so it follows their
- * length, as do the distance of the rows, the range of the delays and the duration of a set. The
- * merges choose this length until three sets have confirmed it. If in some DoF the residual of the
- * high band exceeds the wrench there, these rows are mostly noise, of sensors or of waves. Then the
- * cells are doubled and the sets are dropped, provided that the new cell is at most a fifth of this
- * DoF's time constant. So a slow ship gets cells of 0.2 to 0.8 s. A vehicle that is quick, or has
- * good sensors, keeps 0.1 s.
+ * length, as do the distance of the rows, the range of the delays and the duration of a set. If in
+ * some DoF the residual of the high band exceeds the wrench there, these rows are mostly noise, of
+ * sensors or of waves. Then, after the estimate, the cells are doubled and the sets are dropped,
+ * provided that the new cell is at most a fifth of this DoF's time constant. The length does not
+ * change any more once three sets are without such noise. A slow ship gets cells of 0.2 to 0.8 s.
+ * A vehicle that is quick, or has good sensors, keeps 0.1 s.
  *
  * If a velocity that a DoF's equation reads (vehicle.h) was not measured within the smoother's
  * window, that equation has no row; the other equations have theirs. Each DoF counts its own rows.
