@@ -97,7 +97,7 @@ static void test_longer_cells_drop_all_sets_and_break_the_record(void)
     }
 }
 
-static uint8_t saved[40000];
+static uint8_t saved[100000];
 
 static void test_a_checkpoint_has_the_length_of_the_cells(void)
 {
