@@ -7,7 +7,7 @@ cp out one.json
 check "its JSON has the documented keys" is one.json '
 assert list(d) == ["version", "status", "seed", "model", "parameters", "missing",
                    "not_modelled", "drag", "delay_s", "r2_force", "r2_validation", "change_test",
-                   "guard", "evaluations", "budget", "estimates"], list(d)
+                   "guard", "cell_s", "evaluations", "budget", "estimates"], list(d)
 assert d["version"] == "0.1.0" and d["status"] == "ok" and d["seed"] == 1
 assert [p["name"] for p in d["parameters"]] == list(TRUTH)
 assert all(set(p) == {"name", "unit", "estimate", "sigma", "sigma_told", "thrust_error",

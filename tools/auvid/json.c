@@ -307,6 +307,8 @@ void report_json(const result_t *result, const campaign_t *campaign, const secon
     json_change_test(result);
     json_guard(result);
     json_adaptive(result);
+    printf(",\n  \"cell_s\": ");
+    json_number(result->cell_s);
     printf(",\n  \"evaluations\": {\"crs\": %u, \"line_search\": %u}",
            (unsigned)result->estimate.evaluations_crs, (unsigned)result->estimate.evaluations_line);
     printf(",\n  \"budget\": {\"limit\": %u, \"worst\": %u}", (unsigned)result->budget,

@@ -298,6 +298,9 @@ static void guard_line(const result_t *result)
     putchar('\n');
 }
 
+/* Length of the recorder's cells if the metric does not choose longer ones. */
+#define DEFAULT_CELL_S 0.1
+
 void report_result(const result_t *result, const result_t *last)
 {
     const auvid_estimate_t *e = &result->estimate;
@@ -310,6 +313,12 @@ void report_result(const result_t *result, const result_t *last)
     change_test_lines(result);
     putchar('\n');
     guard_line(result);
+    if (result->cell_s > DEFAULT_CELL_S) {
+        printf(
+            "  cells        %.1f s instead of %.1f s: the vehicle is slow, and a shorter smoother\n"
+            "               passes mostly noise\n",
+            result->cell_s, DEFAULT_CELL_S);
+    }
     printf("  evaluations  %u in the global search, %u in the line search%s\n",
            (unsigned)e->evaluations_crs, (unsigned)e->evaluations_line,
            e->not_converged ? "; NOT CONVERGED" : "");

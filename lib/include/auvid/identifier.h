@@ -193,6 +193,10 @@ enum {
     AUVID_EVENT_ROWS_DROPPED = 1u << 19, /**< a search took so long that complete rows were dropped;
                                           counted in metric.sets.rows_dropped. Regressor path: a
                                           waiting set. Residual path: rows of the next set */
+    AUVID_EVENT_LONGER_CELLS = 1u << 20, /**< with an estimate: its rows contained mostly noise, and
+                                              the vehicle is slow. The sets are dropped, and the
+                                              record begins again with cells of twice the length,
+                                              recorder.cell_us. See metric.max_cell_us */
     AUVID_EVENT_END                      /**< the last event + 1; no event */
 };
 

@@ -92,6 +92,8 @@ const auvid_checkpoint_limit_t auvid_checkpoint_limit[] = {
     DELAY(metric, result.delay_s, result.delay_s),
     COUNT(metric, uint16_t, result.dof_rows, result.dof_rows, MAX_ROWS),
     DOF_BITS(metric, result.excited, result.first_order_lag),
+    FLAG(metric, result.width_chosen, result.width_chosen),
+    BYTE(metric, evaluator.noise, evaluator.noise, 3),
     DELAY(metric, evaluator.linear_delay_s, evaluator.linear_delay_s),
     COUNT(metric, uint16_t, evaluator.at.row, evaluator.at.row, MAX_ROWS + AUVID_METRIC_WINDOW),
     BYTE(metric, evaluator.at.band, evaluator.at.band, AUVID_METRIC_BANDS - 1),

@@ -153,7 +153,9 @@ static bool checkpoint_check_recorder(const subject_t *s)
     }
     uint32_t period_us = WORD(recorder.velocity_us), given_us = s->id->recorder.cfg.velocity_us;
     bool observed = given_us == AUVID_VELOCITY_OBSERVED && period_us > 0 && period_us <= 1000000;
-    return (good || WORD(recorder.running) == 0) && (observed || period_us == given_us);
+    uint32_t doublings = WORD(metric.result.doublings), cell_us = s->id->metric.cfg.cell_us;
+    bool same = doublings < 10 && WORD(recorder.cell_us) == cell_us << doublings;
+    return (good || WORD(recorder.running) == 0) && (observed || period_us == given_us) && same;
 }
 
 /* Rows of the set of that age. */

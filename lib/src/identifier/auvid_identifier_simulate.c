@@ -22,7 +22,7 @@ static void simulate_cell(auvid_identifier_t *id, const auvid_sample_t *cell)
 static void simulate_restart(auvid_identifier_t *id)
 {
     const auvid_estimate_t *e = &id->estimate;
-    auvid_real_t cell_s = AUVID_C(1e-6) * (auvid_real_t)id->recorder.cfg.cell_us;
+    auvid_real_t cell_s = AUVID_C(1e-6) * (auvid_real_t)id->recorder.cell_us;
     if (id->attached.prediction == NULL) {
         return;
     }

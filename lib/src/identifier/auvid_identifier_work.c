@@ -16,6 +16,7 @@
 #include "auvid_identifier_internal.h"
 #include "../base/auvid_math_internal.h"
 #include "../metric/auvid_metric_evaluator_internal.h"
+#include "../navigation/auvid_recorder_internal.h"
 
 auvid_real_t auvid_identifier_common_delay(const auvid_estimate_t *estimate)
 {
@@ -99,6 +100,18 @@ auvid_real_t auvid_identifier_speed(const auvid_metric_t *m, int k)
     return AUVID_C(0.001) * (auvid_real_t)max_speed;
 }
 
+/* The rows were mostly noise: record longer cells. */
+static void identifier_lengthen_cells(auvid_identifier_t *id)
+{
+    auvid_recorder_set_cell(&id->recorder, auvid_metric_cell_us(&id->metric));
+    if (id->attached.validation != NULL) {
+        id->attached.validation->vehicle = NULL; /* it simulates cells of the old length */
+    }
+    identifier_judge_uncertain(id, true);
+    id->work.set_pending = false;
+    id->events |= AUVID_EVENT_LONGER_CELLS;
+}
+
 static void identifier_publish_estimate(auvid_identifier_t *id)
 {
     auvid_estimate_t *e = &id->estimate;
@@ -132,9 +145,12 @@ static void identifier_publish_estimate(auvid_identifier_t *id)
 
 void auvid_identifier_announce(auvid_identifier_t *id)
 {
-    identifier_simulate(id);
     id->events |= AUVID_EVENT_ESTIMATE;
     identifier_rest(id);
+    if (auvid_metric_lengthen(&id->metric)) {
+        identifier_lengthen_cells(id);
+    }
+    identifier_simulate(id);
 }
 
 /* ---- from sets to the merge ---- */

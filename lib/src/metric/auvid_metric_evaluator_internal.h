@@ -149,6 +149,13 @@ static inline void auvid_metric_solve_again(auvid_metric_t *m, int j, auvid_real
     auvid_metric_solve_dof(m, j);
 }
 
+/** At the residuals of the first pass: note whether DoF j asks for longer cells. */
+void auvid_metric_judge_width(auvid_metric_t *m, int j);
+
+/** After a merge and the search: double the cells and drop all sets, or decide to keep the cells.
+ * @return true if they are doubled */
+bool auvid_metric_lengthen(auvid_metric_t *m);
+
 /** Continue the passes of a merge from the present one on. @return true if they are complete */
 bool auvid_metric_merge_sets(auvid_metric_t *m, uint32_t *budget);
 

@@ -187,11 +187,14 @@ static void metric_add_residual(auvid_metric_t *m, const auvid_set_t *set, int b
     auvid_equation_t equation = auvid_metric_equation(m, j);
     const auvid_real_t *x = m->evaluator.candidate + equation.at;
     auvid_real_t row[AUVID_MAX_PARAMETERS + AUVID_METRIC_DELAYS], e = AUVID_C(0.0);
+    auvid_real_t wrench = AUVID_C(0.0);
     auvid_metric_unpack_row(m, set, band, j, i, row);
     for (int k = i; k < equation.order; ++k) {
         e += row[k] * x[k];
+        wrench += k < equation.count ? AUVID_C(0.0) : row[k] * x[k];
     }
     m->evaluator.band_sse[band][j] += e * e;
+    m->evaluator.high_wrench[j] += band == 0 ? AUVID_C(0.0) : wrench * wrench;
 }
 
 void auvid_metric_restart_pass(auvid_metric_t *m, uint8_t pass)
@@ -199,6 +202,7 @@ void auvid_metric_restart_pass(auvid_metric_t *m, uint8_t pass)
     auvid_metric_evaluator_t *ev = &m->evaluator;
     ev->at = (auvid_metric_cursor_t){.to_set = (uint8_t)auvid_metric_sets(m), .pass = pass};
     memset(ev->band_sse, 0, sizeof ev->band_sse);
+    memset(ev->high_wrench, 0, sizeof ev->high_wrench);
     if (pass == PASS_FIRST || pass == PASS_LAST) {
         memset(ev->merged, 0, sizeof ev->merged);
         m->result.constant = AUVID_C(0.0);
@@ -269,6 +273,7 @@ static bool metric_finish_dofs(auvid_metric_t *m, uint32_t *budget)
             }
             if (at->pass == PASS_RESIDUAL) {
                 metric_weigh_bands(m, j);
+                auvid_metric_judge_width(m, j);
             } else {
                 auvid_metric_solve_dof(m, j);
             }
@@ -303,7 +308,7 @@ void auvid_metric_merge_begin(auvid_metric_t *metric)
     }
     auvid_metric_evaluator_t *ev = &m->evaluator;
     auvid_metric_result_t *result = &m->result;
-    result->excited = ev->sets_merged = 0;
+    result->excited = ev->sets_merged = ev->noise = 0;
     memset(result->dof_rows, 0, sizeof result->dof_rows);
     for (int age = 0; age < auvid_metric_sets(m); ++age) {
         const auvid_set_t *set = auvid_metric_set(m, age);

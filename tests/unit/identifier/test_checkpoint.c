@@ -614,6 +614,10 @@ static void test_a_record_of_too_many_cells_is_refused(void)
     IMPOSSIBLE(recorder.stream[4].valid = false);
     IMPOSSIBLE(recorder.measured[15] = 8);
     IMPOSSIBLE(recorder.velocity_us = 0);
+    IMPOSSIBLE(recorder.cell_us = 200000);
+    IMPOSSIBLE(metric.result.doublings = 1);
+    IMPOSSIBLE(metric.result.doublings = 32);
+    IMPOSSIBLE(metric.evaluator.noise = 4);
     IMPOSSIBLE(recorder.velocity_us = 1000001);
     IMPOSSIBLE(recorder.intervals = AUVID_RECORDER_INTERVALS);
     IMPOSSIBLE(recorder.interval_us[6] = 1000001);

@@ -34,6 +34,14 @@
  * motion. The uncertainty of the delay enters the standard errors (confidence.h). In the
  * residual path one shift, common to wrench and commands, is searched together with the parameters.
  *
+ * Width of the smoother, in the regressor path: it is a number of cells, so it follows their
+ * length, as do the distance of the rows, the range of the delays and the duration of a set. If in
+ * some DoF the residual of the high band exceeds the wrench there, these rows are mostly noise, of
+ * sensors or of waves. Then, after the estimate, the cells are doubled and the sets are dropped,
+ * provided that the new cell is at most a fifth of this DoF's time constant. The length does not
+ * change any more once three sets are without such noise. A slow ship gets cells of 0.2 to 0.8 s.
+ * A vehicle that is quick, or has good sensors, keeps 0.1 s.
+ *
  * If a velocity that a DoF's equation reads (vehicle.h) was not measured within the smoother's
  * window, that equation has no row; the other equations have theirs. Each DoF counts its own rows.
  *
@@ -161,6 +169,7 @@ typedef struct {
     auvid_real_t weight[AUVID_DOF_COUNT]; /* 1 / (tau_max^2 rows) */
     auvid_real_t band_weight[AUVID_METRIC_BANDS][AUVID_DOF_COUNT];
     auvid_real_t band_sse[AUVID_METRIC_BANDS][AUVID_DOF_COUNT];
+    auvid_real_t high_wrench[AUVID_DOF_COUNT];      /* sum of squares of the high band's wrench */
     auvid_real_t delay_weight[AUVID_METRIC_DELAYS]; /* of the residual path's common delay */
     auvid_real_t pi[AUVID_MAX_PARAMETERS];          /* pi by parameter */
     auvid_real_t candidate[AUVID_MAX_COLUMNS]; /* pi by channel, then minus the delay's weights */
@@ -170,7 +179,7 @@ typedef struct {
     auvid_metric_cursor_t at;
     uint8_t window_of[AUVID_DOF_COUNT]; /* rows of each DoF since a gap of it, ..window_length */
     uint8_t sets_merged;                /* sets with an excited DoF at the last merge */
-    uint8_t reserved;
+    uint8_t noise;                      /* what the high bands show: auvid_metric_width.c */
     union {
         auvid_real_t window[AUVID_METRIC_WINDOW][AUVID_DOF_COUNT]; /* residuals of the last rows */
 #if AUVID_MAX_COMMANDS > 0
@@ -191,6 +200,8 @@ typedef struct {
     uint8_t excited;                       /**< bit j: DoF j is excited in some merged set */
     uint8_t first_order_lag;               /**< bit j: DoF j's delay is that of a first-order lag,
                                                not a shift */
+    uint8_t doublings;                     /**< of the cell, see auvid_metric_cell_us */
+    bool width_chosen;                     /**< the length of the cells does not change any more */
 } auvid_metric_result_t;
 
 /** Result of the change test. */
