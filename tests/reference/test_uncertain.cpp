@@ -1,0 +1,224 @@
+// The solution with uncertain inputs against normal equations in double (Eigen). The reference reads
+// the R factors of each band, and knows the equations of auvid_uncertain_solve.c, but eliminates
+// nothing: all inputs of all degrees of freedom and all parameters are unknowns of one system, and
+// Gauss-Newton runs until it has converged.
+#include <Eigen/Dense>
+
+#include <cmath>
+#include <vector>
+
+extern "C" {
+#include "field_run.h"
+#include "unity.h"
+
+// auvid_uncertain_parts_internal.h, which is C
+auvid_real_t auvid_uncertain_sigma(const auvid_uncertain_t *u, const auvid_metric_t *m, int code,
+                                   int j);
+}
+
+enum { INPUT_DELAY = AUVID_UNCERTAIN_SHARED, INPUT_ASYMMETRY, INPUT_LIFT = INPUT_DELAY + 4 };
+
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+static field_run_t run;
+static field_run_config_t config;
+static field_record_t record;
+
+void setUp()
+{
+}
+
+void tearDown()
+{
+}
+
+namespace
+{
+
+enum { PARAMETERS = 13, PASSES = 30 };
+
+// The joint system: shared inputs, parameters, then the own inputs of all degrees of freedom.
+struct Reference {
+    const auvid_uncertain_t &u = run.uncertain;
+    const auvid_metric_t &m = run.id.metric;
+    int n = AUVID_UNCERTAIN_SHARED + PARAMETERS + AUVID_UNCERTAIN_OWN;
+    VectorXd x = VectorXd::Zero(n);
+    MatrixXd normal;
+
+    MatrixXd band(int j, int b) const
+    {
+        const auvid_uncertain_equation_t &e = u.equation[j];
+        MatrixXd r = MatrixXd::Zero(e.order, e.order);
+        const auvid_real_t *from = u.factor[b] + e.factor_at;
+        for (int i = 0; i < e.order; ++i) {
+            for (int k = i; k < e.order; ++k) {
+                r(i, k) = double(*from++);
+            }
+        }
+        return r;
+    }
+
+    int code(int j, int k) const
+    {
+        return u.code[u.equation[j].column_at + k];
+    }
+
+    // Where column k of DoF j is among the unknowns.
+    int unknown(int j, int k) const
+    {
+        const auvid_uncertain_equation_t &e = u.equation[j];
+        if (k < e.own) {
+            return AUVID_UNCERTAIN_SHARED + PARAMETERS + e.own_at + k;
+        }
+        return k < e.inputs
+                   ? code(j, k)
+                   : AUVID_UNCERTAIN_SHARED + m.layout.index[m.layout.channel_at[j] + k - e.inputs];
+    }
+
+    int mass(int j) const
+    {
+        return j == AUVID_YAW ? SIM_M_R : SIM_M_U + j;
+    }
+
+    // Columns with the hull's inputs orthogonal to the drag of the DoF.
+    MatrixXd columns(int j, const MatrixXd &r) const
+    {
+        const auvid_uncertain_equation_t &e = u.equation[j];
+        static const int drag[] = {SIM_X_U, SIM_Y_V, SIM_Z_W, 0, 0, SIM_N_R};
+        MatrixXd all(2 * e.order, e.order), d(2 * e.order, 2), out = r;
+        all << band(j, 0), band(j, 1);
+        MatrixXd chosen(r.rows(), 2);
+        for (int k = e.inputs; k < e.order - 1; ++k) {
+            int p = unknown(j, k) - AUVID_UNCERTAIN_SHARED - drag[j];
+            if (p == 0 || p == 1) {
+                d.col(p) = all.col(k);
+                chosen.col(p) = r.col(k);
+            }
+        }
+        for (int k = 0; k < e.inputs; ++k) {
+            if (code(j, k) >= INPUT_ASYMMETRY && code(j, k) <= INPUT_LIFT) {
+                out.col(k) -= chosen * d.colPivHouseholderQr().solve(all.col(k));
+            }
+        }
+        return out;
+    }
+
+    void add(int j, VectorXd &right)
+    {
+        const auvid_uncertain_equation_t &e = u.equation[j];
+        int cols = e.order - 1;
+        VectorXd theta(cols);
+        for (int k = 0; k < cols; ++k) {
+            theta(k) = x(unknown(j, k));
+        }
+        MatrixXd c[2];
+        VectorXd residual[2];
+        double squares[2];
+        for (int b = 0; b < 2; ++b) {
+            c[b] = columns(j, band(j, b));
+            residual[b] = c[b].col(cols) - c[b].leftCols(cols) * theta;
+            squares[b] = residual[b].squaredNorm();
+        }
+        double ratio = std::sqrt(squares[1] / squares[0]), weight[2] = {ratio, 1.0 / ratio};
+        double s2 = 2.6 * (weight[0] * squares[0] + weight[1] * squares[1]) / double(u.rows[j]);
+        double zz =
+            weight[0] * c[0].col(cols).squaredNorm() + weight[1] * c[1].col(cols).squaredNorm();
+        double lambda = j == AUVID_YAW ? 0.5 : 1.0, m_j = x(AUVID_UNCERTAIN_SHARED + mass(j));
+        MatrixXd jacobian[2] = {c[0].leftCols(cols), c[1].leftCols(cols)};
+        for (int k = 0; k < cols; ++k) {
+            bool thrust =
+                k < e.inputs && (code(j, k) <= AUVID_UNCERTAIN_LAG ||
+                                 (code(j, k) >= AUVID_UNCERTAIN_GAIN && code(j, k) <= INPUT_DELAY));
+            double share = 0.0;
+            if (thrust) {
+                double cz = weight[0] * c[0].col(k).dot(c[0].col(cols)) +
+                            weight[1] * c[1].col(k).dot(c[1].col(cols));
+                share = -(1.0 - lambda) * cz / zz;
+            } else if (k >= e.inputs && unknown(j, k) == AUVID_UNCERTAIN_SHARED + mass(j)) {
+                share = lambda / m_j;
+            }
+            for (int b = 0; b < 2; ++b) {
+                jacobian[b].col(k) += share * residual[b];
+            }
+        }
+        for (int b = 0; b < 2; ++b) {
+            MatrixXd wide = MatrixXd::Zero(e.order, n);
+            for (int k = 0; k < cols; ++k) {
+                wide.col(unknown(j, k)) += jacobian[b].col(k);
+            }
+            normal += weight[b] / s2 * wide.transpose() * wide;
+            right += weight[b] / s2 * wide.transpose() * residual[b];
+        }
+        for (int k = 0; k < e.own; ++k) {
+            double sigma = double(auvid_uncertain_sigma(&u, &m, code(j, k), j));
+            normal(unknown(j, k), unknown(j, k)) += 1.0 / (sigma * sigma);
+            right(unknown(j, k)) -= x(unknown(j, k)) / (sigma * sigma);
+        }
+    }
+
+    void solve()
+    {
+        for (int i = 0; i < PARAMETERS; ++i) {
+            x(AUVID_UNCERTAIN_SHARED + i) = double(run.id.estimate.pi[i]);
+        }
+        for (int pass = 0; pass < PASSES; ++pass) {
+            VectorXd right = VectorXd::Zero(n);
+            normal = 1e-12 * MatrixXd::Identity(n, n);
+            for (int k = 0; k < AUVID_UNCERTAIN_SHARED; ++k) {
+                double sigma = double(auvid_uncertain_sigma(&u, &m, k, 0));
+                normal(k, k) += 1.0 / (sigma * sigma);
+                right(k) -= x(k) / (sigma * sigma);
+            }
+            for (int j : {AUVID_SURGE, AUVID_SWAY, AUVID_HEAVE, AUVID_YAW}) {
+                add(j, right);
+            }
+            VectorXd scale = normal.diagonal().cwiseSqrt().cwiseInverse();
+            MatrixXd scaled = scale.asDiagonal() * normal * scale.asDiagonal();
+            x += scale.asDiagonal() * scaled.ldlt().solve(VectorXd(scale.asDiagonal() * right));
+        }
+    }
+};
+
+void identify(field_vehicle_t vehicle, uint64_t seed)
+{
+    field_run_defaults(&config);
+    field_defaults(&config.field, vehicle, FIELD_EXCITED, seed);
+    field_draw(&config.field, 0.3);
+    config.budget = 1000000; // the solution is complete before the next cell
+    TEST_ASSERT_TRUE(field_run(&run, &config, &record));
+    TEST_ASSERT_TRUE(run.uncertain.estimate.number > 0);
+}
+
+void check(field_vehicle_t vehicle, uint64_t seed)
+{
+    identify(vehicle, seed);
+    Reference reference;
+    reference.solve();
+    for (int i = 0; i < PARAMETERS; ++i) {
+        double expected = reference.x(AUVID_UNCERTAIN_SHARED + i);
+        double sigma = double(run.uncertain.estimate.confidence.sigma[i]);
+        TEST_ASSERT_DOUBLE_WITHIN(0.1 * sigma, expected, double(run.uncertain.pi[i]));
+    }
+    for (int k = 0; k < AUVID_UNCERTAIN_SHARED; ++k) {
+        double sigma = double(auvid_uncertain_sigma(&run.uncertain, &run.id.metric, k, 0));
+        TEST_ASSERT_DOUBLE_WITHIN(0.1 * sigma, reference.x(k), double(run.uncertain.shared[k]));
+    }
+}
+
+void test_the_solution_is_that_of_the_joint_normal_equations()
+{
+    for (uint64_t seed = 1; seed <= 4; ++seed) {
+        check(FIELD_GIRONA500, seed);
+        check(FIELD_ROV20, seed);
+    }
+}
+
+} // namespace
+
+int main()
+{
+    UNITY_BEGIN();
+    RUN_TEST(test_the_solution_is_that_of_the_joint_normal_equations);
+    return UNITY_END();
+}
