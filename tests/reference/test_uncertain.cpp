@@ -1,7 +1,7 @@
-// The solution with uncertain inputs against normal equations in double (Eigen). The reference reads
-// the R factors of each band, and knows the equations of auvid_uncertain_solve.c, but eliminates
-// nothing: all inputs of all degrees of freedom and all parameters are unknowns of one system, and
-// Gauss-Newton runs until it has converged.
+// The solution with uncertain inputs against normal equations in double (Eigen). The reference
+// reads the R factors of each band, and knows the equations of auvid_uncertain_solve.c, but
+// eliminates nothing: all inputs of all degrees of freedom and all parameters are unknowns of one
+// system, and Gauss-Newton runs until it has converged.
 #include <Eigen/Dense>
 
 #include <cmath>

@@ -71,6 +71,7 @@ static const char field_help[] =
     "  --vehicle NAME     girona500 (default), or rov20: an ROV of 20 kg\n"
     "  --driver NAME      excited (default); or 600 s without excitation: joystick, lawnmower\n"
     "                     (PID), station\n"
+    "  --hours H          length of each run; an excited vehicle repeats its plan\n"
     "  --perfect-inputs   set --thrust-scale, --dvl-scale and --delay to zero;\n"
     "                     no input is uncertain\n"
     "  --plain            without uncertain inputs; the two scales and the delay remain\n"

@@ -94,16 +94,15 @@ static void log_change_test(scenario_run_t *run)
                   (double)ratio[AUVID_HEAVE], (double)ratio[AUVID_YAW], max_change);
 }
 
-static void log_change(scenario_run_t *run)
+/* Logs that the vehicle is another one, most clearly in the only degree of freedom of the mask. */
+static void log_alarm(scenario_run_t *run, uint32_t mask, const char *what, const char *then)
 {
-    const auvid_change_test_t *test = &run->world.node[0].id.change_test;
     int j = 0;
-    while (j < AUVID_DOF_COUNT - 1 && !(test->changed >> j & 1u)) {
+    while (j < AUVID_DOF_COUNT - 1 && !(mask >> j & 1u)) {
         ++j;
     }
     event_log_add(&run->log, world_time_s(&run->world),
-                  "THE VEHICLE HAS CHANGED, most clearly in %s: older sets dropped, new search",
-                  report_dof_name[j]);
+                  "THE VEHICLE HAS %s, most clearly in %s: %s", what, report_dof_name[j], then);
 }
 
 static void log_estimate(scenario_run_t *run)
@@ -133,7 +132,12 @@ static void log_events(scenario_run_t *run)
     }
     if (events & AUVID_EVENT_CHANGED) {
         run->changed = true;
-        log_change(run);
+        log_alarm(run, run->world.node[0].id.change_test.changed, "CHANGED",
+                  "older sets dropped, new search");
+    }
+    if (events & AUVID_EVENT_DRIFTED) {
+        log_alarm(run, run->world.node[0].id.change_test.drifted, "DRIFTED",
+                  "compared with the first accepted estimate");
     }
     if (events & AUVID_EVENT_RESTORED) {
         event_log_add(&run->log, t_s, "the previous estimate predicted this set better: restored");

@@ -271,12 +271,15 @@ static void change_test_lines(const result_t *result)
     if (test->set == 0) {
         return;
     }
-    printf("  newest data set, predicted before it was used%s\n",
-           test->changed ? ": THE VEHICLE HAS CHANGED" : "");
+    printf("  newest data set, predicted before it was used%s%s\n",
+           test->changed ? ": THE VEHICLE HAS CHANGED" : "",
+           test->drifted ? ": THE VEHICLE HAS DRIFTED since the first accepted estimate" : "");
     to_double(value, test->variance_ratio);
     dof_line(result, "  variance ratio of the force", 2, value, test->excited);
     to_double(value, test->change);
     dof_line(result, "  change statistic (changed: > 1)", 2, value, test->excited);
+    to_double(value, test->drift);
+    dof_line(result, "  drift statistic (drifted: > 1)", 2, value, test->excited);
     to_double(value, test->r2_velocity);
     dof_line(result, "  R2 of the velocity", 4, value, test->simulated & test->excited);
 }

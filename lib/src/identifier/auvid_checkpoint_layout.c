@@ -120,6 +120,7 @@ NO_GAP(auvid_confidence_t, reserved);
 NO_GAP(auvid_estimate_t, reserved);
 NO_GAP(auvid_change_test_t, reserved);
 NO_GAP(auvid_metric_change_t, reserved);
+NO_GAP(auvid_drift_reference_t, variance);
 NO_GAP(auvid_change_detector_t, reserved);
 NO_GAP(auvid_sample_t, reserved);
 NO_GAP(auvid_row_t, late);

@@ -150,11 +150,15 @@ const auvid_checkpoint_limit_t auvid_checkpoint_limit[] = {
     DOF_BITS(estimate, excited, first_order_lag),
     FLAG(estimate, not_converged, accepted),
 
+    UP_TO(change_detector, noise, noise, AUVID_C(1e18)), /* squared */
+    UP_TO(change_detector, first.speed, first.speed, 66),
+    FINITE(change_detector, first.value, first.value),
+    UP_TO(change_detector, first.variance, first.variance, AUVID_LARGEST),
     BYTE(change_detector, statistic.rank, statistic.rank, AUVID_MAX_PARAMETERS),
     FLAG(change_detector, straddles_change, straddles_change),
     FINITE(prior, pi, variance_inflation),
-    FINITE(change_test, variance_ratio, r2_velocity),
-    DOF_BITS(change_test, excited, simulated),
+    FINITE(change_test, variance_ratio, drift),
+    DOF_BITS(change_test, excited, drifted),
 
     VALUE(sample, phi, command),
     DOF_BITS(sample, missing, missing),

@@ -206,10 +206,13 @@ typedef struct {
 
 /** Result of the change test. */
 typedef struct {
-    auvid_real_t change[2][AUVID_DOF_COUNT]; /**< Chow statistic: pooled minus separate sum of
+    auvid_real_t change[2][AUVID_DOF_COUNT];      /**< Chow statistic: pooled minus separate sum of
                                                   squared residuals of the older sets and the newest
                                                   set [0], or the newest two [1] [N^2, Nm^2] */
-    uint8_t rank[AUVID_DOF_COUNT];           /**< number of parameters tested */
+    auvid_real_t unexplained[2][AUVID_DOF_COUNT]; /**< sum of squared residuals of the newest set
+                                                       [0], or the newest two [1], fitted without
+                                                       the older ones [N^2, Nm^2] */
+    uint8_t rank[AUVID_DOF_COUNT];                /**< number of parameters tested */
     uint8_t reserved[2];
 } auvid_metric_change_t;
 
