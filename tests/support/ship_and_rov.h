@@ -160,13 +160,14 @@ static inline uint32_t sea_play(const sea_log_t *log, uint64_t seed, uint32_t bu
 }
 
 /** Identify the whole log in eight sets, as `auvid fit` does: cells are doubled until the metric
- * asks for no more. max_cell_us 0: the cells stay 0.1 s. @return length of the cells [us] */
+ * asks for no more. max_cell_us 0: the cells stay 0.1 s. @return length of the cells [us];
+ * 0: init refused, or no end of longer cells */
 static inline uint32_t sea_fit(const sea_log_t *log, uint64_t seed, uint32_t max_cell_us,
                                auvid_identifier_t *id)
 {
     static auvid_identifier_config_t cfg;
     uint32_t cell_us = 100000;
-    do {
+    for (int runs = 0; runs < 5; ++runs) {
         sea_configure(log, seed, &cfg);
         cfg.recorder.cell_us = cell_us;
         cfg.recorder.gap_us = 1000000;
@@ -176,9 +177,12 @@ static inline uint32_t sea_fit(const sea_log_t *log, uint64_t seed, uint32_t max
             return 0;
         }
         (void)sea_play(log, seed, 0, id);
+        if (id->metric.result.doublings == 0) {
+            return cell_us;
+        }
         cell_us = id->recorder.cell_us;
-    } while (id->metric.result.doublings > 0);
-    return cell_us;
+    }
+    return 0;
 }
 
 #endif

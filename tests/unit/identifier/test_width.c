@@ -39,6 +39,10 @@ static void test_a_slow_ship_gets_longer_cells_and_its_force_is_explained(void)
     TEST_ASSERT_TRUE(id.recorder.cell_us >= 200000 && id.recorder.cell_us <= 400000);
     TEST_ASSERT_EQUAL_UINT32(100000, id.recorder.cfg.cell_us);
     TEST_ASSERT_TRUE(id.metric.result.width_chosen);
+    /* a sample of the velocity every 0.2 s, in cells */
+    auvid_real_t cells = AUVID_C(200000.0) / (auvid_real_t)id.recorder.cell_us;
+    TEST_ASSERT_FLOAT_WITHIN(1e-6f, (float)(cells * cells / AUVID_C(12.0)),
+                             (float)id.metric.layout.interpolation_spread);
     TEST_ASSERT_NOT_NULL(e);
     TEST_ASSERT_TRUE(e->r2_force[AUVID_SURGE] > AUVID_C(0.98));
     TEST_ASSERT_TRUE(e->r2_force[AUVID_SWAY] > AUVID_C(0.95));
@@ -73,8 +77,8 @@ static void test_a_quick_rov_keeps_its_cells_also_in_noise(void)
     sea_log_t noisy = sea_rov;
     TEST_ASSERT_FALSE(run_aboard(&sea_rov, 800000) & AUVID_EVENT_LONGER_CELLS);
     TEST_ASSERT_TRUE(id.metric.result.width_chosen);
-    noisy.noise_mps = 0.2;
-    noisy.noise_radps = 0.2;
+    noisy.noise_mps = 0.6;
+    noisy.noise_radps = 0.6;
     TEST_ASSERT_FALSE(run_aboard(&noisy, 800000) & AUVID_EVENT_LONGER_CELLS);
     TEST_ASSERT_EQUAL_UINT32(100000, id.recorder.cell_us);
 }
