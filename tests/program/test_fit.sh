@@ -331,4 +331,27 @@ check "tables" exits 0 fit commands.csv --validate commands.csv
 check "  no line is longer than 100 columns" awk 'length > 100 { exit 1 }' out
 check "  name the unit of the parameters" grep -q 'units of command' out
 check "  nothing on stderr" test ! -s err
+# 800 kg with a time constant of 10 s, and velocity at 5 Hz with 6 cm/s of noise.
+python3 - >ship.csv <<'END'
+import random
+random.seed(1)
+print("t_s,u_mps,X_N")
+u = thrust = until = 0
+for k in range(100 * 900):
+    t = k / 100
+    if t >= until:
+        thrust, until = random.choice([-150, -75, 0, 75, 150]), t + random.uniform(15, 45)
+    if k % 20 == 0:
+        print(f"{t:.2f},{random.gauss(u, 0.06):.4f},{thrust}")
+    u += (thrust - 20 * u - 40 * u * abs(u)) / 800 / 100
+END
+check "a ship's log is identified" exits 0 fit ship.csv --json
+cp out ship.json
+check "  with cells that suit it" is ship.json '
+assert d["cell_s"] in (0.2, 0.4, 0.8) and d["r2_force"]["X"] > 0.95, (d["cell_s"], d["r2_force"])
+assert abs(P["m_u"]["estimate"] / 800 - 1) < 0.05 and P["m_u"]["identifiable"], P["m_u"]'
+check "  and the table says so" exits 0 fit ship.csv
+check "  in one sentence" grep -q "cells  *0.[248] s instead of 0.1 s: the vehicle is slow" out
+check "a quick vehicle keeps its cells" is fit.json 'assert d["cell_s"] == 0.1'
+
 finish
