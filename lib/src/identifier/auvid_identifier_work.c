@@ -108,6 +108,9 @@ static void identifier_lengthen_cells(auvid_identifier_t *id)
         id->attached.validation->vehicle = NULL; /* it simulates cells of the old length */
     }
     identifier_judge_uncertain(id, true);
+    if (id->attached.change != NULL) { /* noise has biased its masses: no reference for drift */
+        memset(&id->attached.change->first, 0, sizeof id->attached.change->first);
+    }
     id->work.set_pending = false;
     id->events |= AUVID_EVENT_LONGER_CELLS;
 }

@@ -101,6 +101,18 @@ static void test_longer_cells_drop_all_sets_and_break_the_record(void)
     }
 }
 
+static void test_longer_cells_begin_a_new_reference_for_drift(void)
+{
+    static auvid_change_detector_t detector;
+    sea_configure(&sea_ship, 1, &cfg);
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&id, &cfg));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_attach_change_test(&id, &detector));
+    detector.first.speed[AUVID_HEAVE] = AUVID_C(1.0); /* of a DoF that rests */
+    TEST_ASSERT_TRUE(sea_play(&sea_ship, 1, 5000, &id) & AUVID_EVENT_LONGER_CELLS);
+    TEST_ASSERT_TRUE(detector.first.speed[AUVID_HEAVE] < AUVID_C(1.0));
+    TEST_ASSERT_FALSE(id.change_test.drifted);
+}
+
 static uint8_t saved[100000];
 
 static void test_a_checkpoint_has_the_length_of_the_cells(void)
@@ -232,6 +244,7 @@ int main(void)
     RUN_TEST(test_cells_are_never_longer_than_permitted);
     RUN_TEST(test_a_quick_rov_keeps_its_cells_also_in_noise);
     RUN_TEST(test_longer_cells_drop_all_sets_and_break_the_record);
+    RUN_TEST(test_longer_cells_begin_a_new_reference_for_drift);
     RUN_TEST(test_a_checkpoint_has_the_length_of_the_cells);
     RUN_TEST(test_chosen_cells_explain_the_force_of_ships_in_noise_and_in_waves);
     RUN_TEST(test_the_choice_changes_nothing_for_an_rov);
