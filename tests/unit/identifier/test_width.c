@@ -107,9 +107,9 @@ static void test_longer_cells_begin_a_new_reference_for_drift(void)
     sea_configure(&sea_ship, 1, &cfg);
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&id, &cfg));
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_attach_change_test(&id, &detector));
-    detector.first.speed[AUVID_HEAVE] = AUVID_C(1.0); /* of a DoF that rests */
+    detector.first.value[0][AUVID_HEAVE] = AUVID_C(1.0); /* of a DoF that rests */
     TEST_ASSERT_TRUE(sea_play(&sea_ship, 1, 5000, &id) & AUVID_EVENT_LONGER_CELLS);
-    TEST_ASSERT_TRUE(detector.first.speed[AUVID_HEAVE] < AUVID_C(1.0));
+    TEST_ASSERT_TRUE(detector.first.value[0][AUVID_HEAVE] < AUVID_C(1.0));
     TEST_ASSERT_FALSE(id.change_test.drifted);
 }
 
