@@ -393,7 +393,7 @@ build/can/%.so: $(CAN_CODEC) $(PUBLIC) $(wildcard lib/src/*/*.h) Makefile | $(SE
 build/validation/%.so: $(VALIDATION) Makefile \
         $(PUBLIC) $(wildcard lib/src/*/*.h tools/simulator/*.h tests/support/*.h) | $(SETUP)
 	@mkdir -p $(@D); echo "  $@"
-	$(Q)$(CC) -std=c11 -O2 -g -fPIC -shared $(VALIDATION_$*) \
+	$(Q)$(CC) -std=c11 -O2 -g -fno-var-tracking -fPIC -shared $(VALIDATION_$*) \
 	    -ffp-contract=off -Ilib/include -Ilib/src -Itools/simulator -Itests/support $(CFLAGS) \
 	    -o $@ $(VALIDATION) -lm
 
