@@ -9,7 +9,10 @@ CC := gcc
 endif
 ifeq ($(origin CXX),default)
 CXX := g++
+# clang takes half of gcc's time for Eigen's templates.
+EIGEN_CXX := $(if $(shell command -v clang++),clang++,g++)
 endif
+EIGEN_CXX ?= $(CXX)
 JOBS ?= $(shell nproc)
 ifeq ($(word 2,$(MAKECMDGOALS)),)
 MAKEFLAGS += --no-builtin-rules -j$(JOBS)
@@ -282,8 +285,8 @@ build/$(1)/unity.o: Makefile | setup
 
 build/$(1)/tests/%: tests/%.cpp $(call TESTED,$(1))
 	@mkdir -p $$(@D); rm -f $$@; echo "  $$@"
-	$$(Q)$$(CXX) -std=c++17 $(WAY_$(1)) $$(FLAGS) $$(FLAGS_tests) -isystem $$(EIGEN_DIR) \
-	    $$(CXXFLAGS) -MF $$@.d -MT $$@ -o $$@ $$< $(call TESTED,$(1)) -lm
+	$$(Q)$$(EIGEN_CXX) -std=c++17 $(WAY_$(1)) -O1 $$(FLAGS) $$(FLAGS_tests) \
+	    -isystem $$(EIGEN_DIR) $$(CXXFLAGS) -MF $$@.d -MT $$@ -o $$@ $$< $(call TESTED,$(1)) -lm
 
 build/$(1)/tests/port/%: tests/port/%.c tests/port/fake_system.c $(call objects,$(1),$(PORT))
 	@mkdir -p $$(@D); rm -f $$@; echo "  $$@"
