@@ -87,7 +87,7 @@ BENCH_SUPPORT := tests/support/ls_problem.c tests/support/chain.c $(SIMULATOR)
 # The same sources are built in several ways; objects of one way live in build/<way>/.
 WAY_release := -O2
 WAY_double := -O2 -DAUVID_REAL_DOUBLE
-WAY_sanitized := -O1 -g -fno-omit-frame-pointer \
+WAY_sanitized := -O1 -g1 -fno-omit-frame-pointer \
     -fsanitize=address,undefined,float-cast-overflow -fno-sanitize-recover=all
 WAY_bench := -O2 -DAUVID_MAX_POPULATION=130
 # The program's sizes, and those of the tests of models that the default sizes have no room for:
