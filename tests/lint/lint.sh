@@ -111,9 +111,13 @@ check_tools() {
         each "clang $TOOLS -fsyntax-only {}" "${tools[@]}"
 }
 
+# The analyzer looks at fewer states of each function than its default, 225000, and finds as much:
+# of 21 null pointers planted on one path of a function 15 with either, 13 with 25000.
 check_tidy() {
+    local nodes=50000
+    [ -z "${AUVID_TEST_LONG:-}" ] || nodes=225000
     each "clang-tidy --quiet {} -- -std=c11 -Ilib/include -Ilib/src -Itools/simulator \
-        -Iport/linux_socketcan -Iport/cortex_m \
+        -Iport/linux_socketcan -Iport/cortex_m -Xclang -analyzer-config -Xclang max-nodes=$nodes \
         2>&1 | grep -Ev '^[0-9]+ warnings? (generated|treated)|^Suppressed|^Use -header-filter'; \
         exit \${PIPESTATUS[0]}" "${lib[@]}" "${tools[@]}"
 }
