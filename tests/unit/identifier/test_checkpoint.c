@@ -142,6 +142,7 @@ static void test_the_bytes_do_not_depend_on_the_chunks(void)
     uint32_t check = 0;
     memcpy(&check, saved + bytes - 4, 4);
     printf("%u bytes, checksum %08lx\n", (unsigned)bytes, (unsigned long)check);
+    fflush(stdout);
 }
 
 static void test_after_the_last_byte_there_is_none(void)
