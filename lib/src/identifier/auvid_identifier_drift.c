@@ -20,7 +20,8 @@
 
 #include "../base/auvid_math_internal.h"
 
-/* Limit of |t|, which is at most 4 in 20000 unchanged sets without mismatch. */
+/* Limit of |t|. None of 10800 unchanged sets without mismatch exceeds it, and none of 9600 with
+ * mixtures of usual size. */
 #define DRIFT_LIMIT AUVID_C(6.0)
 /* Speed of the drag force relative to the largest in the first estimate's data: there linear and
  * quadratic drag together are known best. */

@@ -110,6 +110,7 @@ static void identifier_lengthen_cells(auvid_identifier_t *id)
     identifier_judge_uncertain(id, true);
     if (id->attached.change != NULL) { /* noise has biased its masses: no reference for drift */
         memset(&id->attached.change->first, 0, sizeof id->attached.change->first);
+        memset(id->attached.change->noise, 0, sizeof id->attached.change->noise);
     }
     id->work.set_pending = false;
     id->events |= AUVID_EVENT_LONGER_CELLS;
