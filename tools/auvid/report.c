@@ -176,7 +176,9 @@ void report_note(const result_t *result, int i, char *text, size_t size)
 {
     const auvid_parameter_t *parameter = &result->vehicle->parameter[i];
     const char *why = result->why[parameter->dof];
-    if (!report_is_identified(result, i)) {
+    const auvid_confidence_t *c = &result->estimate.confidence;
+    bool unactuated = c->note[i] == AUVID_NOTE_NOT_EXCITED && c->partner[i] != 0;
+    if (!report_is_identified(result, i) && (why != NULL || !unactuated)) {
         (void)snprintf(text, size, "%s", why != NULL ? why : "not excited");
     } else {
         (void)auvid_confidence_note(&result->estimate.confidence, result->vehicle, i, text, size);

@@ -243,9 +243,9 @@ static bool payload(scenario_run_t *run)
     return !early && run->changed;
 }
 
-static bool yaw_idle(scenario_run_t *run)
+static bool heave_idle(scenario_run_t *run)
 {
-    const world_config_t config = {.idle = 1u << AUVID_YAW};
+    const world_config_t config = {.idle = 1u << AUVID_HEAVE};
     char text[EVENT_LOG_LENGTH];
     if (!begin(run, config)) {
         return false;
@@ -254,7 +254,7 @@ static bool yaw_idle(scenario_run_t *run)
     for (unsigned k = 0; report_missing(&run->result, k, text, sizeof text); ++k) {
         event_log_add(&run->log, world_time_s(&run->world), "missing: %s", text);
     }
-    return (run->result.estimate.identified & 1u << AUVID_G500_M_R) == 0;
+    return (run->result.estimate.identified & 1u << AUVID_G500_M_W) == 0;
 }
 
 static bool operator_abort(scenario_run_t *run)
@@ -369,7 +369,7 @@ static const struct {
     const char *name, *about;
     bool (*run)(scenario_run_t *);
 } scenarios[] = {{"payload", "the vehicle changes in the middle of set 9 of 16", payload},
-                 {"yaw-idle", "yaw is never excited", yaw_idle},
+                 {"heave-idle", "heave is never excited", heave_idle},
                  {"operator-abort", "the operator aborts in the middle of a set", operator_abort},
                  {"current",
                   "a current of 0.3 m/s to the north, with DVL bottom lock, then with water lock",
@@ -425,7 +425,7 @@ int scenario(const options_t *options)
     }
     if (which == SCENARIOS) {
         return report_error(
-            "demo: --scenario: '%s' is not one of payload, yaw-idle, operator-abort, "
+            "demo: --scenario: '%s' is not one of payload, heave-idle, operator-abort, "
             "current, dvl-lost",
             options->scenario);
     }

@@ -35,7 +35,10 @@ extern "C" {
 typedef enum {
     AUVID_NOTE_NONE = 0,     /**< identifiable and plausible */
     AUVID_NOTE_FIXED,        /**< not free: the value is the configuration's */
-    AUVID_NOTE_NOT_EXCITED,  /**< its degree of freedom was not excited */
+    AUVID_NOTE_NOT_EXCITED,  /**< its degree of freedom was not excited, and coupling does not
+                                  determine its equation. If its wrench was constant (it is
+                                  unactuated), `partner` is 1, or 2 on the residual path, which
+                                  does not try coupling; else 0 */
     AUVID_NOTE_COMBINATION,  /**< only a combination with parameter `partner` is known */
     AUVID_NOTE_SMALL,        /**< known to be too small to matter: its force is, with 95 %
                                  confidence, below AUVID_CONFIDENCE_SMALL of the rms force in every
@@ -131,12 +134,14 @@ typedef struct {
     auvid_confidence_t confidence;          /**< its uncertainty; see auvid_confidence_t */
     uint32_t number;                        /**< from 1, incremented with each estimate */
     uint32_t sets;                          /**< data sets completed when its search was prepared */
-    uint32_t identified; /**< bit i: parameter i was free and its DoF excited. The others have their
-                              fixed value, or the one that fits the excited DoF best
+    uint32_t identified; /**< bit i: parameter i was free, and its DoF excited or coupled. Others
+                              have their fixed value, or the one that fits the excited DoF best
                               (auvid_metric_searched) */
     uint32_t evaluations_crs;  /**< cost evaluations of this search, global phase */
     uint32_t evaluations_line; /**< local phase */
     uint8_t excited;           /**< bit j: DoF j was excited */
+    uint8_t coupled;           /**< bit j: DoF j was not excited, but coupling with those that were
+                                    determined the parameters of its equation */
     uint8_t first_order_lag; /**< bit j: DoF j's delay is that of a first-order lag, not a shift */
     /** The search has not converged: a cap ended the local phase, or no point had a finite cost.
      * Regressor path also: the cost exceeds the minimum within the bounds by more than a
@@ -146,7 +151,7 @@ typedef struct {
     bool not_converged;
     bool accepted; /**< it predicted a set that it had not seen, about as well as the last accepted
                         estimate, or better */
-    uint8_t reserved[AUVID_GAP(8, sizeof(auvid_confidence_t) +
+    uint8_t reserved[AUVID_GAP(8, 1 + sizeof(auvid_confidence_t) +
                                       (AUVID_MAX_PARAMETERS + AUVID_COVARIANCE + 25) *
                                           sizeof(auvid_real_t))];
 } auvid_estimate_t;

@@ -29,7 +29,7 @@ const auvid_checkpoint_block_t auvid_checkpoint_configured[CHECKPOINT_CONFIGURED
 const auvid_checkpoint_block_t auvid_checkpoint_block[CHECKPOINT_BLOCKS] = {
     OF_ID(nav.ground, nav.gps, 0),
     OF_ID(recorder.stream, recorder.reserved, 0),
-    OF_ID(metric.result.cost, metric.result.width_chosen, 0),
+    OF_ID(metric.result.cost, metric.result.coupled, 0),
     OF_ID(metric.evaluator.window_us, metric.evaluator.noise, 0),
     OF_ID(metric.evaluator.window, metric.evaluator.window, PART_RESIDUAL),
     OF_ID(metric.rows.set, metric.rows.missing, 0),

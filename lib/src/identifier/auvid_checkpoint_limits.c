@@ -94,6 +94,7 @@ const auvid_checkpoint_limit_t auvid_checkpoint_limit[] = {
     DOF_BITS(metric, result.excited, result.first_order_lag),
     FLAG(metric, result.width_chosen, result.width_chosen),
     BYTE(metric, evaluator.noise, evaluator.noise, 3),
+    DOF_BITS(metric, result.coupled, result.coupled),
     DELAY(metric, evaluator.linear_delay_s, evaluator.linear_delay_s),
     COUNT(metric, uint16_t, evaluator.at.row, evaluator.at.row, MAX_ROWS + AUVID_METRIC_WINDOW),
     BYTE(metric, evaluator.at.band, evaluator.at.band, AUVID_METRIC_BANDS - 1),

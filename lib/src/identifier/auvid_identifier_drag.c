@@ -63,7 +63,7 @@ auvid_status_t auvid_estimate_drag(const auvid_estimate_t *estimate, const auvid
         return AUVID_ERR_RANGE;
     }
     auvid_real_t max_speed = AUVID_DRAG_REACH * e->speed[dof][speed < AUVID_C(0.0)];
-    bool credible = (e->excited >> dof & 1) != 0 && !e->not_converged &&
+    bool credible = ((e->excited | e->coupled) >> dof & 1) != 0 && !e->not_converged &&
                     auvid_abs(speed) <= max_speed && (e->confidence.implausible & equation) == 0 &&
                     s.value * speed < AUVID_C(0.0);
     auvid_real_t sigma = auvid_sqrt(s.variance + s.thrust * s.thrust + s.dvl * s.dvl);

@@ -29,7 +29,8 @@ static void simulate_restart(auvid_identifier_t *id)
     memset(id->attached.prediction, 0, sizeof *id->attached.prediction);
     if (e->number > 0) { /* no simulation without acceleration, or if the masses forbid it */
         (void)auvid_validation_init(id->attached.prediction, identifier_vehicle(id), e->pi,
-                                    e->excited, e->delay_s, e->first_order_lag, cell_s);
+                                    (uint8_t)(e->excited | e->coupled), e->delay_s,
+                                    e->first_order_lag, cell_s);
     }
 }
 

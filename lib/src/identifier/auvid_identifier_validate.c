@@ -114,7 +114,8 @@ static void identifier_record_prediction(auvid_identifier_t *id)
 static void identifier_compare_estimates(auvid_identifier_t *id)
 {
     bool worse = id->attached.change->predicted > MARGIN * identifier_predicted_cost(id);
-    if (worse && id->estimate.excited != id->attached.change->accepted.excited) {
+    if (worse && (id->estimate.excited != id->attached.change->accepted.excited ||
+                  id->estimate.coupled != id->attached.change->accepted.coupled)) {
         return;
     }
     if (worse) {

@@ -131,6 +131,23 @@ static inline auvid_real_t auvid_metric_node_s(const auvid_metric_t *m)
            (auvid_real_t)AUVID_METRIC_DELAY_CELLS;
 }
 
+/** Is DoF j excited in some merged set? */
+static inline bool auvid_metric_is_excited(const auvid_metric_t *m, int j)
+{
+    return (m->result.excited >> j & 1) != 0;
+}
+
+/** May DoF j's equation be informative although the DoF is excited in no merged set? */
+static inline bool auvid_metric_may_be_coupled(const auvid_metric_t *m, int j)
+{
+    return !auvid_metric_is_excited(m, j) && m->layout.leading[j] > 0 &&
+           !auvid_metric_stores_rows(m);
+}
+
+/** Put the columns of the merged R factors in order: natural order for an excited DoF, else its own
+ * terms first. It follows from result.excited; call it when that changes. */
+void auvid_metric_order_columns(auvid_metric_t *m);
+
 /** Returns the free parameters (bit i) of the DoF in `excited` (bit j). */
 uint32_t auvid_metric_free_of(const auvid_metric_t *m, uint8_t excited);
 
