@@ -32,6 +32,7 @@ static void excite(field_vehicle_t vehicle, uint32_t sets)
 {
     begin(vehicle, FIELD_EXCITED, 1);
     config.sets = sets;
+    config.uncertain = false; /* the inputs are exact */
     config.field.length_s = 30.0 * sets;
     TEST_ASSERT_TRUE(field_run(&run, &config, &record));
 }
