@@ -45,6 +45,7 @@ PATHS = {
     r"(phase->next|\)->restart)\(": r"auvid_identifier_begin_tests$|"
     r"_(work|validate)\.c:identifier_(begin|end|restart|publish)_\w+$",
 }
+NOTHING = r"(?!)"  # the example has no uncertain inputs
 # What calls through pointers lead to in the example, by a pattern of the line of source: functions
 # of auvid_girona500, the metric's prior, the thrusters' log, and the driver's interrupt.
 POINTERS = PATHS | {
@@ -58,6 +59,8 @@ POINTERS = PATHS | {
     r"functions->refuse\(": r"auvid_actuation\.c:actuation_refuse$",
     r"a->shape\(": r"auvid_adaptive\.c:adaptive_apply$",
     r"node->arm\(": r"auvid_actuation\.c:auvid_identifier_arm",
+    r"m->extra->(cell|accumulate|take|next)\(": NOTHING,
+    r"uncertain(_functions)?->(begin|is_solving|estimate|judge)\(": NOTHING,
     r"m->add_rows\(": r"auvid_prior_rows\.c:auvid_prior_add_rows",
     r"listener->command\(": r"auvid_thrusters\.c:thrusters_listen$",
     r"listener->set\(": r"auvid_thrusters\.c:thrusters_drop_lost_sets$",
