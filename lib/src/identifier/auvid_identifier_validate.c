@@ -32,7 +32,7 @@
 /* Factor of the largest noise so far, per set: halved in 69 sets. */
 #define NOISE_DECAY AUVID_C(0.99)
 /* Bound of the ratio of residual variances. */
-#define LARGEST_RATIO AUVID_C(4.0)
+#define LARGEST_NOISE_RATIO AUVID_C(4.0)
 enum { ENOUGH = 6 };
 
 /* A set is validated, or was overwritten before: the next newer one, if there is one, counts. */
@@ -145,7 +145,7 @@ static auvid_real_t identifier_noise_factor(const auvid_identifier_t *id, int ne
     }
     auvid_real_t squares = id->attached.change->statistic.unexplained[newest - 1][j];
     auvid_real_t ratio =
-        auvid_clamp(squares / (rows * residual * residual), AUVID_C(1.0), LARGEST_RATIO);
+        auvid_clamp(squares / (rows * residual * residual), AUVID_C(1.0), LARGEST_NOISE_RATIO);
     return ratio * ratio;
 }
 

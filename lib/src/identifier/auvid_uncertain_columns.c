@@ -265,7 +265,7 @@ static void uncertain_add_prediction(const auvid_uncertain_t *u, const auvid_met
 {
     const auvid_vehicle_t *vehicle = m->cfg.vehicle;
     auvid_regressor_t y;
-    auvid_clear(y.row[0], sizeof y / sizeof y.row[0][0]);
+    memset(&y, 0, sizeof y);
     vehicle->regressor(vehicle->context, sample, NULL, &y);
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
         const auvid_uncertain_equation_t *e = &u->equation[j];

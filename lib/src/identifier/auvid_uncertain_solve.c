@@ -25,15 +25,25 @@
 #include "auvid_uncertain_parts_internal.h"
 
 #define SMOOTHED AUVID_C(2.6) /* see auvid_confidence.c */
-#define WIDENED AUVID_C(1.43)
+#define COVARIANCE_FACTOR AUVID_C(1.43)
 #define SIDE_VARIANCE AUVID_C(0.05)
-#define LARGEST_RATIO AUVID_C(1e3) /* of the weights of the bands */
+#define LARGEST_BAND_RATIO AUVID_C(1e3) /* of the weights of the bands */
 
-enum { PASSES = 3 };
-enum { PREPARE, ROWS, OWN, TRANSFER, SHARED, FINISH, SIDES, SIGMA, SOLVED };
+enum { SOLVE_PASSES = 3 };
+enum {
+    SOLVE_PREPARE,
+    SOLVE_ROWS,
+    SOLVE_OWN,
+    SOLVE_TRANSFER,
+    SOLVE_SHARED,
+    SOLVE_FINISH,
+    SOLVE_SIDES,
+    SOLVE_SIGMA,
+    SOLVE_DONE
+};
 
 /* Where a parameter is in the joint factor; the last column is the thrust. */
-enum { PARAMETERS_AT = AUVID_UNCERTAIN_SHARED, JOINT = AUVID_UNCERTAIN_JOINT };
+enum { PARAMETERS_AT = AUVID_UNCERTAIN_SHARED, JOINT_ORDER = AUVID_UNCERTAIN_JOINT };
 
 typedef auvid_uncertain_t uncertain_t;
 
@@ -44,7 +54,7 @@ static int uncertain_joint_column(const uncertain_t *u, const auvid_metric_t *m,
 {
     const auvid_uncertain_equation_t *e = &u->equation[j];
     if (k == e->order - 1) {
-        return JOINT - 1;
+        return JOINT_ORDER - 1;
     }
     return k < e->inputs ? u->code[e->column_at + k]
                          : PARAMETERS_AT + auvid_metric_equation(m, j).index[k - e->inputs];
@@ -147,7 +157,7 @@ static void uncertain_prepare_slopes(uncertain_t *u, const auvid_metric_t *m, in
     for (int k = 0; k < equation.count; ++k) {
         mass += a[equation.index[k]] * u->pi[equation.index[k]];
     }
-    auvid_clear(u->work.side[j], JOINT);
+    auvid_clear(u->work.side[j], JOINT_ORDER);
     for (int k = 0; k < e->order - 1; ++k) {
         auvid_real_t side = AUVID_C(0.0), share = AUVID_C(1.0) - lambda;
         if (k >= e->inputs) {
@@ -198,7 +208,7 @@ static void uncertain_prepare(uncertain_t *u, const auvid_metric_t *m, int j)
         }
     }
     auvid_real_t ratio = squares[0] > AUVID_C(0.0) ? squares[1] / squares[0] : AUVID_C(1.0);
-    ratio = auvid_clamp(ratio, AUVID_C(1.0) / LARGEST_RATIO, LARGEST_RATIO);
+    ratio = auvid_clamp(ratio, AUVID_C(1.0) / LARGEST_BAND_RATIO, LARGEST_BAND_RATIO);
     weight[0] = auvid_sqrt(ratio);
     weight[1] = AUVID_C(1.0) / weight[0];
     auvid_real_t noise =
@@ -261,33 +271,33 @@ static void uncertain_keep_own(uncertain_t *u, const auvid_metric_t *m, int j)
 static void uncertain_transfer(uncertain_t *u, const auvid_metric_t *m, int j, int i)
 {
     const auvid_uncertain_equation_t *e = &u->equation[j];
-    auvid_real_t row[JOINT] = {AUVID_C(0.0)};
+    auvid_real_t row[JOINT_ORDER] = {AUVID_C(0.0)};
     const auvid_real_t *r = u->work.part.factor + auvid_qr_row(e->order, i) - i;
     for (int k = i; k < e->order; ++k) {
         row[uncertain_joint_column(u, m, j, k)] = r[k];
     }
-    auvid_qr_update(u->work.joint, JOINT, 0, row);
+    auvid_qr_update(u->work.joint, JOINT_ORDER, 0, row);
 }
 
 /* ---- all DoF ---- */
 
 static void uncertain_add_shared_prior(uncertain_t *u, const auvid_metric_t *m, int code)
 {
-    auvid_real_t row[JOINT] = {AUVID_C(0.0)}, sigma = auvid_uncertain_sigma(u, m, code, 0);
+    auvid_real_t row[JOINT_ORDER] = {AUVID_C(0.0)}, sigma = auvid_uncertain_sigma(u, m, code, 0);
     row[code] = AUVID_C(1.0) / auvid_max(sigma, AUVID_C(1e-6));
-    auvid_qr_update(u->work.joint, JOINT, code, row);
+    auvid_qr_update(u->work.joint, JOINT_ORDER, code, row);
 }
 
 /* Solve for shared inputs and parameters, then for the own inputs of each DoF. */
 static void uncertain_finish(uncertain_t *u, const auvid_metric_t *m)
 {
-    auvid_real_t x[JOINT];
-    for (int i = 0; i < JOINT - 1; ++i) {
-        x[i] = u->work.joint[auvid_qr_row(JOINT, i) + JOINT - 1 - i];
+    auvid_real_t x[JOINT_ORDER];
+    for (int i = 0; i < JOINT_ORDER - 1; ++i) {
+        x[i] = u->work.joint[auvid_qr_row(JOINT_ORDER, i) + JOINT_ORDER - 1 - i];
     }
-    x[JOINT - 1] = AUVID_C(-1.0);
-    (void)auvid_qr_solve(u->work.joint, JOINT, JOINT - 1, AUVID_C(1e-6), x);
-    if (!auvid_all_finite(x, JOINT)) {
+    x[JOINT_ORDER - 1] = AUVID_C(-1.0);
+    (void)auvid_qr_solve(u->work.joint, JOINT_ORDER, JOINT_ORDER - 1, AUVID_C(1e-6), x);
+    if (!auvid_all_finite(x, JOINT_ORDER)) {
         return;
     }
     memcpy(u->shared, x, sizeof u->shared);
@@ -308,24 +318,25 @@ static void uncertain_finish(uncertain_t *u, const auvid_metric_t *m)
 
 static void uncertain_solve_side(uncertain_t *u, int j)
 {
-    auvid_qr_solve_transposed(u->work.joint, JOINT, JOINT - 1, u->work.side[j]);
-    (void)auvid_qr_solve(u->work.joint, JOINT, JOINT - 1, AUVID_C(1e-6), u->work.side[j]);
+    auvid_qr_solve_transposed(u->work.joint, JOINT_ORDER, JOINT_ORDER - 1, u->work.side[j]);
+    (void)auvid_qr_solve(u->work.joint, JOINT_ORDER, JOINT_ORDER - 1, AUVID_C(1e-6),
+                         u->work.side[j]);
 }
 
 /* Row i of the covariance of the parameters, packed, where the DoF's factor was. */
 static void uncertain_find_covariance(uncertain_t *u, const auvid_metric_t *m, int i)
 {
     int n = m->cfg.vehicle->parameters;
-    auvid_real_t x[JOINT] = {AUVID_C(0.0)}, *row = u->work.part.factor + auvid_qr_row(n, i);
+    auvid_real_t x[JOINT_ORDER] = {AUVID_C(0.0)}, *row = u->work.part.factor + auvid_qr_row(n, i);
     x[PARAMETERS_AT + i] = AUVID_C(1.0);
-    auvid_qr_solve_transposed(u->work.joint, JOINT, JOINT - 1, x);
-    (void)auvid_qr_solve(u->work.joint, JOINT, JOINT - 1, AUVID_C(1e-6), x);
+    auvid_qr_solve_transposed(u->work.joint, JOINT_ORDER, JOINT_ORDER - 1, x);
+    (void)auvid_qr_solve(u->work.joint, JOINT_ORDER, JOINT_ORDER - 1, AUVID_C(1e-6), x);
     for (int k = i; k < n; ++k) {
         auvid_real_t sides = AUVID_C(0.0);
         for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
             sides += u->work.side[j][PARAMETERS_AT + i] * u->work.side[j][PARAMETERS_AT + k];
         }
-        row[k - i] = WIDENED * x[PARAMETERS_AT + k] + SIDE_VARIANCE * sides;
+        row[k - i] = COVARIANCE_FACTOR * x[PARAMETERS_AT + k] + SIDE_VARIANCE * sides;
     }
 }
 
@@ -354,21 +365,21 @@ void auvid_uncertain_begin(auvid_uncertain_t *u)
 
 bool auvid_uncertain_reads(const auvid_uncertain_t *u, int j)
 {
-    return u->work.solving && u->work.phase <= ROWS && u->work.dof == j;
+    return u->work.solving && u->work.phase <= SOLVE_ROWS && u->work.dof == j;
 }
 
 /* Returns the cost of the present step [units]. */
 static uint32_t uncertain_price(const uncertain_t *u)
 {
-    uint32_t order = u->work.dof < AUVID_DOF_COUNT ? u->equation[u->work.dof].order : JOINT;
+    uint32_t order = u->work.dof < AUVID_DOF_COUNT ? u->equation[u->work.dof].order : JOINT_ORDER;
     switch (u->work.phase) {
-    case PREPARE:
+    case SOLVE_PREPARE:
         return order * order / 8u;
-    case TRANSFER:
-    case FINISH:
-    case SIDES:
-    case SIGMA:
-        return JOINT * JOINT / 50u;
+    case SOLVE_TRANSFER:
+    case SOLVE_FINISH:
+    case SOLVE_SIDES:
+    case SOLVE_SIGMA:
+        return JOINT_ORDER * JOINT_ORDER / 50u;
     default:
         return order * order / 50u;
     }
@@ -381,29 +392,29 @@ static uint32_t uncertain_step(uncertain_t *u, const auvid_metric_t *m)
     int j = u->work.dof;
     const auvid_uncertain_equation_t *e = &u->equation[j < AUVID_DOF_COUNT ? j : 0];
     switch (u->work.phase) {
-    case PREPARE:
+    case SOLVE_PREPARE:
         uncertain_prepare(u, m, j);
         return 1;
-    case ROWS:
+    case SOLVE_ROWS:
         uncertain_add_row(u, j, (int)i / e->order, (int)i % e->order);
         return 2u * e->order;
-    case OWN:
+    case SOLVE_OWN:
         if (i < e->own) {
             uncertain_add_own_prior(u, m, j, (int)i);
         } else {
             uncertain_keep_own(u, m, j);
         }
         return e->own + 1u;
-    case TRANSFER:
+    case SOLVE_TRANSFER:
         uncertain_transfer(u, m, j, e->own + (int)i);
         return (uint32_t)(e->order - e->own);
-    case SHARED:
+    case SOLVE_SHARED:
         uncertain_add_shared_prior(u, m, (int)i);
         return AUVID_UNCERTAIN_SHARED;
-    case FINISH:
+    case SOLVE_FINISH:
         uncertain_finish(u, m);
         return 1;
-    case SIDES:
+    case SOLVE_SIDES:
         uncertain_solve_side(u, (int)i);
         return AUVID_DOF_COUNT;
     default:
@@ -417,13 +428,13 @@ static void uncertain_next_phase(uncertain_t *u)
 {
     auvid_uncertain_solution_t *w = &u->work;
     w->row = 0;
-    if (w->phase == TRANSFER) {
+    if (w->phase == SOLVE_TRANSFER) {
         w->dof = uncertain_next_dof(u, w->dof + 1);
-        w->phase = w->dof < AUVID_DOF_COUNT ? PREPARE : SHARED;
-    } else if (w->phase == FINISH && ++w->pass < PASSES) {
+        w->phase = w->dof < AUVID_DOF_COUNT ? SOLVE_PREPARE : SOLVE_SHARED;
+    } else if (w->phase == SOLVE_FINISH && ++w->pass < SOLVE_PASSES) {
         auvid_clear(w->joint, sizeof w->joint / sizeof w->joint[0]);
         w->dof = uncertain_next_dof(u, 0);
-        w->phase = PREPARE;
+        w->phase = SOLVE_PREPARE;
     } else {
         ++w->phase;
     }
@@ -432,7 +443,7 @@ static void uncertain_next_phase(uncertain_t *u)
 auvid_status_t auvid_uncertain_solve(auvid_uncertain_t *u, const auvid_metric_t *m,
                                      uint32_t *budget)
 {
-    while (u->work.phase != SOLVED && *budget > 0) {
+    while (u->work.phase != SOLVE_DONE && *budget > 0) {
         --*budget;
         if (++u->work.spent < uncertain_price(u)) {
             continue;
@@ -443,5 +454,5 @@ auvid_status_t auvid_uncertain_solve(auvid_uncertain_t *u, const auvid_metric_t 
             uncertain_next_phase(u);
         }
     }
-    return u->work.phase == SOLVED ? AUVID_OK : AUVID_PENDING;
+    return u->work.phase == SOLVE_DONE ? AUVID_OK : AUVID_PENDING;
 }

@@ -176,31 +176,31 @@ void auvid_confidence_scale(job_t *c, int i)
     }
 }
 
-void auvid_confidence_revise(job_t *c, const auvid_real_t *pi)
+void auvid_confidence_revise(job_t *job, const auvid_real_t *pi)
 {
-    memcpy(c->pi, pi, sizeof c->pi);
-    c->at_bound = 0;
-    c->result.identifiable = c->result.implausible = 0;
+    memcpy(job->pi, pi, sizeof job->pi);
+    job->at_bound = 0;
+    job->result.identifiable = job->result.implausible = 0;
 }
 
-void auvid_confidence_revise_parameter(job_t *c, const auvid_metric_t *metric, int i,
+void auvid_confidence_revise_parameter(job_t *job, const auvid_metric_t *metric, int i,
                                        auvid_real_t sigma, uint8_t partner)
 {
     auvid_finding_t found = {.sigma = sigma, .partner = partner, .bound_partner = NOWHERE};
-    c->metric = metric;
-    c->delay_step[i] = AUVID_C(0.0);
+    job->metric = metric;
+    job->delay_step[i] = AUVID_C(0.0);
     if (sigma > AUVID_C(0.0)) {
-        confidence_consider(c, c->parameter_of[i]);
-        auvid_confidence_conclude(c, i, &found);
+        confidence_consider(job, job->parameter_of[i]);
+        auvid_confidence_conclude(job, i, &found);
     } else {
-        auvid_confidence_note_idle(c, c->parameter_of[i]);
+        auvid_confidence_note_idle(job, job->parameter_of[i]);
     }
-    for (int j = 0; j < AUVID_DOF_COUNT && i == c->n - 1; ++j) {
+    for (int j = 0; j < AUVID_DOF_COUNT && i == job->n - 1; ++j) {
         if (auvid_metric_is_excited(metric, j) && auvid_metric_equation(metric, j).count > 0) {
-            auvid_confidence_discredit(c, j);
+            auvid_confidence_discredit(job, j);
         }
     }
-    c->metric = NULL;
+    job->metric = NULL;
 }
 
 void auvid_confidence_judge(job_t *c, int i)
