@@ -1,41 +1,59 @@
 #!/usr/bin/env bash
-# Builds each fuzzer with libFuzzer, ASan and UBSan, and runs it on its corpus.
+# Builds each fuzzer with libFuzzer, ASan and UBSan, and runs it on its corpus; as many at once as
+# there are cores.
 #
 # usage: fuzz.sh SECONDS FILE.c...
-# The fuzzers share SECONDS. The corpus of fuzz_x.c is tests/fuzz/corpus/x, which is not modified.
-# New inputs go to build/fuzz/x, and so does the input of a crash. Exit status 1 after a crash.
-# FUZZ_FLAGS are passed to each fuzzer.
+# The fuzzers share SECONDS of one core. The corpus of fuzz_x.c is tests/fuzz/corpus/x, which is not
+# modified. New inputs go to build/fuzz/x, and so does the input of a crash. Exit status 1 after a
+# crash. FUZZ_FLAGS are passed to each fuzzer.
 set -euo pipefail
 cd "$(dirname "$0")/../.."
-seconds=$(($1 / ($# - 1)))
+export SECONDS_EACH=$(($1 / ($# - 1)))
 shift
-out=build/fuzz
+export OUT=build/fuzz
 sanitize="-fsanitize=address,undefined,float-cast-overflow -fno-sanitize-recover=all"
-compile="clang -std=c11 -O2 -g $sanitize ${CFLAGS:-} -Ilib/include -Ilib/src -Iport/linux_socketcan"
-objects=()
-mkdir -p $out/objects
-for file in lib/src/*/*.c port/linux_socketcan/bus.c port/linux_socketcan/bus_candump.c; do
-    objects+=("$out/objects/$(basename "$file" .c).o")
-    if [ "$file" -nt "${objects[-1]}" ] || [ -n "$(find lib port -name '*.h' \
-        -newer "${objects[-1]}" -print -quit)" ]; then
-        $compile -fsanitize=fuzzer-no-link -c -o "${objects[-1]}" "$file"
+export COMPILE="clang -std=c11 -O2 -g $sanitize ${CFLAGS:-} -Ilib/include -Ilib/src \
+-Iport/linux_socketcan"
+sources=(lib/src/*/*.c port/linux_socketcan/bus.c port/linux_socketcan/bus_candump.c)
+objects=("${sources[@]##*/}")
+objects=("${objects[@]/#/$OUT/objects/}")
+export OBJECTS="${objects[*]/%.c/.o}"
+mkdir -p $OUT/objects
+
+build_object() {
+    local object=${1##*/}
+    object=$OUT/objects/${object%.c}.o
+    if [ "$1" -nt "$object" ] ||
+        [ -n "$(find lib port -name '*.h' -newer "$object" -print -quit)" ]; then
+        $COMPILE -fsanitize=fuzzer-no-link -c -o "$object" "$1"
     fi
-done
-for file in "$@"; do
-    name=$(basename "$file" .c)
+}
+
+fuzz() {
+    local name status=0
+    name=$(basename "$1" .c)
     name=${name#fuzz_}
-    mkdir -p "$out/$name/found"
-    $compile -fsanitize=fuzzer -MF "$out/$name/fuzz.d" -o "$out/$name/fuzz" "$file" "${objects[@]}"
-    status=0
+    mkdir -p "$OUT/$name/found"
+    # shellcheck disable=SC2086 # words
+    $COMPILE -fsanitize=fuzzer -MF "$OUT/$name/fuzz.d" -o "$OUT/$name/fuzz" "$1" $OBJECTS
     # shellcheck disable=SC2086
-    "$out/$name/fuzz" -max_total_time="$seconds" -max_len=352 -print_final_stats=1 \
-        ${FUZZ_FLAGS:-} -artifact_prefix="$out/$name/" "$out/$name/found" \
-        "tests/fuzz/corpus/$name" >"$out/$name/log" 2>&1 || status=$?
+    "$OUT/$name/fuzz" -max_total_time="$SECONDS_EACH" -max_len=352 -print_final_stats=1 \
+        ${FUZZ_FLAGS:-} -artifact_prefix="$OUT/$name/" "$OUT/$name/found" \
+        "tests/fuzz/corpus/$name" >"$OUT/$name/log" 2>&1 || status=$?
     awk '/number_of_executed_units|average_exec_per_sec/ { print "  '"$name"': " $0 }' \
-        "$out/$name/log"
+        "$OUT/$name/log"
     if [ "$status" != 0 ]; then
-        grep -E 'tests/fuzz|ERROR|runtime error' "$out/$name/log" | head -n 5
-        echo "fuzz: $name failed; see $out/$name/log"
+        grep -E 'tests/fuzz|ERROR|runtime error' "$OUT/$name/log" | head -n 5
+        echo "fuzz: $name failed; see $OUT/$name/log"
         exit 1
     fi
-done
+}
+
+# each FUNCTION FILE...: FUNCTION for every FILE, in parallel.
+each() {
+    printf '%s\0' "${@:2}" |
+        xargs -0 -n 1 -P "$(nproc)" bash -euo pipefail -c "$1 \"\$1\"" fuzz
+}
+export -f build_object fuzz
+each build_object "${sources[@]}"
+each fuzz "$@" || exit 1

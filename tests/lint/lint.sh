@@ -54,8 +54,12 @@ compile() {
     each "$1 $STRICT $2 -c -o $OUT/$3/\$(basename {} .c).o {}" "${lib[@]}"
 }
 
+# Position-independent code would put constant tables of pointers into .data.
+PLAIN="-fno-pic -fno-stack-protector -U_FORTIFY_SOURCE"
+
+# Some of gcc's warnings need the optimizer; clang's do not.
 check_matrix() {
-    local size real compiler
+    local size real flags
     for size in min max; do
         write_sizes "$size" >"$OUT/sizes_$size.h"
         [ -s "$OUT/sizes_$size.h" ] || return 1
@@ -63,25 +67,22 @@ check_matrix() {
     : >"$OUT/sizes_default.h"
     for size in default min max; do
         for real in FLOAT DOUBLE; do
-            for compiler in gcc clang; do
-                compile "$compiler" "-O2 -DAUVID_REAL_$real -I$OUT \
-                    -DAUVID_USER_CONFIG='\"sizes_$size.h\"'" "$compiler-$real-$size" || return 1
-            done
+            flags="-DAUVID_REAL_$real -I$OUT -DAUVID_USER_CONFIG='\"sizes_$size.h\"'"
+            compile gcc "$PLAIN -O2 $flags" "gcc-$real-$size" || return 1
+            each "clang $STRICT $flags -fsyntax-only {}" "${lib[@]}" || return 1
         done
     done
 }
 
-# Position-independent code would put constant tables of pointers into .data. The call graph is
-# taken without optimisation: inlining and tail calls hide recursion.
+# Of gcc's objects those that check_matrix leaves. The call graph is taken without optimisation:
+# inlining and tail calls hide recursion.
 check_objects() {
-    local plain="-fno-pic -fno-stack-protector -U_FORTIFY_SOURCE" status=0
-    compile gcc "$plain -O2" objects-gcc || return 1
-    compile clang "$plain -O2" objects-clang || return 1
-    compile gcc "$plain -O2 -DAUVID_REAL_DOUBLE" objects-double || return 1
-    compile gcc "$plain -O0 -fcallgraph-info" objects-graph || return 1
-    tests/lint/objects.py --float "$OUT"/objects-gcc/*.o || status=1
+    local status=0
+    compile clang "$PLAIN -O2" objects-clang || return 1
+    compile gcc "$PLAIN -O0 -fcallgraph-info" objects-graph || return 1
+    tests/lint/objects.py --float "$OUT"/gcc-FLOAT-default/*.o || status=1
     tests/lint/objects.py --float "$OUT"/objects-clang/*.o || status=1
-    tests/lint/objects.py "$OUT"/objects-double/*.o || status=1
+    tests/lint/objects.py "$OUT"/gcc-DOUBLE-default/*.o || status=1
     tests/lint/objects.py --float "$OUT"/objects-graph/*.o || status=1
     return "$status"
 }
@@ -110,9 +111,13 @@ check_tools() {
         each "clang $TOOLS -fsyntax-only {}" "${tools[@]}"
 }
 
+# The analyzer looks at fewer states of each function than its default, 225000, and finds as much:
+# of 21 null pointers planted on one path of a function 15 with either, 13 with 25000.
 check_tidy() {
+    local nodes=50000
+    [ -z "${AUVID_TEST_LONG:-}" ] || nodes=225000
     each "clang-tidy --quiet {} -- -std=c11 -Ilib/include -Ilib/src -Itools/simulator \
-        -Iport/linux_socketcan -Iport/cortex_m \
+        -Iport/linux_socketcan -Iport/cortex_m -Xclang -analyzer-config -Xclang max-nodes=$nodes \
         2>&1 | grep -Ev '^[0-9]+ warnings? (generated|treated)|^Suppressed|^Use -header-filter'; \
         exit \${PIPESTATUS[0]}" "${lib[@]}" "${tools[@]}"
 }

@@ -7,7 +7,7 @@ cp out one.json
 check "its JSON has the documented keys" is one.json '
 assert list(d) == ["version", "status", "seed", "model", "parameters", "missing",
                    "not_modelled", "drag", "delay_s", "r2_force", "r2_validation", "change_test",
-                   "guard", "evaluations", "budget", "estimates"], list(d)
+                   "guard", "cell_s", "evaluations", "budget", "estimates"], list(d)
 assert d["version"] == "0.1.0" and d["status"] == "ok" and d["seed"] == 1
 assert [p["name"] for p in d["parameters"]] == list(TRUTH)
 assert all(set(p) == {"name", "unit", "estimate", "sigma", "sigma_told", "thrust_error",
@@ -61,8 +61,9 @@ for j, (linear, quadratic) in zip("XYZN", (("X_u", "X_uu"), ("Y_v", "Y_vv"), ("Z
         assert x["identifiable"]'
 check "the last set was predicted, and nothing has changed" is one.json '
 j = d["change_test"]
-assert list(j) == ["set", "estimate", "variance_ratio", "change", "r2_velocity", "changed"]
-assert j["set"] == 8 and j["estimate"] == 7 and j["changed"] == []
+assert list(j) == ["set", "estimate", "variance_ratio", "change", "drift", "r2_velocity", "changed",
+                   "drifted"]
+assert j["set"] == 8 and j["estimate"] == 7 and j["changed"] == j["drifted"] == []
 assert all(0.05 < x < 5 for x in j["variance_ratio"].values()), j
 assert all(0 <= x < 1 for x in j["change"].values()) and min(j["r2_velocity"].values()) > 0.98'
 check "the guard saw nothing wrong" is one.json \

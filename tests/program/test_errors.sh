@@ -25,7 +25,7 @@ for bad in 0 -1 1001 1.5; do
     check "--sets $bad" refuses -- '--sets' demo "--sets=$bad"
 done
 check "--runs 0" refuses -- '--runs' demo --runs 0
-check "an unknown scenario" refuses "'storm' is not one of payload, yaw-idle" demo --scenario storm
+check "an unknown scenario" refuses "'storm' is not one of payload, heave" demo --scenario storm
 for other in "--runs 3" "--sets 4" "--csv x.csv" --literal --adaptive; do
     # shellcheck disable=SC2086
     check "--scenario with $other" refuses -- "--scenario and ${other%% *} cannot be combined" \

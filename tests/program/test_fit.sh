@@ -25,7 +25,7 @@ cp out fit.json
 check "its JSON has the documented keys" is fit.json '
 assert list(d) == ["version", "status", "seed", "model", "parameters", "missing",
                    "not_modelled", "drag", "delay_s", "r2_force", "r2_validation", "r2_interval",
-                   "change_test", "evaluations", "budget"], list(d)
+                   "change_test", "cell_s", "evaluations", "budget"], list(d)
 assert all(set(p) == {"name", "unit", "estimate", "sigma", "sigma_told", "thrust_error",
                           "dvl_error", "identifiable", "note"}
            for p in d["parameters"])
@@ -174,7 +174,7 @@ for n in TRUTH:
     assert (P[n]["sigma"] is None) == (P[n]["sigma_told"] is None) == left_out, n
     assert n == "W-B" or P[n]["identifiable"] != left_out, n
     assert n == "W-B" or P[n]["note"] == ("no input column" if left_out else ""), n
-assert d["missing"][0].startswith("yaw: not excited; apply steps") and len(d["missing"]) == 2'
+assert d["missing"][0].startswith("yaw: unactuated") and len(d["missing"]) == 2'
 change 'drop("Y_N")' <train.csv >no_sway.csv
 check "its motion does not harm the others" exits 0 fit no_sway.csv --json --validate test.csv
 check "  which are within 10 %, masses within 2 %" is out '
@@ -331,4 +331,27 @@ check "tables" exits 0 fit commands.csv --validate commands.csv
 check "  no line is longer than 100 columns" awk 'length > 100 { exit 1 }' out
 check "  name the unit of the parameters" grep -q 'units of command' out
 check "  nothing on stderr" test ! -s err
+# 800 kg with a time constant of 10 s, and velocity at 5 Hz with 6 cm/s of noise.
+python3 - >ship.csv <<'END'
+import random
+random.seed(1)
+print("t_s,u_mps,X_N")
+u = thrust = until = 0
+for k in range(100 * 900):
+    t = k / 100
+    if t >= until:
+        thrust, until = random.choice([-150, -75, 0, 75, 150]), t + random.uniform(15, 45)
+    if k % 20 == 0:
+        print(f"{t:.2f},{random.gauss(u, 0.06):.4f},{thrust}")
+    u += (thrust - 20 * u - 40 * u * abs(u)) / 800 / 100
+END
+check "a ship's log is identified" exits 0 fit ship.csv --json
+cp out ship.json
+check "  with cells that suit it" is ship.json '
+assert d["cell_s"] in (0.2, 0.4, 0.8) and d["r2_force"]["X"] > 0.95, (d["cell_s"], d["r2_force"])
+assert abs(P["m_u"]["estimate"] / 800 - 1) < 0.05 and P["m_u"]["identifiable"], P["m_u"]'
+check "  and the table says so" exits 0 fit ship.csv
+check "  in one sentence" grep -q "cells  *0.[248] s instead of 0.1 s: the vehicle is slow" out
+check "a quick vehicle keeps its cells" is fit.json 'assert d["cell_s"] == 0.1'
+
 finish

@@ -16,7 +16,7 @@ for pattern in sys.argv[2:]:
 END
 }
 
-for name in payload yaw-idle operator-abort current dvl-lost; do
+for name in payload heave-idle operator-abort current dvl-lost; do
     check "$name: exit 0" exits 0 demo --scenario "$name"
     cp out "$name.txt"
     check "$name: nothing on stderr" test ! -s err
@@ -54,15 +54,15 @@ assert rms < 0.05, rms
 assert d["guard"]["state"] == "done" and d["change_test"]["changed"] == []'
 check "  no other change is reported" test "$(grep -c CHANGED payload.txt)" = 1
 
-check "yaw-idle: says what is missing" tells yaw-idle 'missing: yaw: not excited; apply steps' \
-    'm_r .* - .*\? not excited' 'N_r .*\? not' 'N_rr .*\? not' '^  missing' \
-    '^    yaw: not excited'
-check "  yaw null, the others there" is yaw-idle.json '
+check "heave-idle: says what is missing" tells heave-idle 'missing: heave: unactuated, and' \
+    'm_w .* - .*\? unactuated' 'Z_w .*\? un' 'Z_ww .*\? un' '^  missing' \
+    '^    heave: unactuated'
+check "  heave null, the others there" is heave-idle.json '
 for n in TRUTH:
-    idle = n in ("m_r", "N_r", "N_rr")
+    idle = n in ("m_w", "W-B", "Z_w", "Z_ww")
     assert (P[n]["estimate"] is None) == (P[n]["sigma"] is None) == idle
-    assert P[n]["identifiable"] == (not idle and n != "W-B") and (idle or error(n) < 0.1), (n, P[n])
-assert len(d["missing"]) == 2 and d["change_test"]["variance_ratio"]["N"] is None'
+    assert P[n]["identifiable"] == (not idle) and (idle or error(n) < 0.1), (n, P[n])
+assert len(d["missing"]) == 1 and d["change_test"]["variance_ratio"]["Z"] is None'
 
 zero='in this tick: X 0.0, Y 0.0, Z 0.0 N, N 0.0 Nm'
 check "operator-abort: zero in the next tick, latched, the estimate is kept" tells operator-abort \
@@ -96,9 +96,9 @@ assert sum(p["identifiable"] for p in bottom.values()) <= 6
 assert all(P[n]["identifiable"] for n in TRUTH if n != "W-B")
 assert max(error(n) for n in TRUTH) < 0.15'
 
-check "a disturbance may be chosen" exits 0 demo --scenario yaw-idle --disturbance 0 --json
+check "a disturbance may be chosen" exits 0 demo --scenario heave-idle --disturbance 0 --json
 check "  without one the estimate is better" is out '
 rms = lambda d: sum((p["estimate"] / p["truth"] - 1) ** 2 for p in d["parameters"] if p["estimate"])
-assert rms(d) < rms(json.load(open("yaw-idle.json")))'
+assert rms(d) < rms(json.load(open("heave-idle.json")))'
 check "an unexpected outcome: exit 1" exits 1 demo --scenario payload --disturbance 500
 finish

@@ -80,6 +80,8 @@ static int make_world(const options_t *options, const auvid_uncertainty_t *u, ui
     field_defaults(field, f->vehicle, f->driver, seed);
     if (f->driver == FIELD_EXCITED) {
         field->length_s = 30.0 * options->sets;
+    } else if (f->hours > 0.0) {
+        field->length_s = 3600.0 * f->hours;
     }
     if (f->matched) {
         draw_matched(u, field);

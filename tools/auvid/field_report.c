@@ -147,6 +147,19 @@ static void print_notes(const field_table_t *table)
     }
 }
 
+static void print_alarms(const field_table_t *table, const field_record_t *record)
+{
+    uint32_t changed = 0, drifted = 0, runs = 0, sets = 0;
+    for (uint32_t k = 0; k < table->runs; ++k) {
+        changed += record[k].changed;
+        drifted += record[k].drifted;
+        runs += record[k].drifted > 0;
+        sets += record[k].sets;
+    }
+    printf("\n  alarms in %u sets: %u of a change, %u of drift (in %u runs)\n", (unsigned)sets,
+           (unsigned)changed, (unsigned)drifted, (unsigned)runs);
+}
+
 void field_report_tables(const field_campaign_t *campaign, const field_table_t *table,
                          const field_record_t *record)
 {
@@ -163,6 +176,7 @@ void field_report_tables(const field_campaign_t *campaign, const field_table_t *
     print_forces(table);
     print_curve(table);
     print_notes(table);
+    print_alarms(table, record);
 }
 
 /* ---- JSON ---- */
@@ -259,6 +273,9 @@ static void json_record(const field_record_t *record)
     }
     printf("{\"seed\": %llu, \"sets\": %u, \"simulated_s\": %g", (unsigned long long)record->seed,
            (unsigned)record->sets, record->simulated_s);
+    printf(", \"changed\": %u, \"drifted\": %u, \"drifted_s\": ", (unsigned)record->changed,
+           (unsigned)record->drifted);
+    json_number(record->drifted > 0 ? record->drifted_s : NAN);
     json_list("estimate", record->pi, SIM_PARAMETERS);
     json_list("sigma", record->sigma, SIM_PARAMETERS);
     json_list("flagged", flagged, SIM_PARAMETERS);

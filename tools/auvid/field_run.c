@@ -124,8 +124,8 @@ void field_run_actuation(const field_run_config_t *config, auvid_actuation_confi
         peak[j] = (auvid_real_t)amplitude[j];
     }
     auvid_actuation_defaults(cfg);
-    (void)auvid_excitation_plan(&cfg->excitation, peak, (auvid_real_t)SET_S, config->sets,
-                                field->seed);
+    (void)auvid_excitation_plan(&cfg->excitation, peak, (auvid_real_t)SET_S, 1, field->seed);
+    cfg->excitation.duration_s = (auvid_real_t)(SET_S * (double)config->sets);
     if (field->vehicle == FIELD_ROV20) {
         vehicle_use_fast_excitation(&cfg->excitation);
     }
@@ -152,11 +152,21 @@ static bool excite(field_run_t *run, const field_run_config_t *config)
     return true;
 }
 
+/* Counts the alarms of the change test. */
+static void count_alarms(uint32_t events, double t_s, field_record_t *record)
+{
+    record->changed += (events & AUVID_EVENT_CHANGED) != 0;
+    if ((events & AUVID_EVENT_DRIFTED) != 0 && record->drifted++ == 0) {
+        record->drifted_s = t_s;
+    }
+}
+
 /* Records until all sets are complete, or until a passive run ends. */
-static void record_motion(field_run_t *run, const field_run_config_t *config)
+static void record_motion(field_run_t *run, const field_run_config_t *config,
+                          field_record_t *record)
 {
     bool excited = config->field.driver == FIELD_EXCITED;
-    double end_s = excited ? (double)config->sets * SET_S + LATE_S : FIELD_PASSIVE_S;
+    double end_s = excited ? (double)config->sets * SET_S + LATE_S : config->field.length_s;
     long ticks = lround(end_s * 1e6 / SIM_TICK_US), begin_at = lround(BEGIN_S * 1e6 / SIM_TICK_US);
     double thruster_N[SIM_THRUSTERS] = {0.0};
     auvid_identifier_t *id = &run->id;
@@ -176,6 +186,7 @@ static void record_motion(field_run_t *run, const field_run_config_t *config)
         }
         sense(&seen, &in);
         (void)auvid_identifier_step(id, &in, &out);
+        count_alarms(out.events, 1e-6 * (double)in.t_us, record);
         (void)auvid_identifier_work(id, config->budget);
         for (int i = 0; i < SIM_THRUSTERS && i < AUVID_MAX_THRUSTERS; ++i) {
             thruster_N[i] = (double)out.thruster_N[i];
@@ -222,7 +233,6 @@ static void gather(const field_run_t *run, const field_run_config_t *config, fie
     const auvid_estimate_t *found = auvid_identifier_estimate(id);
     const auvid_estimate_t *estimate = found != NULL ? found : &id->estimate;
     field_built_t built;
-    memset(record, 0, sizeof *record);
     record->seed = config->field.seed;
     memcpy(record->size, config->field.size, sizeof record->size);
     record->not_converged = estimate->not_converged;
@@ -253,13 +263,14 @@ bool field_run(field_run_t *run, const field_run_config_t *config, field_record_
 {
     auvid_identifier_config_t *cfg = &run->id.cfg;
     memset(run, 0, sizeof *run);
+    memset(record, 0, sizeof *record);
     field_run_identifier(config, &run->averaged, cfg);
     if (!field_init(&run->field, &config->field) || auvid_identifier_init(&run->id, cfg) < 0 ||
         auvid_identifier_attach_change_test(&run->id, &run->change) < 0 ||
         (config->field.driver == FIELD_EXCITED && !excite(run, config))) {
         return false;
     }
-    record_motion(run, config);
+    record_motion(run, config, record);
     while (auvid_identifier_work(&run->id, AT_EASE) == AUVID_PENDING) {
     }
     gather(run, config, record);

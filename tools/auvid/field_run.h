@@ -4,7 +4,8 @@
  *
  * The identifier is fed directly, without frames. Its model is the Girona500 (Eq. 12-15) for
  * both vehicles, with averaged rows for the ROV of 20 kg. Excited runs play the plan of the demo,
- * with the limits of the guard off. In the other runs the identifier only records.
+ * with the limits of the guard off. In the other runs the identifier only records, for the length
+ * in field_config_t.
  */
 #ifndef PROGRAM_FIELD_RUN_H
 #define PROGRAM_FIELD_RUN_H
@@ -13,9 +14,6 @@
 #include "auvid/actuation.h"
 #include "auvid/uncertain.h"
 #include "field_projection.h"
-
-/** Length of a passive run [s]. */
-#define FIELD_PASSIVE_S 600.0
 
 /** Drag forces with known truth, at fractions of the largest speed in each direction. */
 enum { FIELD_PARTS = 3, FIELD_DIRECTIONS = 2 * FIELD_EQUATIONS };
@@ -26,7 +24,7 @@ typedef struct {
     /** Uncertainties of the identifier (auvid_uncertainty_t). Negative: the library's default. */
     double thrust_scale, dvl_scale, delay_s;
     bool uncertain; /**< with uncertain inputs (uncertain.h) */
-    uint32_t sets;   /**< excited: number of sets of 30 s */
+    uint32_t sets;   /**< excited: number of sets of 30 s; the plan is repeated as needed */
     uint32_t budget; /**< work units per tick */
 } field_run_config_t;
 
@@ -44,6 +42,9 @@ typedef struct {
     double tau_max[FIELD_EQUATIONS];
     bool not_converged; /**< the search has not converged */
     uint32_t sets;      /**< recorded */
+    uint32_t changed;   /**< alarms of the change test: AUVID_EVENT_CHANGED */
+    uint32_t drifted;   /**< AUVID_EVENT_DRIFTED */
+    double drifted_s;   /**< time of the first of these [s]; 0: none */
     double simulated_s;
     bool estimated[SIM_PARAMETERS];  /**< free, and its DoF sufficiently excited */
     bool flagged[SIM_PARAMETERS];    /**< identifiable */

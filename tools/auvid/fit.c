@@ -44,6 +44,7 @@ typedef struct {
     size_t gaps; /* number of gaps in the training log */
     replay_t replay;
     auvid_real_t tau_max[AUVID_DOF_COUNT];
+    uint32_t cell_us;                         /* length of the cells; 0: not chosen yet */
     uint32_t free;                            /* bit i: parameter i is identified */
     auvid_real_t fixed[AUVID_MAX_PARAMETERS]; /* values of the other parameters */
     const char *why[AUVID_DOF_COUNT];         /* why a DoF cannot be identified, or NULL */
@@ -246,18 +247,35 @@ static void set_velocity_time(const job_t *job, auvid_identifier_config_t *cfg)
     cfg->metric.velocity_us = interval >= cfg->recorder.cell_us ? (uint32_t)interval : 0u;
 }
 
+/* Sets the length of the cells. The first model chooses it for both, so that their errors compare.
+ * Three of the shortest sets fit in the log. */
+static void set_cells(const job_t *job, double span_us, auvid_identifier_config_t *cfg)
+{
+    double longest = span_us / (3.0 * SHORTEST_SET * cfg->metric.row_cells);
+    cfg->metric.max_cell_us = (uint32_t)fmin(longest, cfg->metric.max_cell_us);
+    if (job->cell_us > 0) {
+        cfg->recorder.cell_us = job->cell_us;
+    }
+    if (job->coupled != NULL) {
+        cfg->metric.max_cell_us = 0;
+    }
+}
+
 static void configure(const job_t *job, const auvid_vehicle_t *vehicle,
                       auvid_identifier_config_t *cfg)
 {
     const options_t *options = job->options;
+    double span_us =
+        (double)(replay_time_us(&job->train, job->train.rows - 1) - replay_time_us(&job->train, 0));
     auvid_identifier_defaults(cfg, vehicle);
+    set_cells(job, span_us, cfg);
     vehicle_use_averaged_model(cfg);
     cfg->search.seed = options->seed;
     if (job->replay.kind == INPUT_COMMAND) {
         cfg->uncertainty.thrust_scale = 0; /* the unit of a command has no scale error */
     }
     options_uncertainty(options, &cfg->uncertainty);
-    cfg->recorder.gap_us = GAP_US;
+    cfg->recorder.gap_us = cfg->recorder.cell_us > GAP_US ? cfg->recorder.cell_us : GAP_US;
     cfg->recorder.input = options->linear_input ? AUVID_INPUT_LINEAR : AUVID_INPUT_HOLD;
     memcpy(cfg->metric.tau_max, job->tau_max, sizeof job->tau_max);
     cfg->metric.free = job->free;
@@ -269,9 +287,7 @@ static void configure(const job_t *job, const auvid_vehicle_t *vehicle,
     set_velocity_time(job, cfg);
     /* make the whole log fit the ring */
     double row_s = 1e-6 * cfg->recorder.cell_us * cfg->metric.row_cells;
-    double span_s = 1e-6 * (double)(replay_time_us(&job->train, job->train.rows - 1) -
-                                    replay_time_us(&job->train, 0));
-    double rows = ceil((span_s / row_s + 1.0) / cfg->metric.sets);
+    double rows = ceil((1e-6 * span_us / row_s + 1.0) / cfg->metric.sets);
     double max_rows = floor((double)MAX_ROWS / cfg->metric.sets);
     cfg->metric.set_rows = (uint16_t)fmin(fmax(rows, SHORTEST_SET), max_rows);
 }
@@ -325,8 +341,9 @@ static bool record(const job_t *job, const auvid_vehicle_t *vehicle, fitted_t *f
     return true;
 }
 
-/* Replays the log with a model and searches. Returns NULL after a message. */
-static fitted_t *identify(const job_t *job, const auvid_vehicle_t *vehicle)
+/* Replays the log with a model and searches. If the metric asks for longer cells, the log is
+ * replayed again. Returns NULL after a message. */
+static fitted_t *identify(job_t *job, const auvid_vehicle_t *vehicle)
 {
     bool literal = job->options->literal;
     auvid_status_t status;
@@ -335,14 +352,17 @@ static fitted_t *identify(const job_t *job, const auvid_vehicle_t *vehicle)
         (void)report_error("fit: not enough memory");
         return NULL;
     }
-    if (!record(job, vehicle, fitted)) {
-        free(fitted);
-        return NULL;
-    }
     do {
-        status = literal ? literal_work(&fitted->id, AUVID_DEFAULT_BUDGET)
-                         : auvid_identifier_work(&fitted->id, AUVID_DEFAULT_BUDGET);
-    } while (status == AUVID_PENDING);
+        if (!record(job, vehicle, fitted)) {
+            free(fitted);
+            return NULL;
+        }
+        do {
+            status = literal ? literal_work(&fitted->id, AUVID_DEFAULT_BUDGET)
+                             : auvid_identifier_work(&fitted->id, AUVID_DEFAULT_BUDGET);
+        } while (status == AUVID_PENDING);
+        job->cell_us = fitted->id.recorder.cell_us;
+    } while (fitted->id.metric.result.doublings > 0);
     return fitted;
 }
 

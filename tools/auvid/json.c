@@ -173,11 +173,24 @@ static void json_missing(const result_t *result)
     printf("]");
 }
 
+/* The names of the degrees of freedom in a mask. */
+static void json_dof_names(const char *key, uint32_t mask)
+{
+    const char *separator = "";
+    printf(",\n  \"%s\": [", key);
+    for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
+        if (mask >> j & 1u) {
+            printf("%s\"%s\"", separator, report_dof_name[j]);
+            separator = ", ";
+        }
+    }
+    printf("]");
+}
+
 /* null: no set was predicted. */
 static void json_change_test(const result_t *result)
 {
     const auvid_change_test_t *test = &result->change_test;
-    const char *separator = "";
     if (test->set == 0) {
         printf(",\n  \"change_test\": null");
         return;
@@ -186,15 +199,11 @@ static void json_change_test(const result_t *result)
            (unsigned)test->estimate);
     json_reals(result, "variance_ratio", force, test->variance_ratio, test->excited);
     json_reals(result, "change", force, test->change, test->excited);
+    json_reals(result, "drift", force, test->drift, test->excited);
     json_reals(result, "r2_velocity", velocity, test->r2_velocity, test->simulated & test->excited);
-    printf(",\n  \"changed\": [");
-    for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
-        if (test->changed >> j & 1u) {
-            printf("%s\"%s\"", separator, report_dof_name[j]);
-            separator = ", ";
-        }
-    }
-    printf("]}");
+    json_dof_names("changed", test->changed);
+    json_dof_names("drifted", test->drifted);
+    printf("}");
 }
 
 static void json_names(const result_t *result, const char *key, uint32_t mask)
@@ -307,6 +316,8 @@ void report_json(const result_t *result, const campaign_t *campaign, const secon
     json_change_test(result);
     json_guard(result);
     json_adaptive(result);
+    printf(",\n  \"cell_s\": ");
+    json_number(result->cell_s);
     printf(",\n  \"evaluations\": {\"crs\": %u, \"line_search\": %u}",
            (unsigned)result->estimate.evaluations_crs, (unsigned)result->estimate.evaluations_line);
     printf(",\n  \"budget\": {\"limit\": %u, \"worst\": %u}", (unsigned)result->budget,

@@ -54,7 +54,8 @@ static const char demo_help[] =
     "  --adaptive         excite until every parameter is identified, for at most K sets\n"
     "                     (default 16)\n"
     "  --scenario NAME    run a scenario and print its events, by default with a disturbance of\n"
-    "                     1 N: payload (the vehicle changes), yaw-idle (yaw is never excited),\n"
+    "                     1 N: payload (the vehicle changes), heave-idle (heave is never "
+    "excited),\n"
     "                     operator-abort, current (0.3 m/s, with DVL bottom and water lock),\n"
     "                     dvl-lost (no DVL samples from some time on)\n"
     "\n";
@@ -71,6 +72,7 @@ static const char field_help[] =
     "  --vehicle NAME     girona500 (default), or rov20: an ROV of 20 kg\n"
     "  --driver NAME      excited (default); or 600 s without excitation: joystick, lawnmower\n"
     "                     (PID), station\n"
+    "  --hours H          length of each run; an excited vehicle repeats its plan\n"
     "  --perfect-inputs   set --thrust-scale, --dvl-scale and --delay to zero;\n"
     "                     no input is uncertain\n"
     "  --plain            without uncertain inputs; the two scales and the delay remain\n"

@@ -33,6 +33,7 @@ typedef struct {
     int mismatches;
     field_vehicle_t vehicle;
     field_driver_t driver;
+    double hours;       /**< length of each run; 0: of --sets, or 600 s */
     const char *chosen; /**< an option that needs field statistics, or NULL */
 } options_field_t;
 

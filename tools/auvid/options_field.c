@@ -1,6 +1,7 @@
 /*
  * Options of demo for field statistics.
  */
+#include <math.h>
 #include <string.h>
 
 #include "report_error.h"
@@ -10,6 +11,8 @@ const char *const options_drivers[FIELD_DRIVERS] = {"excited", "joystick", "lawn
 
 /* Default number of runs. */
 #define RUNS 20
+/* Sets of 30 s. */
+#define SETS_PER_HOUR 120.0
 
 static int take_driver(reader_t *r, options_field_t *f)
 {
@@ -48,6 +51,10 @@ int options_field_take(reader_t *r, options_t *options)
     if (strcmp(r->name, "--driver") == 0) {
         f->chosen = "--driver";
         return take_driver(r, f);
+    }
+    if (strcmp(r->name, "--hours") == 0) {
+        f->chosen = "--hours";
+        return take_number(r, 24.0, &f->hours);
     }
     if (strcmp(r->name, "--perfect-inputs") == 0) {
         f->chosen = "--perfect-inputs";
@@ -94,6 +101,12 @@ int options_field_check(options_t *options)
     }
     if (options->sets > 0 && f->driver != FIELD_EXCITED) {
         return report_error("demo: --sets needs --driver excited");
+    }
+    if (f->hours > 0.0) {
+        if (options->sets > 0) {
+            return report_error("demo: --hours and --sets cannot be combined");
+        }
+        options->sets = (uint32_t)fmax(f->hours * SETS_PER_HOUR + 0.5, 1.0);
     }
     options->runs = options->runs > 0 ? options->runs : RUNS;
     return 0;

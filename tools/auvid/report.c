@@ -44,6 +44,7 @@ void report_gather(result_t *result, const auvid_identifier_t *id, uint64_t seed
                          .budget = AUVID_DEFAULT_BUDGET,
                          .max_work = id->work.max_units,
                          .change_test = id->change_test,
+                         .cell_s = 1e-6 * id->recorder.cell_us,
                          .has_guard = a != NULL && a->excitation.cfg.segments > 0,
                          .guard = a != NULL ? a->guard.state : AUVID_GUARD_DISARMED};
     if (a != NULL) {
@@ -175,7 +176,9 @@ void report_note(const result_t *result, int i, char *text, size_t size)
 {
     const auvid_parameter_t *parameter = &result->vehicle->parameter[i];
     const char *why = result->why[parameter->dof];
-    if (!report_is_identified(result, i)) {
+    const auvid_confidence_t *c = &result->estimate.confidence;
+    bool unactuated = c->note[i] == AUVID_NOTE_NOT_EXCITED && c->partner[i] != 0;
+    if (!report_is_identified(result, i) && (why != NULL || !unactuated)) {
         (void)snprintf(text, size, "%s", why != NULL ? why : "not excited");
     } else {
         (void)auvid_confidence_note(&result->estimate.confidence, result->vehicle, i, text, size);

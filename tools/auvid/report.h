@@ -33,6 +33,7 @@ typedef struct {
     auvid_guard_trip_t trip; /**< cause of ABORTED */
     auvid_estimate_t estimate;
     auvid_change_test_t change_test;  /**< of the newest set */
+    double cell_s;                    /**< length of the recorder's cells */
     double excited_s;                 /**< duration of the adaptive excitation; 0: none */
     uint32_t given_up, still_missing; /**< by adaptive excitation; bit i: parameter i */
     auvid_guard_state_t guard;

@@ -94,16 +94,15 @@ static void log_change_test(scenario_run_t *run)
                   (double)ratio[AUVID_HEAVE], (double)ratio[AUVID_YAW], max_change);
 }
 
-static void log_change(scenario_run_t *run)
+/* Logs that the vehicle is another one, most clearly in the only degree of freedom of the mask. */
+static void log_alarm(scenario_run_t *run, uint32_t mask, const char *what, const char *then)
 {
-    const auvid_change_test_t *test = &run->world.node[0].id.change_test;
     int j = 0;
-    while (j < AUVID_DOF_COUNT - 1 && !(test->changed >> j & 1u)) {
+    while (j < AUVID_DOF_COUNT - 1 && !(mask >> j & 1u)) {
         ++j;
     }
     event_log_add(&run->log, world_time_s(&run->world),
-                  "THE VEHICLE HAS CHANGED, most clearly in %s: older sets dropped, new search",
-                  report_dof_name[j]);
+                  "THE VEHICLE HAS %s, most clearly in %s: %s", what, report_dof_name[j], then);
 }
 
 static void log_estimate(scenario_run_t *run)
@@ -133,7 +132,12 @@ static void log_events(scenario_run_t *run)
     }
     if (events & AUVID_EVENT_CHANGED) {
         run->changed = true;
-        log_change(run);
+        log_alarm(run, run->world.node[0].id.change_test.changed, "CHANGED",
+                  "older sets dropped, new search");
+    }
+    if (events & AUVID_EVENT_DRIFTED) {
+        log_alarm(run, run->world.node[0].id.change_test.drifted, "DRIFTED",
+                  "compared with the first accepted estimate");
     }
     if (events & AUVID_EVENT_RESTORED) {
         event_log_add(&run->log, t_s, "the previous estimate predicted this set better: restored");
@@ -239,9 +243,9 @@ static bool payload(scenario_run_t *run)
     return !early && run->changed;
 }
 
-static bool yaw_idle(scenario_run_t *run)
+static bool heave_idle(scenario_run_t *run)
 {
-    const world_config_t config = {.idle = 1u << AUVID_YAW};
+    const world_config_t config = {.idle = 1u << AUVID_HEAVE};
     char text[EVENT_LOG_LENGTH];
     if (!begin(run, config)) {
         return false;
@@ -250,7 +254,7 @@ static bool yaw_idle(scenario_run_t *run)
     for (unsigned k = 0; report_missing(&run->result, k, text, sizeof text); ++k) {
         event_log_add(&run->log, world_time_s(&run->world), "missing: %s", text);
     }
-    return (run->result.estimate.identified & 1u << AUVID_G500_M_R) == 0;
+    return (run->result.estimate.identified & 1u << AUVID_G500_M_W) == 0;
 }
 
 static bool operator_abort(scenario_run_t *run)
@@ -365,7 +369,7 @@ static const struct {
     const char *name, *about;
     bool (*run)(scenario_run_t *);
 } scenarios[] = {{"payload", "the vehicle changes in the middle of set 9 of 16", payload},
-                 {"yaw-idle", "yaw is never excited", yaw_idle},
+                 {"heave-idle", "heave is never excited", heave_idle},
                  {"operator-abort", "the operator aborts in the middle of a set", operator_abort},
                  {"current",
                   "a current of 0.3 m/s to the north, with DVL bottom lock, then with water lock",
@@ -421,7 +425,7 @@ int scenario(const options_t *options)
     }
     if (which == SCENARIOS) {
         return report_error(
-            "demo: --scenario: '%s' is not one of payload, yaw-idle, operator-abort, "
+            "demo: --scenario: '%s' is not one of payload, heave-idle, operator-abort, "
             "current, dvl-lost",
             options->scenario);
     }

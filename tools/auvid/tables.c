@@ -271,12 +271,15 @@ static void change_test_lines(const result_t *result)
     if (test->set == 0) {
         return;
     }
-    printf("  newest data set, predicted before it was used%s\n",
-           test->changed ? ": THE VEHICLE HAS CHANGED" : "");
+    printf("  newest data set, predicted before it was used%s%s\n",
+           test->changed ? ": THE VEHICLE HAS CHANGED" : "",
+           test->drifted ? ": THE VEHICLE HAS DRIFTED since the first accepted estimate" : "");
     to_double(value, test->variance_ratio);
     dof_line(result, "  variance ratio of the force", 2, value, test->excited);
     to_double(value, test->change);
     dof_line(result, "  change statistic (changed: > 1)", 2, value, test->excited);
+    to_double(value, test->drift);
+    dof_line(result, "  drift statistic (drifted: > 1)", 2, value, test->excited);
     to_double(value, test->r2_velocity);
     dof_line(result, "  R2 of the velocity", 4, value, test->simulated & test->excited);
 }
@@ -298,6 +301,9 @@ static void guard_line(const result_t *result)
     putchar('\n');
 }
 
+/* Length of the recorder's cells if the metric does not choose longer ones. */
+#define DEFAULT_CELL_S 0.1
+
 void report_result(const result_t *result, const result_t *last)
 {
     const auvid_estimate_t *e = &result->estimate;
@@ -310,6 +316,12 @@ void report_result(const result_t *result, const result_t *last)
     change_test_lines(result);
     putchar('\n');
     guard_line(result);
+    if (result->cell_s > DEFAULT_CELL_S) {
+        printf(
+            "  cells        %.1f s instead of %.1f s: the vehicle is slow, and a shorter smoother\n"
+            "               passes mostly noise\n",
+            result->cell_s, DEFAULT_CELL_S);
+    }
     printf("  evaluations  %u in the global search, %u in the line search%s\n",
            (unsigned)e->evaluations_crs, (unsigned)e->evaluations_line,
            e->not_converged ? "; NOT CONVERGED" : "");

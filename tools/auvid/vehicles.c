@@ -76,6 +76,7 @@ void vehicle_use_averaged_model(auvid_identifier_config_t *cfg)
         auvid_averaged_init(&averaged, bluerov2.model, cfg->recorder.cell_us, DVL_US) == AUVID_OK) {
         cfg->vehicle = cfg->metric.vehicle = &averaged.vehicle;
         cfg->metric.half_width[1] = 4;
+        cfg->metric.max_cell_us = 0; /* the average is over cells of this length */
     }
 #else
     (void)cfg;

@@ -145,6 +145,7 @@ void field_step(field_t *field, const double *thruster_N, field_output_t *out)
         field->ballasted = true;
         field_hull_ballast(&field->hull, c->size[FIELD_BALLAST]);
     }
+    field->hull.fouling = c->size[FIELD_FOULING] * field_part_of_run(field);
     for (int i = 0; i < SIM_SUBSTEPS; ++i) {
         field_truth_t before = field->truth;
         advance(field);

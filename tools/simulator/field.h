@@ -65,8 +65,8 @@ typedef struct {
     field_driver_t driver;
     uint64_t seed;   /**< of noise, disturbance, driver, and of the details of a mismatch
                           (which thruster, which direction) */
-    double length_s; /**< of the run [s], > 0: sag and battery reach their size at its end, ballast
-                          is added halfway; default 240 (excited), 600 */
+    double length_s; /**< of the run [s], > 0: sag, battery and fouling reach their size at its end,
+                          ballast is added halfway; default 240 (excited), 600 */
     double size[FIELD_MISMATCHES]; /**< of each mismatch, in its unit; 0: none */
 } field_config_t;
 
@@ -113,6 +113,7 @@ typedef struct {
     double linear[6], quadratic[6];
     double asymmetry[6];  /* drag times (1 + asymmetry) forward, (1 - asymmetry) backward */
     double exponent_loss; /* reduction of the exponent of quadratic drag */
+    double fouling;       /* present relative increase of drag */
     double side_centre_m; /* point of action of linear side drag, ahead of the origin */
     double lift_sway, lift_yaw, lift_heave; /* coefficients of |u| v, u v, u^2 */
     double cable_N, cable_arm[3];           /* force; point of attachment */

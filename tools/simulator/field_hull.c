@@ -258,20 +258,21 @@ static void multiply(const double *m, const double x[6], double p[6])
     }
 }
 
-/* Drag, lift, and side drag that does not act at the origin. */
+/* Drag, lift, and side drag that does not act at the origin. Fouling increases both drags. */
 static void add_drag(const field_hull_t *h, const double nu[6], double more, double force[6])
 {
+    double fouled = more * (1.0 + h->fouling);
     for (int i = 0; i < 6; ++i) {
         double x = nu[i], a = fabs(x);
         double square =
             fabs(h->exponent_loss) > 0.0 && a > 0.0 ? pow(a, 1.0 - h->exponent_loss) : a;
-        force[i] -= more * (h->linear[i] + h->quadratic[i] * square) * x *
+        force[i] -= fouled * (h->linear[i] + h->quadratic[i] * square) * x *
                     (1.0 + (x > 0.0 ? h->asymmetry[i] : -h->asymmetry[i]));
     }
     /* The centre of side drag at x moves with v + x r: force -Y (v + x r), moment x times that. */
     double side = h->linear[V] * h->side_centre_m;
-    force[V] -= more * side * nu[R];
-    force[R] -= more * side * (nu[V] + h->side_centre_m * nu[R]);
+    force[V] -= fouled * side * nu[R];
+    force[R] -= fouled * side * (nu[V] + h->side_centre_m * nu[R]);
     force[V] -= more * h->lift_sway * fabs(nu[U]) * nu[V];
     force[R] += more * h->lift_yaw * nu[U] * nu[V];
     force[W] += more * h->lift_heave * nu[U] * nu[U];

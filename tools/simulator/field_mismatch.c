@@ -104,6 +104,8 @@ static const field_mismatch_t kinds[FIELD_KINDS] = {
     [FIELD_WALL] = {"wall", "",
                     "relative rise of added mass and drag 0.5 m above a bottom 1 m below the start",
                     ALONE(0, 2)},
+    [FIELD_FOULING] = {"fouling", "", "relative increase of drag at the end of the run",
+                       ALONE(-0.9, 5)},
 };
 
 int field_mismatches(const field_mismatch_t **table)

@@ -67,6 +67,7 @@ enum {
     FIELD_CLOCK_JUMPS,
     FIELD_BALLAST,
     FIELD_WALL,
+    FIELD_FOULING,
     FIELD_KINDS
 };
 
@@ -124,6 +125,8 @@ void field_hull_derivative(const field_hull_t *hull, const double state[12],
                            const double external[6], double derivative[12]);
 
 void field_thrust_init(field_t *field);
+/** Elapsed fraction of the run. */
+double field_part_of_run(const field_t *field);
 /** Sets the command of the new tick, clipped to the limits of the thrusters. */
 void field_thrust_command(field_t *field, double command_N[SIM_THRUSTERS]);
 /** Advances the thrusters by a substep of h seconds and writes the mean wrench. */

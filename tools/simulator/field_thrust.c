@@ -32,8 +32,7 @@ void field_thrust_init(field_t *field)
     }
 }
 
-/* Elapsed fraction of the run. */
-static double part_of_run(const field_t *field)
+double field_part_of_run(const field_t *field)
 {
     return fmin(1e-6 * (double)field->t_us / field->cfg.length_s, 1.0);
 }
@@ -43,7 +42,7 @@ static double voltage(const field_t *field, double load)
 {
     const double *size = field->cfg.size;
     double lost = fmax(size[FIELD_BATTERY], size[FIELD_BATTERY_CORRECTED]);
-    return 1.0 - lost * (part_of_run(field) + LOAD_SHARE * load);
+    return 1.0 - lost * (field_part_of_run(field) + LOAD_SHARE * load);
 }
 
 static double mean_load(const field_sheet_t *sheet, const double command_N[SIM_THRUSTERS])
@@ -99,7 +98,7 @@ static double steady(const field_t *field, int j, double command_N, double by_vo
     double force = f_max * pow(fabs(part), 1.0 + size[FIELD_THRUST_EXPONENT]);
     force = fmax(force - size[FIELD_THRUST_DEAD_BAND], 0.0);
     force *= part < 0.0 ? 1.0 - size[FIELD_THRUST_BACKWARD] : 1.0;
-    force *= field->thrust.gain[j] * (1.0 - size[FIELD_THRUST_SAG] * part_of_run(field));
+    force *= field->thrust.gain[j] * (1.0 - size[FIELD_THRUST_SAG] * field_part_of_run(field));
     return copysign(force * by_voltage, part);
 }
 

@@ -64,6 +64,7 @@ auvid_status_t literal_metric(literal_t *l, auvid_metric_config_t *cfg)
     cfg->passes = 1;
     cfg->velocity_us = 0;
     cfg->estimate_delay = false;
+    cfg->max_cell_us = 0;
     return AUVID_OK;
 }
 

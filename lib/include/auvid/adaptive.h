@@ -14,7 +14,8 @@
  *   the largest lack of information play until the next estimate. If they suffice, known DoFs also
  *   continue to play, at no cost in time.
  * A data set is completed early when, predicted from the last estimate, it contains the missing
- * information, unless the ring of sets is full.
+ * information, unless the ring of sets is full. A DoF that the thrusters can excite plays, even if
+ * coupling has determined its parameters: then an unknown force on it does less harm.
  *
  * The run ends by itself, with a fade, when every parameter is identifiable, known to be small, or
  * abandoned. A parameter is abandoned if its degree of freedom is not excited. It is also abandoned

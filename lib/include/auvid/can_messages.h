@@ -487,8 +487,9 @@ typedef struct {
     /** Degrees of freedom that were excited in the data of the last estimate: bit 0 surge ..
      * bit 5 yaw; 0..63 */
     uint32_t excited;
-    /** Degree of freedom in which the newest set shows a change of the vehicle most clearly; 0:
-     * no change; 0..63 */
+    /** Degrees of freedom in which most clearly the newest set shows a change of the vehicle,
+     * or the estimate a drift since the first accepted one: bit 0 surge .. bit 5 yaw; 0:
+     * neither; 0..63 */
     uint32_t changed;
 } auvid_can_progress_t;
 

@@ -35,7 +35,10 @@ extern "C" {
 typedef enum {
     AUVID_NOTE_NONE = 0,     /**< identifiable and plausible */
     AUVID_NOTE_FIXED,        /**< not free: the value is the configuration's */
-    AUVID_NOTE_NOT_EXCITED,  /**< its degree of freedom was not excited */
+    AUVID_NOTE_NOT_EXCITED,  /**< its degree of freedom was not excited, and coupling does not
+                                  determine its equation. If its wrench was constant (it is
+                                  unactuated), `partner` is 1, or 2 on the residual path, which
+                                  does not try coupling; else 0 */
     AUVID_NOTE_COMBINATION,  /**< only a combination with parameter `partner` is known */
     AUVID_NOTE_SMALL,        /**< known to be too small to matter: its force is, with 95 %
                                  confidence, below AUVID_CONFIDENCE_SMALL of the rms force in every
@@ -131,12 +134,14 @@ typedef struct {
     auvid_confidence_t confidence;          /**< its uncertainty; see auvid_confidence_t */
     uint32_t number;                        /**< from 1, incremented with each estimate */
     uint32_t sets;                          /**< data sets completed when its search was prepared */
-    uint32_t identified; /**< bit i: parameter i was free and its DoF excited. The others have their
-                              fixed value, or the one that fits the excited DoF best
+    uint32_t identified; /**< bit i: parameter i was free, and its DoF excited or coupled. Others
+                              have their fixed value, or the one that fits the excited DoF best
                               (auvid_metric_searched) */
     uint32_t evaluations_crs;  /**< cost evaluations of this search, global phase */
     uint32_t evaluations_line; /**< local phase */
     uint8_t excited;           /**< bit j: DoF j was excited */
+    uint8_t coupled;           /**< bit j: DoF j was not excited, but coupling with those that were
+                                    determined the parameters of its equation */
     uint8_t first_order_lag; /**< bit j: DoF j's delay is that of a first-order lag, not a shift */
     /** The search has not converged: a cap ended the local phase, or no point had a finite cost.
      * Regressor path also: the cost exceeds the minimum within the bounds by more than a
@@ -146,7 +151,7 @@ typedef struct {
     bool not_converged;
     bool accepted; /**< it predicted a set that it had not seen, about as well as the last accepted
                         estimate, or better */
-    uint8_t reserved[AUVID_GAP(8, sizeof(auvid_confidence_t) +
+    uint8_t reserved[AUVID_GAP(8, 1 + sizeof(auvid_confidence_t) +
                                       (AUVID_MAX_PARAMETERS + AUVID_COVARIANCE + 25) *
                                           sizeof(auvid_real_t))];
 } auvid_estimate_t;
@@ -168,17 +173,26 @@ typedef struct {
 /** Largest speed of an identifiable drag force, relative to the largest speed in the data. */
 #define AUVID_DRAG_REACH AUVID_C(1.05)
 
-/** How well the last estimate predicted the newest set, before that set was used. */
+/** How well the last estimate predicted the newest set, before that set was used; and how far the
+ * last accepted estimate is from the first one. A change within a set or two shows in the sets, a
+ * slow one only in the estimates, which follow it. */
 typedef struct {
     auvid_real_t variance_ratio[AUVID_DOF_COUNT]; /**< mean square of the force residual over that
                             of the estimate's own data; about 1, more while there are few sets */
     auvid_real_t change[AUVID_DOF_COUNT]; /**< evidence for other parameters in this DoF: Chow's F
-                            less 1, over its threshold. In the DoF with the most evidence, at least
-                            that of the sum over the sum's threshold. Above 1: the vehicle has
-                            changed. 0: none, or fewer than six sets, or an estimate of fewer than
-                            five */
+                            less 1, over its threshold, with the noise of the newest sets if they
+                            are noisier. In the DoF with the most evidence, at least that of the sum
+                            over the sum's threshold. Above 1: the vehicle has changed. 0: none, or
+                            fewer than six sets, or an estimate of fewer than five */
     auvid_real_t r2_velocity[AUVID_DOF_COUNT]; /**< of the velocity simulated through the set, from
                             the time of the estimate on; see validation.h */
+    auvid_real_t drift[AUVID_DOF_COUNT]; /**< evidence that mass or drag force of this DoF differ
+                            between the first accepted estimate and the last one: the difference
+                            over its standard error if thrust and DVL scale are exact, over its
+                            threshold 6. In the DoF with the most evidence, at least that for a
+                            common relative difference of all drag forces. Above 1: the vehicle has
+                            drifted. 0: none, or no estimate of five sets that knew them was
+                            accepted before. Kept while none is accepted */
     uint32_t set;      /**< number of the set, from 1; 0: none was validated yet */
     uint32_t estimate; /**< number of the estimate that predicted it */
     uint8_t excited;   /**< bit j: DoF j was excited in it and in the estimate's data */
@@ -186,7 +200,9 @@ typedef struct {
                             or too few sets for a test */
     uint8_t simulated; /**< bit j: r2_velocity[j] is valid; 0 unless
                             auvid_identifier_attach_prediction was called */
-    uint8_t reserved[sizeof(auvid_real_t) - 3];
+    uint8_t drifted;   /**< bit j: the vehicle has drifted since the first accepted estimate, most
+                            clearly in this DoF; 0: no drift, or see drift */
+    uint8_t reserved[AUVID_GAP(sizeof(auvid_real_t), 12)];
 } auvid_change_test_t;
 
 #define auvid_estimate_covariance AUVID_SIZED(auvid_estimate_covariance)

@@ -193,6 +193,15 @@ enum {
     AUVID_EVENT_ROWS_DROPPED = 1u << 19, /**< a search took so long that complete rows were dropped;
                                           counted in metric.sets.rows_dropped. Regressor path: a
                                           waiting set. Residual path: rows of the next set */
+    AUVID_EVENT_LONGER_CELLS = 1u << 20, /**< with an estimate: its rows contained mostly noise, and
+                                              the vehicle is slow. The sets are dropped, and the
+                                              record begins again with cells of twice the length,
+                                              recorder.cell_us. See metric.max_cell_us */
+    AUVID_EVENT_DRIFTED = 1u << 21,      /**< the vehicle has drifted since the first accepted
+                                              estimate: fouling, a sagging battery. Estimate and
+                                              sets stay, they follow the vehicle; what was derived
+                                              from earlier estimates is out of date. Set once until
+                                              change_test.drifted is 0 again */
     AUVID_EVENT_END                      /**< the last event + 1; no event */
 };
 
@@ -207,12 +216,21 @@ typedef struct {
     auvid_guard_cause_t cause; /**< why ABORTED; value, limit and time are in guard.trip */
 } auvid_output_t;
 
+/** Mass and drag force of each DoF in the first accepted estimate that knew it. Private. */
+typedef struct {
+    auvid_real_t speed[AUVID_DOF_COUNT];       /* of the drag force */
+    auvid_real_t value[2][AUVID_DOF_COUNT];    /* mass; drag force */
+    auvid_real_t variance[2][AUVID_DOF_COUNT]; /* if thrust and DVL scale are exact; 0: not known */
+} auvid_drift_reference_t;
+
 /** The memory of the change test. Private. */
 typedef struct {
-    auvid_estimate_t accepted;       /* the last accepted estimate */
-    auvid_metric_change_t statistic; /* of the newest sets */
-    auvid_real_t predicted;          /* cost of the last estimate on the new set */
-    bool straddles_change;           /* the set before may be from before and after a change */
+    auvid_estimate_t accepted;           /* the last accepted estimate */
+    auvid_drift_reference_t first;       /* of the first accepted estimates since the last change */
+    auvid_metric_change_t statistic;     /* of the newest sets */
+    auvid_real_t noise[AUVID_DOF_COUNT]; /* largest effective noise of late */
+    auvid_real_t predicted;              /* cost of the last estimate on the new set */
+    bool straddles_change;               /* the set before may be from before and after a change */
     uint8_t reserved[sizeof(auvid_real_t) - 1];
 } auvid_change_detector_t;
 
@@ -388,7 +406,9 @@ auvid_status_t auvid_identifier_attach_prediction(auvid_identifier_t *id,
 /** Test each completed set before it is used: compare how the last estimate and the last accepted
  * one predict it, and decide whether the vehicle has changed: change_test. An estimate that
  * predicts worse than the last accepted one is replaced by it (AUVID_EVENT_RESTORED). After a
- * change the older sets are dropped and the search starts cold (AUVID_EVENT_CHANGED). Call it once,
+ * change the older sets are dropped and the search starts cold (AUVID_EVENT_CHANGED). A slow change
+ * shows in no set: each accepted estimate of at least five sets is also compared with the first one
+ * since init or the last change (AUVID_EVENT_DRIFTED); a checkpoint keeps that one. Call it once,
  * between auvid_identifier_init and the first step. Without it every set is merged as it comes, no
  * estimate is `accepted`, and the program does not contain the test.
  * @param storage written; must outlive the identifier

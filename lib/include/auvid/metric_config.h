@@ -59,13 +59,16 @@ typedef struct {
     auvid_real_t delay_sigma_s; /**< standard deviation of the delay [s], 0..1; > 0: negative delays
                                      are also estimated; default 0. The identifier overwrites it
                                      with its uncertainty.delay_s */
-    uint32_t free;      /**< bit i: parameter i is estimated; others stay at `fixed`. 0: all free;
+    uint32_t free;        /**< bit i: parameter i is estimated; others stay at `fixed`. 0: all free;
                         default the vehicle's own choice */
-    uint32_t cell_us;   /**< the recorder's cell [us]; default 100000. The identifier sets it */
-    uint16_t row_cells; /**< cells between rows; >= 1, default 5 */
-    uint16_t set_rows;  /**< rows in a set; >= 1, default 60 (30 s);
+    uint32_t cell_us;     /**< the recorder's cell [us]; default 100000. The identifier sets it */
+    uint32_t max_cell_us; /**< regressor path: longest cell that the identifier may choose [us], see
+                               detail/metric.h; up to cell_us: it keeps cell_us; 0..1000000,
+                               default 800000 */
+    uint16_t row_cells;   /**< cells between rows; >= 1, default 5 */
+    uint16_t set_rows;    /**< rows in a set; >= 1, default 60 (30 s);
                               sets * set_rows <= 60000 */
-    uint8_t sets;       /**< sets in the ring, 1..AUVID_MAX_SETS; default all */
+    uint8_t sets;         /**< sets in the ring, 1..AUVID_MAX_SETS; default all */
     uint8_t half_width[2]; /**< Savitzky-Golay half-width [cells] for forces [0] and for moments
                                 [1]; default 10, 7. Not used in the residual path */
     uint8_t lag[2]; /**< distance in rows of the two rows of a sum or difference, for forces [0] and

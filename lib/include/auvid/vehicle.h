@@ -201,6 +201,7 @@ auvid_status_t auvid_vehicle_selftest(const auvid_vehicle_t *vehicle, const auvi
  *     static auvid_averaged_t model;
  *     (void)auvid_averaged_init(&model, &auvid_bluerov2_heavy, 100000, 200000);
  *     auvid_identifier_defaults(&cfg, &model.vehicle);
+ *     cfg.metric.max_cell_us = 0;  // the average is over cells of this length
  *
  * The metric calls the regressor once for each cell. Cost: two calls of the wrapped regressor and n
  * means for each degree of freedom, 2.3k instructions of a Cortex-M4F for BlueROV2; 0.7 KiB of

@@ -146,7 +146,7 @@ static void node_report_progress(auvid_node_t *node, auvid_can_frame_t *frame, i
     m.as.progress.sets = id->metric.sets.recorded % 256u;
     m.as.progress.searches = id->work.searches % 256u;
     m.as.progress.excited = id->estimate.excited;
-    m.as.progress.changed = id->change_test.changed;
+    m.as.progress.changed = id->change_test.changed | id->change_test.drifted;
     auvid_node_send(node, &m, frame, count);
 }
 

@@ -75,7 +75,8 @@ static auvid_real_t adaptive_hold_s(const auvid_identifier_t *id, int j, auvid_r
         auvid_max(-adaptive_parameter_sum(id, j, AUVID_PARAMETER_QUADRATIC_DRAG), AUVID_C(0.0));
     auvid_real_t root = auvid_sqrt(a * a + AUVID_C(4.0) * b * force); /* = a + 2 b u */
     auvid_real_t s = TIME_CONSTANTS * m / root;
-    bool known = (id->estimate.excited >> j & 1) && m > AUVID_C(0.0) && auvid_is_finite(s);
+    bool known = ((id->estimate.excited | id->estimate.coupled) >> j & 1) && m > AUVID_C(0.0) &&
+                 auvid_is_finite(s);
     if (j == AUVID_ROLL || j == AUVID_PITCH) {
         return SWING_S;
     }
@@ -141,7 +142,7 @@ static auvid_real_t adaptive_available_rows(const auvid_identifier_t *id, int j)
     const auvid_metric_config_t *m = &id->metric.cfg;
     uint64_t end_us = id->actuation->excitation.start_us + id->actuation->excitation.run_us;
     uint64_t left_us = end_us > id->t_us ? end_us - id->t_us : 0;
-    auvid_real_t row_s = AUVID_C(1e-6) * (auvid_real_t)(m->cell_us * m->row_cells);
+    auvid_real_t row_s = AUVID_C(1e-6) * (auvid_real_t)(id->recorder.cell_us * m->row_cells);
     auvid_real_t rows =
         (auvid_real_t)id->metric.result.dof_rows[j] + AUVID_C(1e-6) * (auvid_real_t)left_us / row_s;
     return auvid_min(rows, (auvid_real_t)(m->sets * m->set_rows));
@@ -154,10 +155,12 @@ static void adaptive_assess_parameter(auvid_identifier_t *id, int i, auvid_real_
     auvid_adaptive_t *a = adaptive_state(id);
     const auvid_estimate_t *e = &id->estimate;
     int j = (int)identifier_vehicle(id)->parameter[i].dof;
-    bool known = (e->confidence.identifiable >> i & 1u) ||
-                 e->confidence.note[i] == AUVID_NOTE_SMALL ||
-                 e->confidence.note[i] == AUVID_NOTE_THRUST_SCALE || /* excitation does not help */
-                 e->confidence.note[i] == AUVID_NOTE_FIXED;
+    bool excitable = adaptive_amplitude(id, j) > AUVID_C(0.0);
+    bool known =
+        ((e->confidence.identifiable >> i & 1u) && !(excitable && (e->coupled >> j & 1))) ||
+        e->confidence.note[i] == AUVID_NOTE_SMALL ||
+        e->confidence.note[i] == AUVID_NOTE_THRUST_SCALE || /* excitation does not help */
+        e->confidence.note[i] == AUVID_NOTE_FIXED;
     auvid_real_t rows = (auvid_real_t)id->metric.result.dof_rows[j];
     a->missing &= ~(1u << i);
     a->abandoned &= ~((uint32_t)known << i);
@@ -165,7 +168,7 @@ static void adaptive_assess_parameter(auvid_identifier_t *id, int i, auvid_real_
         return;
     }
     auvid_real_t square = e->number == 0 ? UNKNOWN_RATIO : adaptive_variance_ratio(id, i);
-    if (!(adaptive_amplitude(id, j) > AUVID_C(0.0)) ||
+    if (!excitable ||
         (a->tried[j] >= MIN_SETS && square * rows > MAX_RATIO * adaptive_available_rows(id, j))) {
         a->abandoned |= 1u << i;
         return;
@@ -254,6 +257,16 @@ static void adaptive_begin_run(auvid_identifier_t *id)
     adaptive_evaluate(id);
 }
 
+/* Return the part of its displacement that counts for a channel at s_us from the start. One that
+ * begins from zero fades in first, while another one fades out of the same thrusters. */
+static auvid_real_t adaptive_return_part(const auvid_excitation_channel_t *c, uint32_t s_us)
+{
+    auvid_real_t fades =
+        AUVID_C(1e-6) * (auvid_real_t)(s_us - c->hold_from_us) / EXCITATION_STEP_FADE_S;
+    bool begins = !(auvid_abs(c->before) > AUVID_C(0.0));
+    return begins ? auvid_clamp(fades - AUVID_C(1.0), AUVID_C(0.0), AUVID_C(1.0)) : AUVID_C(1.0);
+}
+
 /* Called by the acting half before each step of the excitation. */
 static void adaptive_shape(auvid_identifier_t *id)
 {
@@ -277,6 +290,8 @@ static void adaptive_shape(auvid_identifier_t *id)
         if (c != NULL) {
             adaptive_choose_hold(id, j, c);
         }
+        e->displacement[j] *=
+            adaptive_return_part(&e->channel[j], (uint32_t)(id->t_us - e->start_us));
     }
 }
 

@@ -258,6 +258,7 @@ auvid_status_t auvid_checkpoint_resume(auvid_identifier_t *id, const uint8_t *ch
         memcpy((uint8_t *)root + to.offset, view.body + at, to.bytes);
         at += to.bytes;
     }
+    auvid_metric_order_columns(&id->metric);
     if (id->attached.prediction != NULL) {
         bool simulated = (view.parts & PART_SIMULATED) != 0;
         id->attached.prediction->vehicle = simulated ? identifier_vehicle(id) : NULL;

@@ -29,8 +29,8 @@ const auvid_checkpoint_block_t auvid_checkpoint_configured[CHECKPOINT_CONFIGURED
 const auvid_checkpoint_block_t auvid_checkpoint_block[CHECKPOINT_BLOCKS] = {
     OF_ID(nav.ground, nav.gps, 0),
     OF_ID(recorder.stream, recorder.reserved, 0),
-    OF_ID(metric.result.cost, metric.result.first_order_lag, 0),
-    OF_ID(metric.evaluator.window_us, metric.evaluator.reserved, 0),
+    OF_ID(metric.result.cost, metric.result.coupled, 0),
+    OF_ID(metric.evaluator.window_us, metric.evaluator.noise, 0),
     OF_ID(metric.evaluator.window, metric.evaluator.window, PART_RESIDUAL),
     OF_ID(metric.rows.set, metric.rows.missing, 0),
     OF_ID(metric.sets.until_us, metric.sets.changed, 0),
@@ -120,6 +120,7 @@ NO_GAP(auvid_confidence_t, reserved);
 NO_GAP(auvid_estimate_t, reserved);
 NO_GAP(auvid_change_test_t, reserved);
 NO_GAP(auvid_metric_change_t, reserved);
+NO_GAP(auvid_drift_reference_t, variance);
 NO_GAP(auvid_change_detector_t, reserved);
 NO_GAP(auvid_sample_t, reserved);
 NO_GAP(auvid_row_t, late);

@@ -153,7 +153,9 @@ static bool checkpoint_check_recorder(const subject_t *s)
     }
     uint32_t period_us = WORD(recorder.velocity_us), given_us = s->id->recorder.cfg.velocity_us;
     bool observed = given_us == AUVID_VELOCITY_OBSERVED && period_us > 0 && period_us <= 1000000;
-    return (good || WORD(recorder.running) == 0) && (observed || period_us == given_us);
+    uint32_t doublings = WORD(metric.result.doublings), cell_us = s->id->metric.cfg.cell_us;
+    bool same = doublings < 10 && WORD(recorder.cell_us) == cell_us << doublings;
+    return (good || WORD(recorder.running) == 0) && (observed || period_us == given_us) && same;
 }
 
 /* Rows of the set of that age. */
@@ -205,7 +207,8 @@ static bool checkpoint_check_sets(const subject_t *s)
         modelled |= (uint32_t)(auvid_metric_order(m, j) > 0) << j;
     }
     COPY(&rows_of, MEMBER(metric.rows.set.rows_of));
-    bool good = (excited & ~modelled) == 0 &&
+    uint32_t coupled = WORD(metric.result.coupled);
+    bool good = ((excited | coupled) & ~modelled) == 0 && (excited & coupled) == 0 &&
                 checkpoint_check_rows(s, WORD(metric.rows.set.rows), rows_of, rows_of, 0);
     for (size_t k = 0; k < AUVID_MAX_SETS; ++k) {
         size_t at = MEMBER(metric.sets.set) + k * sizeof(auvid_set_t);
@@ -220,7 +223,7 @@ static bool checkpoint_check_sets(const subject_t *s)
     COPY(&rows_of, MEMBER(metric.result.dof_rows));
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
         bool is_excited = (excited >> j & 1u) != 0;
-        good = good && (!is_excited || rows_of[j] > 0);
+        good = good && (((excited | coupled) >> j & 1u) == 0 || rows_of[j] > 0);
         any = any || (is_excited && m->layout.count[j] > 0);
     }
     return good && any;
@@ -234,7 +237,7 @@ static bool checkpoint_check_pass(const subject_t *s)
     auvid_metric_cursor_t at;
     COPY(&at, MEMBER(metric.evaluator.at));
     bool linear = !auvid_metric_stores_rows(m), merges = at.pass <= PASS_ADDED;
-    bool walks = at.pass <= PASS_LAST || at.pass == PASS_MEASURE; /* by DoF */
+    bool walks = at.pass <= PASS_COUPLED || at.pass == PASS_MEASURE; /* by DoF */
     bool in_dof = at.dof < AUVID_DOF_COUNT || !walks || at.set >= at.to_set;
     bool right = true;
     switch (phase) {
@@ -372,7 +375,7 @@ static bool checkpoint_check_job(const subject_t *s)
                parameter_of[i] < m->cfg.vehicle->parameters;
     }
     if (!good || j >= AUVID_DOF_COUNT || m->layout.count[j] == 0 ||
-        (WORD(metric.result.excited) >> j & 1u) == 0) {
+        ((WORD(metric.result.excited) | WORD(metric.result.coupled)) >> j & 1u) == 0) {
         return false;
     }
     uint32_t steps = phase == OPTIMUM || phase == BIAS ? 1u

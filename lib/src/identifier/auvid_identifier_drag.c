@@ -6,22 +6,14 @@
  * C is the covariance if thrust and DVL scale are exact; d is the parameters' change per standard
  * deviation of each scale. The variance is not in the paper.
  */
-#include "auvid/identifier.h"
+#include "auvid_identifier_internal.h"
 #include "../base/auvid_math_internal.h"
 
-typedef struct {
-    uint8_t terms, index[AUVID_MAX_PARAMETERS]; /* of parameters with a standard error */
-    auvid_real_t a[AUVID_MAX_PARAMETERS];
-    auvid_real_t force, variance, thrust, dvl;
-    bool known;
-} drag_sum_t;
-
-/* Add a pi_i and its part of the variance. A fixed parameter is exact. */
-static void identifier_add_drag_term(drag_sum_t *s, const auvid_estimate_t *e,
-                                     const auvid_vehicle_t *vehicle, int i, auvid_real_t a)
+void auvid_identifier_add_term(auvid_combination_t *s, const auvid_estimate_t *e,
+                               const auvid_vehicle_t *vehicle, int i, auvid_real_t a)
 {
     const auvid_confidence_t *c = &e->confidence;
-    s->force += a * e->pi[i];
+    s->value += a * e->pi[i];
     if (c->note[i] == AUVID_NOTE_FIXED) {
         return;
     }
@@ -55,7 +47,7 @@ auvid_status_t auvid_estimate_drag(const auvid_estimate_t *estimate, const auvid
         auvid_abs(speed) > AUVID_RECORDER_LARGEST) {
         return AUVID_ERR_RANGE;
     }
-    drag_sum_t s = {.known = true};
+    auvid_combination_t s = {.known = true};
     uint32_t equation = 0;
     bool any = false;
     for (int i = 0; i < vehicle->parameters; ++i) {
@@ -63,7 +55,7 @@ auvid_status_t auvid_estimate_drag(const auvid_estimate_t *estimate, const auvid
         bool linear = p->kind == AUVID_PARAMETER_LINEAR_DRAG;
         equation |= (uint32_t)(p->dof == dof) << i;
         if (p->dof == dof && (linear || p->kind == AUVID_PARAMETER_QUADRATIC_DRAG)) {
-            identifier_add_drag_term(&s, e, vehicle, i, linear ? speed : auvid_abs(speed) * speed);
+            auvid_identifier_add_term(&s, e, vehicle, i, linear ? speed : auvid_abs(speed) * speed);
             any = true;
         }
     }
@@ -71,17 +63,17 @@ auvid_status_t auvid_estimate_drag(const auvid_estimate_t *estimate, const auvid
         return AUVID_ERR_RANGE;
     }
     auvid_real_t max_speed = AUVID_DRAG_REACH * e->speed[dof][speed < AUVID_C(0.0)];
-    bool credible = (e->excited >> dof & 1) != 0 && !e->not_converged &&
+    bool credible = ((e->excited | e->coupled) >> dof & 1) != 0 && !e->not_converged &&
                     auvid_abs(speed) <= max_speed && (e->confidence.implausible & equation) == 0 &&
-                    s.force * speed < AUVID_C(0.0);
+                    s.value * speed < AUVID_C(0.0);
     auvid_real_t sigma = auvid_sqrt(s.variance + s.thrust * s.thrust + s.dvl * s.dvl);
     auvid_real_t half = AUVID_CONFIDENCE_HALF_WIDTH * sigma;
     s.known = s.known && half < AUVID_LARGEST;
     drag->speed = speed;
-    drag->force = s.force;
+    drag->force = s.value;
     drag->sigma = s.known ? sigma : AUVID_LARGEST;
     drag->half_width = s.known ? half : AUVID_LARGEST;
     drag->identifiable =
-        credible && drag->half_width <= AUVID_CONFIDENCE_IDENTIFIABLE * auvid_abs(s.force);
+        credible && drag->half_width <= AUVID_CONFIDENCE_IDENTIFIABLE * auvid_abs(s.value);
     return AUVID_OK;
 }

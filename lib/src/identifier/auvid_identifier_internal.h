@@ -92,6 +92,26 @@ void auvid_identifier_announce(auvid_identifier_t *id);
  * @param k 2 j: forward in DoF j; 2 j + 1: backward */
 auvid_real_t auvid_identifier_speed(const auvid_metric_t *m, int k);
 
+/** A linear combination of parameters, sum of a_i pi_i. */
+typedef struct {
+    uint8_t terms, index[AUVID_MAX_PARAMETERS]; /* of parameters with a standard error */
+    auvid_real_t a[AUVID_MAX_PARAMETERS];
+    auvid_real_t value;
+    auvid_real_t variance;    /* if thrust and DVL scale are exact */
+    auvid_real_t thrust, dvl; /* change by one standard deviation of each scale */
+    bool known;               /* the variance is; true without terms */
+} auvid_combination_t;
+
+/** Add a pi_i. A fixed parameter is exact. */
+void auvid_identifier_add_term(auvid_combination_t *sum, const auvid_estimate_t *estimate,
+                               const auvid_vehicle_t *vehicle, int i, auvid_real_t a);
+
+/** Compare the last estimate, which is accepted, with the first one. Writes change_test. */
+void auvid_identifier_test_drift(auvid_identifier_t *id);
+
+/** The vehicle has changed: the next accepted estimate is the first. */
+void auvid_identifier_restart_drift(auvid_identifier_t *id);
+
 /** Test the last estimate with the oldest set not yet tested; if there is none, merge. */
 void auvid_identifier_begin_tests(auvid_identifier_t *id);
 

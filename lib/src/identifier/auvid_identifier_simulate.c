@@ -22,14 +22,15 @@ static void simulate_cell(auvid_identifier_t *id, const auvid_sample_t *cell)
 static void simulate_restart(auvid_identifier_t *id)
 {
     const auvid_estimate_t *e = &id->estimate;
-    auvid_real_t cell_s = AUVID_C(1e-6) * (auvid_real_t)id->recorder.cfg.cell_us;
+    auvid_real_t cell_s = AUVID_C(1e-6) * (auvid_real_t)id->recorder.cell_us;
     if (id->attached.prediction == NULL) {
         return;
     }
     memset(id->attached.prediction, 0, sizeof *id->attached.prediction);
     if (e->number > 0) { /* no simulation without acceleration, or if the masses forbid it */
         (void)auvid_validation_init(id->attached.prediction, identifier_vehicle(id), e->pi,
-                                    e->excited, e->delay_s, e->first_order_lag, cell_s);
+                                    (uint8_t)(e->excited | e->coupled), e->delay_s,
+                                    e->first_order_lag, cell_s);
     }
 }
 

@@ -36,9 +36,7 @@ static void identifier_take_cells(auvid_identifier_t *id, int max_cells)
         } else if (status != AUVID_OK) {
             return;
         } else {
-            if (id->metric.cfg.velocity_us != id->recorder.velocity_us) {
-                auvid_metric_set_velocity_us(&id->metric, id->recorder.velocity_us);
-            }
+            auvid_metric_set_velocity_us(&id->metric, id->recorder.velocity_us);
             identifier_pass_cell(id, &cell);
             identifier_take_set(id, auvid_metric_add(&id->metric, &cell));
             bool drops = id->metric.sets.rows_dropped != dropped;

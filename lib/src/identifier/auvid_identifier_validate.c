@@ -6,7 +6,8 @@
  * An estimate becomes the accepted one when the next set confirms it. If it predicts that set worse
  * than the accepted estimate does, it is withdrawn. Chow's F of all DoF (auvid_metric_change) with
  * the effective noise (estimate.h) decides whether the vehicle has changed. So neither a strong
- * disturbance nor a set with other motion raises an alarm.
+ * disturbance nor a set with other motion raises an alarm. Drift is tested last, with the accepted
+ * estimate (auvid_identifier_drift.c).
  */
 #include "auvid_identifier_internal.h"
 
@@ -28,6 +29,10 @@
 #define LIMIT_DOF AUVID_C(10.0)
 #define LIMIT_ONE AUVID_C(12.0)
 #define LIMIT_TWO AUVID_C(11.0)
+/* Factor of the largest noise so far, per set: halved in 69 sets. */
+#define NOISE_DECAY AUVID_C(0.99)
+/* Bound of the ratio of residual variances. */
+#define LARGEST_NOISE_RATIO AUVID_C(4.0)
 enum { ENOUGH = 6 };
 
 /* A set is validated, or was overwritten before: the next newer one, if there is one, counts. */
@@ -109,7 +114,8 @@ static void identifier_record_prediction(auvid_identifier_t *id)
 static void identifier_compare_estimates(auvid_identifier_t *id)
 {
     bool worse = id->attached.change->predicted > MARGIN * identifier_predicted_cost(id);
-    if (worse && id->estimate.excited != id->attached.change->accepted.excited) {
+    if (worse && (id->estimate.excited != id->attached.change->accepted.excited ||
+                  id->estimate.coupled != id->attached.change->accepted.coupled)) {
         return;
     }
     if (worse) {
@@ -126,6 +132,23 @@ static void identifier_compare_estimates(auvid_identifier_t *id)
     }
 }
 
+/* Factor of the noise variance if the newest sets are noisier than the estimate's, each fitted by
+ * itself: the ratio of their residual variances, squared, as few rows with much leverage (outliers
+ * of the DVL) move the parameters more than the residuals. Bounded: far larger residuals are no
+ * noise. */
+static auvid_real_t identifier_noise_factor(const auvid_identifier_t *id, int newest, int j)
+{
+    auvid_real_t rows = AUVID_C(0.0), residual = id->estimate.confidence.residual_rms[j];
+    for (int age = 0; age < newest; ++age) {
+        const auvid_set_t *set = auvid_metric_set(&id->metric, age);
+        rows += (set->excited >> j & 1) != 0 ? (auvid_real_t)set->rows_of[j] : AUVID_C(0.0);
+    }
+    auvid_real_t squares = id->attached.change->statistic.unexplained[newest - 1][j];
+    auvid_real_t ratio =
+        auvid_clamp(squares / (rows * residual * residual), AUVID_C(1.0), LARGEST_NOISE_RATIO);
+    return ratio * ratio;
+}
+
 /* F - 1 of each DoF for the newest `newest` sets, relative to its limit; 0: no test possible.
  * @return the largest, or their sum relative to its limit, if that is larger */
 static auvid_real_t identifier_weigh_evidence(const auvid_identifier_t *id, int newest,
@@ -136,9 +159,10 @@ static auvid_real_t identifier_weigh_evidence(const auvid_identifier_t *id, int 
     bool enough = id->estimate.confidence.sets >= ENOUGH - 1;
     auvid_real_t max_evidence = AUVID_C(0.0), sum = AUVID_C(0.0);
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
-        auvid_real_t noise = id->estimate.confidence.effective_noise[j];
+        auvid_real_t noise = id->attached.change->noise[j];
         auvid_real_t f =
-            statistic->change[newest - 1][j] / ((auvid_real_t)statistic->rank[j] * noise * noise);
+            statistic->change[newest - 1][j] / ((auvid_real_t)statistic->rank[j] * noise * noise *
+                                                identifier_noise_factor(id, newest, j));
         bool known = enough && auvid_metric_excited_sets(m, j, newest) + newest >= ENOUGH &&
                      (id->change_test.excited >> j & 1) && auvid_is_finite(f);
         auvid_real_t excess = known ? f - AUVID_C(1.0) : AUVID_C(0.0);
@@ -149,11 +173,22 @@ static auvid_real_t identifier_weigh_evidence(const auvid_identifier_t *id, int 
     return auvid_max(max_evidence, sum / ((newest == 1 ? LIMIT_ONE : LIMIT_TWO) - AUVID_C(1.0)));
 }
 
+/* Noise with outliers varies from ring to ring. The largest of late counts. */
+static void identifier_remember_noise(auvid_identifier_t *id)
+{
+    bool enough = id->estimate.confidence.sets >= ENOUGH - 1;
+    for (int j = 0; enough && j < AUVID_DOF_COUNT; ++j) {
+        auvid_real_t *noise = &id->attached.change->noise[j];
+        *noise = auvid_max(NOISE_DECAY * *noise, id->estimate.confidence.effective_noise[j]);
+    }
+}
+
 /* Decide whether the vehicle has changed. */
 static void identifier_conclude_test(auvid_identifier_t *id)
 {
     auvid_change_test_t *test = &id->change_test;
     auvid_real_t one[AUVID_DOF_COUNT], two[AUVID_DOF_COUNT];
+    identifier_remember_noise(id);
     auvid_real_t by_one = identifier_weigh_evidence(id, 1, one),
                  by_two = identifier_weigh_evidence(id, 2, two);
     const auvid_real_t *evidence = by_one > by_two ? one : two;
@@ -177,6 +212,9 @@ static void identifier_conclude_test(auvid_identifier_t *id)
         id->work.searching = false;
         id->events |= AUVID_EVENT_CHANGED;
         identifier_judge_uncertain(id, true);
+        auvid_identifier_restart_drift(id);
+    } else if (id->estimate.accepted && id->estimate.confidence.sets >= ENOUGH - 1) {
+        auvid_identifier_test_drift(id);
     }
 }
 

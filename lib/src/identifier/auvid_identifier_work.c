@@ -16,6 +16,7 @@
 #include "auvid_identifier_internal.h"
 #include "../base/auvid_math_internal.h"
 #include "../metric/auvid_metric_evaluator_internal.h"
+#include "../navigation/auvid_recorder_internal.h"
 
 auvid_real_t auvid_identifier_common_delay(const auvid_estimate_t *estimate)
 {
@@ -93,10 +94,26 @@ auvid_real_t auvid_identifier_speed(const auvid_metric_t *m, int k)
     uint16_t max_speed = 0;
     for (int age = 0; age < auvid_metric_sets(m); ++age) {
         const auvid_set_t *set = auvid_metric_set(m, age);
-        uint16_t speed = (set->excited >> k / 2 & 1) != 0 ? set->fastest[k / 2][k % 2] : 0;
+        uint16_t speed = auvid_metric_set_counts(m, set, k / 2) ? set->fastest[k / 2][k % 2] : 0;
         max_speed = speed > max_speed ? speed : max_speed;
     }
     return AUVID_C(0.001) * (auvid_real_t)max_speed;
+}
+
+/* The rows were mostly noise: record longer cells. */
+static void identifier_lengthen_cells(auvid_identifier_t *id)
+{
+    auvid_recorder_set_cell(&id->recorder, auvid_metric_cell_us(&id->metric));
+    if (id->attached.validation != NULL) {
+        id->attached.validation->vehicle = NULL; /* it simulates cells of the old length */
+    }
+    identifier_judge_uncertain(id, true);
+    if (id->attached.change != NULL) { /* noise has biased its masses: no reference for drift */
+        memset(&id->attached.change->first, 0, sizeof id->attached.change->first);
+        memset(id->attached.change->noise, 0, sizeof id->attached.change->noise);
+    }
+    id->work.set_pending = false;
+    id->events |= AUVID_EVENT_LONGER_CELLS;
 }
 
 static void identifier_publish_estimate(auvid_identifier_t *id)
@@ -105,8 +122,10 @@ static void identifier_publish_estimate(auvid_identifier_t *id)
     ++e->number;
     e->t_us = id->t_us;
     e->sets = id->work.sets;
-    e->identified = auvid_metric_active(&id->metric);
     e->excited = id->metric.result.excited;
+    e->coupled = id->metric.result.coupled;
+    e->identified = auvid_metric_free_of(&id->metric, e->excited | e->coupled) &
+                    auvid_metric_searched(&id->metric);
     memcpy(e->pi, id->work.candidate, sizeof e->pi);
     e->cost = id->work.cost;
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
@@ -132,9 +151,12 @@ static void identifier_publish_estimate(auvid_identifier_t *id)
 
 void auvid_identifier_announce(auvid_identifier_t *id)
 {
-    identifier_simulate(id);
     id->events |= AUVID_EVENT_ESTIMATE;
     identifier_rest(id);
+    if (auvid_metric_lengthen(&id->metric)) {
+        identifier_lengthen_cells(id);
+    }
+    identifier_simulate(id);
 }
 
 /* ---- from sets to the merge ---- */
@@ -211,6 +233,19 @@ static void identifier_begin_measure(auvid_identifier_t *id)
     id->work.phase = AUVID_WORK_MEASURE;
 }
 
+/* Add the parameters of DoF that only coupling moves to the result, within their bounds. */
+static void identifier_solve_coupled(auvid_identifier_t *id)
+{
+    auvid_metric_solve_coupled(&id->metric, id->work.candidate);
+    uint32_t solved = auvid_metric_searched(&id->metric) & ~id->work.active;
+    for (int i = 0; solved != 0; ++i, solved >>= 1) {
+        if ((solved & 1u) != 0) {
+            id->work.candidate[i] =
+                auvid_clamp(id->work.candidate[i], id->search.lower[i], id->search.upper[i]);
+        }
+    }
+}
+
 static AUVID_NOINLINE auvid_status_t identifier_ask(auvid_identifier_t *id, uint32_t *budget)
 {
     auvid_real_t theta[AUVID_MAX_PARAMETERS];
@@ -222,6 +257,7 @@ static AUVID_NOINLINE auvid_status_t identifier_ask(auvid_identifier_t *id, uint
         identifier_expand(id, auvid_optimizer_best(&id->optimizer, &id->work.cost));
         id->work.searched = id->optimizer.work;
         id->work.not_converged = status != AUVID_FINISHED || !(id->work.cost < AUVID_COST_FAILED);
+        identifier_solve_coupled(id);
         identifier_begin_measure(id);
         status = AUVID_PENDING;
     }

@@ -232,7 +232,7 @@ static void uncertain_add_thruster(const auvid_uncertain_t *u, int i, const auvi
 static void uncertain_thrust_columns(auvid_uncertain_t *u, const auvid_metric_t *m,
                                      const auvid_sample_t *cell, bool first, auvid_real_t *channel)
 {
-    auvid_real_t cell_s = (auvid_real_t)m->cfg.cell_us * AUVID_C(1e-6);
+    auvid_real_t cell_s = (auvid_real_t)auvid_metric_cell_us(m) * AUVID_C(1e-6);
     auvid_real_t keep = uncertain_decay(AUVID_C(0.5) * cell_s / u->cfg.nominal_lag_s);
     auvid_real_t elapsed = auvid_seconds(u->recorded.begin_us, cell->t_us) / SAG_S;
     for (int i = 0; i < u->allocation->cfg.thrusters; ++i) {

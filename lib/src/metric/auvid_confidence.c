@@ -50,9 +50,10 @@
 
 typedef auvid_confidence_job_t job_t;
 
-static bool confidence_is_excited(const job_t *c, int j)
+static bool confidence_is_informative(const job_t *c, int j)
 {
-    return auvid_metric_is_excited(c->metric, j) && auvid_metric_equation(c->metric, j).count > 0;
+    return auvid_metric_is_informative(c->metric, j) &&
+           auvid_metric_equation(c->metric, j).count > 0;
 }
 
 /* Compute the weights of the wrench at DoF j's delay, or their derivatives. */
@@ -75,7 +76,7 @@ static void confidence_count_rows(job_t *c, int j)
     c->spread.rows[j] = (auvid_real_t)m->result.dof_rows[j]; /* some sets may have left the ring */
     for (int age = 0; age < auvid_metric_sets(m); ++age) {
         const auvid_set_t *set = auvid_metric_set(m, age);
-        uint32_t rows = (set->excited >> j & 1) == 0 ? 0u : set->rows_of[j];
+        uint32_t rows = auvid_metric_set_counts(m, set, j) ? set->rows_of[j] : 0u;
         if (rows > 0) {
             c->spread.rows[j] -= stored ? (auvid_real_t)(rows - set->windows[j]) : AUVID_C(0.0);
             lost += (uint32_t)set->lost + set->rows - rows;
@@ -101,6 +102,9 @@ static void confidence_find_single_dof_optimum(job_t *c, int j)
         optimum[i] = equation.z[i];
     }
     (void)auvid_qr_solve(equation.factor, equation.order, equation.count, AUVID_C(1e-4), optimum);
+    for (int i = 0; i < equation.count && auvid_metric_is_coupled(c->metric, j); ++i) {
+        optimum[i] = c->pi[equation.index[i]]; /* of its own terms, given the others */
+    }
     confidence_delay_weights(c, j, false, l);
     for (int d = 0; d < AUVID_METRIC_DELAYS; ++d) {
         optimum[equation.count + d] = -l[d];
@@ -116,7 +120,8 @@ static void confidence_find_single_dof_optimum(job_t *c, int j)
 static bool confidence_delay_is_uncertain(const job_t *c, int j)
 {
     const auvid_metric_t *m = c->metric;
-    return confidence_is_excited(c, j) && c->result.uncertainty.delay_s > AUVID_C(0.0) &&
+    return auvid_metric_is_excited(m, j) && confidence_is_informative(c, j) &&
+           c->result.uncertainty.delay_s > AUVID_C(0.0) &&
            (!auvid_metric_stores_rows(m) || m->cfg.estimate_delay);
 }
 
@@ -124,7 +129,7 @@ static bool confidence_delay_is_uncertain(const job_t *c, int j)
 static bool confidence_delay_is_estimated(const job_t *c, int j)
 {
     const auvid_metric_t *m = c->metric;
-    return confidence_is_excited(c, j) && m->cfg.estimate_delay &&
+    return confidence_is_informative(c, j) && m->cfg.estimate_delay &&
            auvid_abs(m->result.delay_s[j]) > AUVID_C(0.0);
 }
 
@@ -262,10 +267,10 @@ static void confidence_find_noise(job_t *c, int j)
 
 /* ---- the phases ---- */
 
-/* Go to the first excited DoF from j on. @return true if there is one */
+/* Go to the first informative equation from j on. @return true if there is one */
 static bool confidence_seek_dof(job_t *c, int j)
 {
-    while (j < AUVID_DOF_COUNT && !confidence_is_excited(c, j)) {
+    while (j < AUVID_DOF_COUNT && !confidence_is_informative(c, j)) {
         ++j;
     }
     c->at.dof = (uint8_t)j;
@@ -294,7 +299,8 @@ static void confidence_step(job_t *c)
     case SCATTER:
         if (i == AUVID_METRIC_BANDS * n) {
             auvid_confidence_finish_dof(c, j);
-        } else if (c->at.set < auvid_metric_sets(c->metric) && (set->excited >> j & 1)) {
+        } else if (c->at.set < auvid_metric_sets(c->metric) &&
+                   auvid_metric_set_counts(c->metric, set, j)) {
             auvid_confidence_take_row(c, set, j, i / n, i % n);
         }
         break;
@@ -307,7 +313,7 @@ static void confidence_step(job_t *c)
     default:
         auvid_confidence_scale(c, i);
         for (j = 0; j < AUVID_DOF_COUNT && i == c->n - 1; ++j) {
-            if (confidence_is_excited(c, j)) {
+            if (confidence_is_informative(c, j)) {
                 auvid_confidence_discredit(c, j);
             }
         }
@@ -323,7 +329,7 @@ static int confidence_steps(const job_t *c)
     case BIAS:
         return 1;
     case ROTATE:
-        return auvid_metric_equation(c->metric, c->at.dof).count;
+        return auvid_metric_equation(c->metric, c->at.dof).rows;
     case SCATTER:
         return AUVID_METRIC_BANDS * auvid_metric_order(c->metric, c->at.dof) + 1;
     default:
@@ -429,8 +435,10 @@ void auvid_confidence_limits(auvid_confidence_job_t *job, const auvid_real_t *lo
         auvid_real_t bound = high ? upper[p] : lower[p];
         if (auvid_abs(job->pi[p] - bound) < NEAR * (upper[p] - lower[p])) {
             job->at_bound |= 1u << p;
-            job->result.partner[p] = high;
-            job->result.bound[p] = bound;
+            if (job->result.note[p] != AUVID_NOTE_NOT_EXCITED) {
+                job->result.partner[p] = high;
+                job->result.bound[p] = bound;
+            }
         }
     }
     job->not_converged = not_converged;

@@ -40,9 +40,9 @@ static auvid_real_t confidence_pooled_product(const job_t *c, const auvid_real_t
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
         auvid_equation_t equation = auvid_metric_equation(m, j);
         const uint8_t *index = equation.index;
-        int count = auvid_metric_is_excited(m, j) ? equation.count : 0;
+        int count = equation.count, rows = auvid_metric_is_informative(m, j) ? equation.rows : 0;
         auvid_real_t scale = auvid_metric_weight(m, j) * c->result.effective_noise[j];
-        for (int i = 0; i < count; ++i) {
+        for (int i = 0; i < rows; ++i) {
             const auvid_real_t *r = auvid_equation_row(&equation, i);
             auvid_real_t e = AUVID_C(0.0);
             for (int k = i; k < count; ++k) {
@@ -236,7 +236,10 @@ void auvid_confidence_judge(job_t *c, int i)
         variance =
             (POOLED * variance + auvid_max(scatter, AUVID_C(0.0))) / (POOLED + sets - AUVID_C(1.0));
     }
-    found.sigma = auvid_sqrt(WIDENED * variance * widening + c->delay_step[i] * c->delay_step[i]);
+    int j = (int)c->metric->cfg.vehicle->parameter[p].dof;
+    auvid_real_t disagreement = auvid_metric_disagreement(c->metric, j, p) * c->pi[p];
+    found.sigma = auvid_sqrt(WIDENED * variance * widening + c->delay_step[i] * c->delay_step[i] +
+                             disagreement * disagreement);
     found.bias = auvid_abs(delta);
     found.partner = largest > AUVID_CORRELATED ? c->parameter_of[partner] : NOWHERE;
     confidence_consider(c, p);

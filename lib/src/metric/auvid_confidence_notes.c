@@ -11,6 +11,8 @@
 
 /* Largest part of an equation's rms wrench that the impossible part of an estimate may explain. */
 #define IMPOSSIBLE AUVID_C(0.1)
+/* Largest rms variation of a constant wrench, relative to tau_max: rounding. */
+#define CONSTANT AUVID_C(1e-4)
 
 /* ---- bias of masses by the noise of the measured acceleration ---- */
 
@@ -60,6 +62,21 @@ void auvid_confidence_acceleration_row(const auvid_vehicle_t *vehicle, int j, au
     }
 }
 
+void auvid_confidence_add_scores(auvid_confidence_job_t *c, int j)
+{
+    auvid_equation_t e = auvid_metric_equation(c->metric, j);
+    for (int i = 0; i < e.rows; ++i) {
+        const auvid_real_t *r = auvid_equation_row(&e, i);
+        for (int k = i; k < e.count; ++k) {
+            int column = c->column_of[e.index[k]];
+            if (column != NOWHERE) {
+                c->influence.set[column] +=
+                    auvid_metric_weight(c->metric, j) * r[k - i] * c->score[i];
+            }
+        }
+    }
+}
+
 /* nu_j = high (low weight (1 + rho) / (1 - rho) + high weight): the high band is noise, and the low
  * band contains that noise times (1 + rho) / (1 - rho). */
 void auvid_confidence_bias(auvid_confidence_job_t *c, int j)
@@ -78,6 +95,16 @@ void auvid_confidence_bias(auvid_confidence_job_t *c, int j)
     auvid_real_t noise = auvid_metric_band_squares(m, 1, j) *
                          (low * (AUVID_C(1.0) + rho) / (AUVID_C(1.0) - rho) + high);
     auvid_real_t scaled = auvid_metric_weight(m, j) * noise / mass;
+    if (auvid_metric_is_coupled(m, j)) {
+        auvid_equation_t e = auvid_metric_equation(m, j);
+        for (int k = 0; k < e.rows && auvid_is_finite(scaled); ++k) {
+            c->score[k] = noise / mass * a[e.index[k]];
+        }
+        auvid_qr_solve_transposed(e.factor, e.order, e.rows, c->score);
+        auvid_confidence_add_scores(c, j);
+        memset(c->score, 0, sizeof c->score);
+        return;
+    }
     for (int k = 0; k < c->n && auvid_is_finite(scaled); ++k) {
         c->influence.set[k] += scaled * a[c->parameter_of[k]];
     }
@@ -85,15 +112,32 @@ void auvid_confidence_bias(auvid_confidence_job_t *c, int j)
 
 /* ---- notes ---- */
 
+/* Returns why nothing is known about DoF j: AUVID_NOTE_NOT_EXCITED in estimate.h. */
+static uint8_t confidence_idle_reason(const auvid_metric_t *m, int j)
+{
+    auvid_real_t rounding = CONSTANT * m->cfg.tau_max[j];
+    for (int age = 0; age < auvid_metric_sets(m); ++age) {
+        const auvid_set_t *set = auvid_metric_set(m, age);
+        if (set->tau_m2[j] > rounding * rounding * (auvid_real_t)set->rows_of[j]) {
+            return IDLE;
+        }
+    }
+    return auvid_metric_stores_rows(m) ? UNACTUATED_ROWS : UNACTUATED;
+}
+
 void auvid_confidence_note_idle(auvid_confidence_job_t *c, int i)
 {
     const auvid_metric_config_t *cfg = &c->metric->cfg;
+    int j = (int)cfg->vehicle->parameter[i].dof;
     bool free = cfg->free == 0 || (cfg->free >> i & 1u) != 0;
-    bool excited = auvid_metric_is_excited(c->metric, (int)cfg->vehicle->parameter[i].dof);
+    bool informative = auvid_metric_is_informative(c->metric, j);
     c->result.sigma[i] = AUVID_LARGEST;
-    c->result.note[i] = !free     ? AUVID_NOTE_FIXED
-                        : excited ? AUVID_NOTE_UNCERTAIN
-                                  : AUVID_NOTE_NOT_EXCITED;
+    c->result.note[i] = !free         ? AUVID_NOTE_FIXED
+                        : informative ? AUVID_NOTE_UNCERTAIN
+                                      : AUVID_NOTE_NOT_EXCITED;
+    if (c->result.note[i] == AUVID_NOTE_NOT_EXCITED) {
+        c->result.partner[i] = confidence_idle_reason(c->metric, j);
+    }
 }
 
 auvid_real_t auvid_confidence_column(const auvid_confidence_job_t *c, int j, int i)
@@ -118,18 +162,18 @@ auvid_real_t auvid_confidence_allowed(const auvid_metric_config_t *cfg, int i, a
 /* Returns the value of parameter i whose force is AUVID_CONFIDENCE_SMALL of DoF j's rms wrench. */
 static auvid_real_t confidence_small_value_in_dof(const auvid_confidence_job_t *c, int i, int j)
 {
-    auvid_real_t rows, wrench = auvid_metric_wrench_squares(c->metric, j, &rows);
-    return AUVID_CONFIDENCE_SMALL * auvid_sqrt(wrench / rows * c->spread.rows[j]) /
+    auvid_real_t rows, force = auvid_metric_force_squares(c->metric, j, &rows);
+    return AUVID_CONFIDENCE_SMALL * auvid_sqrt(force / rows * c->spread.rows[j]) /
            auvid_confidence_column(c, j, i);
 }
 
-/* Returns the smallest such value over the excited DoF. */
+/* Returns the smallest such value over the informative equations. */
 static auvid_real_t confidence_small_value(const auvid_confidence_job_t *c, int i)
 {
     auvid_real_t smallest = AUVID_LARGEST;
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
         auvid_real_t value = confidence_small_value_in_dof(c, i, j);
-        smallest = auvid_metric_is_excited(c->metric, j) && value < smallest ? value : smallest;
+        smallest = auvid_metric_is_informative(c->metric, j) && value < smallest ? value : smallest;
     }
     return smallest < AUVID_LARGEST ? smallest : AUVID_C(0.0);
 }
@@ -138,7 +182,7 @@ static auvid_real_t confidence_small_value(const auvid_confidence_job_t *c, int 
  * optimum does, unless bounds or model errors keep the search away from it. */
 static bool confidence_is_explained(const auvid_metric_t *m, int j)
 {
-    auvid_real_t rows, total = auvid_metric_wrench_squares(m, j, &rows);
+    auvid_real_t rows, total = auvid_metric_force_squares(m, j, &rows);
     return m->result.sse[j] <= total;
 }
 
@@ -170,6 +214,9 @@ static auvid_real_t confidence_wrench_norm(const auvid_confidence_job_t *c, int 
 {
     auvid_equation_t e = auvid_metric_equation(c->metric, j);
     auvid_real_t square = auvid_metric_unexplained(c->metric, j);
+    if (auvid_metric_is_coupled(c->metric, j)) {
+        return auvid_sqrt(auvid_metric_force_squares(c->metric, j, &square));
+    }
     for (int k = 0; k < e.count; ++k) {
         square += e.z[k] * e.z[k];
     }

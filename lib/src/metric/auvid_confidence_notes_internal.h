@@ -10,6 +10,9 @@
 /** Column, or parameter, that does not exist. */
 enum { NOWHERE = 255 };
 
+/** partner of AUVID_NOTE_NOT_EXCITED: see estimate.h */
+enum { IDLE, UNACTUATED, UNACTUATED_ROWS };
+
 /** auvid_confidence_job_t.phase: see auvid_confidence.c */
 enum { OPTIMUM, ROTATE, BOUND, INVERT, SCATTER, BIAS, JUDGE, CONCLUDE, DONE };
 
@@ -28,6 +31,10 @@ void auvid_confidence_acceleration_row(const auvid_vehicle_t *vehicle, int j, au
 
 /** Add DoF j's part of the right-hand side of the masses' bias to the influences. */
 void auvid_confidence_bias(auvid_confidence_job_t *c, int j);
+
+/** Only coupling moves DoF j: add its part of the influences, from the scores of its own terms,
+ * whitened by their R factor. The other columns take part as they do in the joint R factor. */
+void auvid_confidence_add_scores(auvid_confidence_job_t *c, int j);
 
 /** Set the note of parameter i for the case that nothing is known about it. */
 void auvid_confidence_note_idle(auvid_confidence_job_t *c, int i);

@@ -20,22 +20,23 @@ void auvid_confidence_take_row(job_t *c, const auvid_set_t *set, int j, int band
     auvid_real_t w[AUVID_MAX_PARAMETERS + AUVID_METRIC_DELAYS] = {AUVID_C(0.0)};
     auvid_real_t dof_residual = AUVID_C(0.0), residual = AUVID_C(0.0),
                  weight = auvid_metric_band_weight(m, band, j);
-    auvid_metric_unpack_row(m, set, band, j, i, w);
-    for (int k = i; k < e.order; ++k) {
+    bool coupled = auvid_metric_is_coupled(m, j); /* its scores are added when it is complete */
+    int first = auvid_metric_read_row(m, set, band, j, i, w);
+    for (int k = first; k < e.order; ++k) {
         dof_residual += w[k] * optimum[k];
         residual += w[k] * (k < e.count ? c->pi[e.index[k]] : optimum[k]);
     }
-    for (int k = i; k < e.count; ++k) {
+    for (int k = first; k < e.count; ++k) {
         int column = c->column_of[e.index[k]];
         c->score[k] += weight * dof_residual * w[k];
-        if (column != NOWHERE) {
+        if (column != NOWHERE && !coupled) {
             c->influence.set[column] += auvid_metric_weight(m, j) * weight * residual * w[k];
         }
     }
-    auvid_qr_solve_transposed(e.factor, e.order, e.count, w);
-    for (int a = 0; a < e.count; ++a) {
-        auvid_real_t *to = c->part + auvid_qr_row(e.count, a);
-        for (int b = a; b < e.count; ++b) {
+    auvid_qr_solve_transposed(e.factor, e.order, e.rows, w);
+    for (int a = 0; a < e.rows; ++a) {
+        auvid_real_t *to = c->part + auvid_qr_row(e.rows, a);
+        for (int b = a; b < e.rows; ++b) {
             to[b - a] += weight * w[a] * w[b];
         }
     }
@@ -46,8 +47,11 @@ void auvid_confidence_take_row(job_t *c, const auvid_set_t *set, int j, int band
 void auvid_confidence_finish_dof(job_t *c, int j)
 {
     auvid_equation_t e = auvid_metric_equation(c->metric, j);
-    int count = e.count;
+    int count = e.rows;
     auvid_qr_solve_transposed(e.factor, e.order, count, c->score);
+    if (auvid_metric_is_coupled(c->metric, j)) {
+        auvid_confidence_add_scores(c, j);
+    }
     for (int a = 0; a < count; ++a) {
         const auvid_real_t *row = c->part + auvid_qr_row(count, a);
         c->spread.scatter[j] += c->score[a] * c->score[a];

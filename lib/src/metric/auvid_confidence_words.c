@@ -135,6 +135,8 @@ auvid_status_t auvid_confidence_note(const auvid_confidence_t *confidence,
     } else if (note == AUVID_NOTE_DISCREDITED) {
         confidence_append(&w, name);
         confidence_append(&w, " is impossible");
+    } else if (note == AUVID_NOTE_NOT_EXCITED && partner != IDLE) {
+        confidence_append(&w, "unactuated");
     } else {
         confidence_append(&w, auvid_note_str(note));
     }
@@ -287,6 +289,17 @@ static bool confidence_has_sentence(const auvid_confidence_t *c, const auvid_veh
     return true;
 }
 
+/* Append what a DoF needs that was not excited. */
+static void confidence_append_idle(writer_t *w, uint8_t reason)
+{
+    static const char *const sentence[] = {
+        [IDLE] = "not excited; apply steps held 4-8 s and sines of 0.1-0.3 Hz",
+        [UNACTUATED] =
+            "unactuated, and coupling does not suffice; excite it, or turn faster",
+        [UNACTUATED_ROWS] = "unactuated; excite it if it has an actuator, else fix its parameters"};
+    confidence_append(w, sentence[reason <= UNACTUATED_ROWS ? reason : IDLE]);
+}
+
 /* Append the sentence of parameter i. */
 static void confidence_append_sentence(writer_t *w, const auvid_confidence_t *c,
                                        const auvid_vehicle_t *vehicle, int i)
@@ -300,7 +313,7 @@ static void confidence_append_sentence(writer_t *w, const auvid_confidence_t *c,
     }
     confidence_append_dof(w, parameter->dof);
     if (note == AUVID_NOTE_NOT_EXCITED) {
-        confidence_append(w, "not excited; apply steps held 4-8 s and sines of 0.1-0.3 Hz");
+        confidence_append_idle(w, c == NULL ? IDLE : c->partner[i]);
     } else if (note == AUVID_NOTE_COMBINATION) {
         confidence_append_pair(w, parameter, &vehicle->parameter[c->partner[i]]);
     } else if (note == AUVID_NOTE_AT_BOUND) {

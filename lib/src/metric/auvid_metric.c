@@ -23,6 +23,7 @@ void auvid_metric_defaults(auvid_metric_config_t *cfg, const auvid_vehicle_t *ve
         .free = vehicle == NULL ? 0 : vehicle->free,
         .excitation_threshold = AUVID_C(0.02),
         .cell_us = 100000,
+        .max_cell_us = 800000,
         .velocity_us = 200000,
         .row_cells = 5,
         .set_rows = 60,
@@ -45,6 +46,7 @@ static const auvid_field_t metric_fields[] = {
     REALS_ABOVE(auvid_metric_config_t, tau_max, AUVID_DOF_COUNT, AUVID_C(0.0), AUVID_LARGEST),
     METRIC_REALS(excitation_threshold, 1, AUVID_C(0.0), AUVID_C(1.0)),
     METRIC_WHOLE(cell_us, 1, 1000, 1000000),
+    METRIC_WHOLE(max_cell_us, 1, 0, 1000000),
     METRIC_WHOLE(velocity_us, 1, 0, 1000000),
     METRIC_WHOLE(row_cells, 1, 1, 65535),
     METRIC_WHOLE(set_rows, 1, 1, 65535),
@@ -127,6 +129,49 @@ static void metric_check(const auvid_metric_config_t *cfg, auvid_refusal_t *why)
     metric_check_columns(cfg, why);
 }
 
+uint32_t auvid_metric_free_of(const auvid_metric_t *m, uint8_t excited)
+{
+    uint32_t free = 0;
+    for (int i = 0; i < m->cfg.vehicle->parameters; ++i) {
+        if (excited >> m->cfg.vehicle->parameter[i].dof & 1) {
+            free |= 1u << i;
+        }
+    }
+    return m->cfg.free == 0 ? free : free & m->cfg.free;
+}
+
+/* Terms of an equation: its parameters are of this DoF and in no equation of an excited DoF; of
+ * this DoF; of others. */
+enum { OWN, SHARED, OTHER, CLASSES };
+
+void auvid_metric_order_columns(auvid_metric_t *m)
+{
+    auvid_metric_layout_t *layout = &m->layout;
+    const auvid_parameter_t *of = m->cfg.vehicle->parameter;
+    uint32_t known = auvid_metric_free_of(m, m->result.excited);
+    for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
+        known |= auvid_metric_is_excited(m, j) ? layout->columns[j] : 0u;
+    }
+    memcpy(layout->merged_index, layout->index, sizeof layout->index);
+    memcpy(layout->leading, layout->count, sizeof layout->count);
+    for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
+        uint8_t *to = layout->merged_index + layout->channel_at[j];
+        const uint8_t *from = layout->index + layout->channel_at[j];
+        int at = 0;
+        for (int class = 0; class < CLASSES && !auvid_metric_is_excited(m, j); ++class) {
+            for (int k = 0; k < layout->count[j]; ++k) {
+                int of_term = (int)of[from[k]].dof != j ? OTHER
+                              : known >> from[k] & 1u   ? SHARED
+                                                        : OWN;
+                if (of_term == class) {
+                    to[at++] = from[k];
+                }
+            }
+            layout->leading[j] = (uint8_t)(class == OWN ? at : layout->leading[j]);
+        }
+    }
+}
+
 /* Assign channels and an R factor to each modelled DoF, and the filter's taps. In the residual path
  * the model linearised at an estimate uses the channels. */
 static void metric_lay_out(auvid_metric_t *m)
@@ -154,17 +199,7 @@ static void metric_lay_out(auvid_metric_t *m)
     uint32_t taps = auvid_metric_taps(&m->cfg, auvid_metric_stores_rows(m));
     m->layout.taps = (uint8_t)taps;
     m->layout.overlap = (uint8_t)((taps + m->cfg.row_cells - 1u) / m->cfg.row_cells);
-}
-
-uint32_t auvid_metric_free_of(const auvid_metric_t *m, uint8_t excited)
-{
-    uint32_t free = 0;
-    for (int i = 0; i < m->cfg.vehicle->parameters; ++i) {
-        if (excited >> m->cfg.vehicle->parameter[i].dof & 1) {
-            free |= 1u << i;
-        }
-    }
-    return m->cfg.free == 0 ? free : free & m->cfg.free;
+    auvid_metric_order_columns(m);
 }
 
 void auvid_metric_set_up(auvid_metric_t *metric, const auvid_metric_config_t *cfg,

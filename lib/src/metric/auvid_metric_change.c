@@ -40,6 +40,7 @@ static void metric_record_change(auvid_metric_t *m, auvid_metric_change_t *to, i
                (size_t)AUVID_QR_FACTOR(e.order) * sizeof u);
     } else if (step >= sets) {
         to->change[step - sets][j] -= u;
+        to->unexplained[step - sets][j] = u;
     }
 }
 

@@ -21,7 +21,7 @@ static void metric_take_candidate(auvid_metric_t *m, const auvid_real_t *pi, auv
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
         auvid_equation_t e = auvid_metric_equation(m, j);
         for (int k = 0; k < e.count; ++k) {
-            ev->candidate[e.at + k] = pi[e.index[k]];
+            ev->candidate[e.at + k] = pi[m->layout.index[e.at + k]];
         }
     }
     ev->at.set = ev->at.dof = 0;
@@ -140,6 +140,12 @@ uint32_t auvid_metric_searched(const auvid_metric_t *metric)
         bool known = m->cfg.fixed[i] < AUVID_C(0.0) || m->cfg.fixed[i] > AUVID_C(0.0);
         searched |= (uint32_t)(free && !known && scale[i] > AUVID_C(0.0)) << i;
     }
+    for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
+        auvid_equation_t e = auvid_metric_equation(m, j);
+        for (int k = 0; k < e.rows && auvid_metric_is_coupled(m, j); ++k) {
+            searched |= 1u << e.index[k];
+        }
+    }
     return searched;
 }
 
@@ -164,10 +170,17 @@ void auvid_metric_scale(const auvid_metric_t *metric, auvid_real_t *scale)
     }
 }
 
+auvid_real_t auvid_metric_force_squares(const auvid_metric_t *m, int j, auvid_real_t *rows)
+{
+    *rows = (auvid_real_t)m->result.dof_rows[j];
+    return auvid_metric_is_coupled(m, j) ? m->evaluator.coupled_squares[j]
+                                         : auvid_metric_wrench_squares(m, j, rows);
+}
+
 void auvid_metric_r2(const auvid_metric_t *metric, auvid_real_t *r2)
 {
     for (int j = 0; j < AUVID_DOF_COUNT && metric != NULL && r2 != NULL; ++j) {
-        auvid_real_t rows, total = auvid_metric_wrench_squares(metric, j, &rows);
+        auvid_real_t rows, total = auvid_metric_force_squares(metric, j, &rows);
         r2[j] = auvid_r2(metric->result.sse[j], total);
     }
 }

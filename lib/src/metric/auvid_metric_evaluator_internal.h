@@ -17,6 +17,8 @@ typedef struct {
     const auvid_real_t *z; /**< [count] */
     const uint8_t *index;  /**< [count] the parameter of each column */
     int count;             /**< columns of R */
+    int rows;              /**< rows of R that determine parameters: all, unless only coupling
+                                moves the DoF */
     int order;             /**< of the R factor; 0: the DoF is not modelled */
     int at;                /**< its first channel */
 } auvid_equation_t;
@@ -26,8 +28,9 @@ AUVID_INLINE auvid_equation_t auvid_metric_equation(const auvid_metric_t *m, int
     int at = m->layout.channel_at[j];
     return (auvid_equation_t){.factor = m->evaluator.merged + m->layout.factor_at[j],
                               .z = m->evaluator.z + at,
-                              .index = m->layout.index + at,
+                              .index = m->layout.merged_index + at,
                               .count = m->layout.count[j],
+                              .rows = m->layout.leading[j],
                               .order = auvid_metric_order(m, j),
                               .at = at};
 }
@@ -38,11 +41,34 @@ AUVID_INLINE const auvid_real_t *auvid_equation_row(const auvid_equation_t *e, i
     return e->factor + auvid_qr_row(e->order, i);
 }
 
-/** Is DoF j excited in some merged set? */
-static inline bool auvid_metric_is_excited(const auvid_metric_t *m, int j)
+/** Returns the relative standard error of a parameter of DoF j's own terms because its equation
+ * disagrees with those of the excited DoF; 0 unless only coupling moves the DoF. */
+auvid_real_t auvid_metric_disagreement(const auvid_metric_t *m, int j, int parameter);
+
+/** Is DoF j's equation informative through coupling only? */
+static inline bool auvid_metric_is_coupled(const auvid_metric_t *m, int j)
 {
-    return (m->result.excited >> j & 1) != 0;
+    return (m->result.coupled >> j & 1) != 0;
 }
+
+/** Is DoF j's equation informative, through excitation or coupling? */
+static inline bool auvid_metric_is_informative(const auvid_metric_t *m, int j)
+{
+    return auvid_metric_is_excited(m, j) || auvid_metric_is_coupled(m, j);
+}
+
+/** Do DoF j's rows of this set count? All sets count for a DoF that only coupling moves. */
+static inline bool auvid_metric_set_counts(const auvid_metric_t *m, const auvid_set_t *set, int j)
+{
+    return (set->excited >> j & 1) != 0 || (auvid_metric_is_coupled(m, j) && set->rows_of[j] > 0);
+}
+
+/** Returns the sum of squares of the force that DoF j's equation explains, over the sets that
+ * count: of the wrench about each set's mean, or of the force of coupling; *rows: its rows. */
+auvid_real_t auvid_metric_force_squares(const auvid_metric_t *m, int j, auvid_real_t *rows);
+
+/** Set the weight of DoF j from the number of its rows. */
+void auvid_metric_weigh_dof(auvid_metric_t *m, int j);
 
 /** Weight of DoF j in the cost, 1 / (tau_max^2 rows). */
 static inline auvid_real_t auvid_metric_weight(const auvid_metric_t *m, int j)
@@ -102,7 +128,16 @@ void auvid_metric_clear_dependent(auvid_metric_t *m, int j);
 enum { AUVID_METRIC_ROTATION = 4 };
 
 /** Purpose of a pass over the rows of all sets. */
-enum { PASS_FIRST, PASS_RESIDUAL, PASS_LAST, PASS_ADDED, PASS_COST, PASS_MEASURE, PASS_LINEAR };
+enum {
+    PASS_FIRST,
+    PASS_RESIDUAL,
+    PASS_LAST,
+    PASS_COUPLED,
+    PASS_ADDED,
+    PASS_COST,
+    PASS_MEASURE,
+    PASS_LINEAR
+};
 
 static inline int auvid_metric_pass(const auvid_metric_t *m)
 {
@@ -148,6 +183,13 @@ static inline void auvid_metric_solve_again(auvid_metric_t *m, int j, auvid_real
     m->result.constant -= m->evaluator.weight[j] * before;
     auvid_metric_solve_dof(m, j);
 }
+
+/** At the residuals of the first pass: note whether DoF j asks for longer cells. */
+void auvid_metric_judge_width(auvid_metric_t *m, int j);
+
+/** After a merge and the search: double the cells and drop all sets, or decide to keep the cells.
+ * @return true if they are doubled */
+bool auvid_metric_lengthen(auvid_metric_t *m);
 
 /** Continue the passes of a merge from the present one on. @return true if they are complete */
 bool auvid_metric_merge_sets(auvid_metric_t *m, uint32_t *budget);

@@ -107,7 +107,14 @@ static inline uint32_t auvid_metric_taps(const auvid_metric_config_t *cfg, bool 
 void auvid_metric_count(const auvid_vehicle_t *vehicle, uint32_t free, uint32_t *columns,
                         uint32_t *factor);
 
-/** Set the period of the velocity samples. Only before the first cell, and not from or to 0. */
+/** Length of the cells in use [us]. */
+static inline uint32_t auvid_metric_cell_us(const auvid_metric_t *m)
+{
+    return m->cfg.cell_us << m->result.doublings;
+}
+
+/** Set the period of the velocity samples. Only before the first cell of a record, and not from or
+ * to 0. */
 void auvid_metric_set_velocity_us(auvid_metric_t *m, uint32_t velocity_us);
 
 /** Order of DoF j's R factor: its parameters and the wrench at each delay; 0: not modelled. */
@@ -119,8 +126,26 @@ static inline int auvid_metric_order(const auvid_metric_t *m, int j)
 /** Spacing of the delays at which the wrench is stored [s]. */
 static inline auvid_real_t auvid_metric_node_s(const auvid_metric_t *m)
 {
-    return (auvid_real_t)m->cfg.cell_us * AUVID_C(1e-6) * (auvid_real_t)AUVID_METRIC_DELAY_CELLS;
+    return (auvid_real_t)auvid_metric_cell_us(m) * AUVID_C(1e-6) *
+           (auvid_real_t)AUVID_METRIC_DELAY_CELLS;
 }
+
+/** Is DoF j excited in some merged set? */
+static inline bool auvid_metric_is_excited(const auvid_metric_t *m, int j)
+{
+    return (m->result.excited >> j & 1) != 0;
+}
+
+/** May DoF j's equation be informative although the DoF is excited in no merged set? */
+static inline bool auvid_metric_may_be_coupled(const auvid_metric_t *m, int j)
+{
+    return !auvid_metric_is_excited(m, j) && m->layout.leading[j] > 0 &&
+           !auvid_metric_stores_rows(m);
+}
+
+/** Put the columns of the merged R factors in order: natural order for an excited DoF, else its own
+ * terms first. It follows from result.excited; call it when that changes. */
+void auvid_metric_order_columns(auvid_metric_t *m);
 
 /** Returns the free parameters (bit i) of the DoF in `excited` (bit j). */
 uint32_t auvid_metric_free_of(const auvid_metric_t *m, uint8_t excited);

@@ -1,7 +1,7 @@
 /*
  * Metric: merging the sets of the ring into one weighted R factor for each DoF.
  *
- * The merge makes three passes.
+ * The merge makes three passes over the rows of the excited DoF.
  * (1) All rows of all sets and bands are rotated into one R factor for each DoF, with equal weights
  *     of the bands. It gives the delay and the DoF's least-squares parameters.
  * (2) The residual of each band at those parameters gives the new weights, the inverse of its mean
@@ -9,7 +9,8 @@
  * (3) Pass 1 is repeated with the new weights.
  * If successive rows a, b have the correlation rho, the residual variance of their sum and
  * difference is (1 +- rho) sigma^2 / 2. So the weights whiten a first-order autoregression that is
- * chosen after the fact.
+ * chosen after the fact. A further pass merges the rows of the other DoF, with equal weights
+ * (auvid_metric_coupled.c).
  */
 #include "auvid_metric_evaluator_internal.h"
 
@@ -174,11 +175,11 @@ void auvid_metric_rotate(auvid_metric_t *m, const auvid_set_t *set, int band, in
     int n = auvid_metric_order(m, j);
     auvid_real_t row[AUVID_MAX_PARAMETERS + AUVID_METRIC_DELAYS];
     auvid_real_t scale = auvid_sqrt(m->evaluator.band_weight[band][j]);
-    auvid_metric_unpack_row(m, set, band, j, i, row);
-    for (int k = i; k < n; ++k) {
+    int first = auvid_metric_read_row(m, set, band, j, i, row);
+    for (int k = first; k < n; ++k) {
         row[k] *= scale;
     }
-    auvid_qr_update(m->evaluator.merged + m->layout.factor_at[j], n, i, row);
+    auvid_qr_update(m->evaluator.merged + m->layout.factor_at[j], n, first, row);
 }
 
 /* Add the residual at the candidate of a row of one band of a set. */
@@ -187,11 +188,14 @@ static void metric_add_residual(auvid_metric_t *m, const auvid_set_t *set, int b
     auvid_equation_t equation = auvid_metric_equation(m, j);
     const auvid_real_t *x = m->evaluator.candidate + equation.at;
     auvid_real_t row[AUVID_MAX_PARAMETERS + AUVID_METRIC_DELAYS], e = AUVID_C(0.0);
+    auvid_real_t wrench = AUVID_C(0.0);
     auvid_metric_unpack_row(m, set, band, j, i, row);
     for (int k = i; k < equation.order; ++k) {
         e += row[k] * x[k];
+        wrench += k < equation.count ? AUVID_C(0.0) : row[k] * x[k];
     }
     m->evaluator.band_sse[band][j] += e * e;
+    m->evaluator.high_wrench[j] += band == 0 ? AUVID_C(0.0) : wrench * wrench;
 }
 
 void auvid_metric_restart_pass(auvid_metric_t *m, uint8_t pass)
@@ -199,10 +203,19 @@ void auvid_metric_restart_pass(auvid_metric_t *m, uint8_t pass)
     auvid_metric_evaluator_t *ev = &m->evaluator;
     ev->at = (auvid_metric_cursor_t){.to_set = (uint8_t)auvid_metric_sets(m), .pass = pass};
     memset(ev->band_sse, 0, sizeof ev->band_sse);
+    memset(ev->high_wrench, 0, sizeof ev->high_wrench);
     if (pass == PASS_FIRST || pass == PASS_LAST) {
         memset(ev->merged, 0, sizeof ev->merged);
         m->result.constant = AUVID_C(0.0);
     }
+}
+
+/* Does the present pass read DoF j's rows of a set? */
+static bool metric_pass_reads(const auvid_metric_t *m, const auvid_set_t *set, int j)
+{
+    return m->evaluator.at.pass == PASS_COUPLED
+               ? auvid_metric_may_be_coupled(m, j) && set->rows_of[j] > 0
+               : auvid_metric_set_counts(m, set, j);
 }
 
 /* Process rows until the budget is used or the sets are complete. The loop takes at least one step
@@ -214,7 +227,7 @@ bool auvid_metric_for_each_row(auvid_metric_t *m, uint32_t *budget)
     while (at->set < at->to_set) {
         const auvid_set_t *set = auvid_metric_set(m, at->set);
         int j = at->dof;
-        bool inside = (set->excited >> j & 1) != 0 && at->row < auvid_metric_order(m, j);
+        bool inside = metric_pass_reads(m, set, j) && at->row < auvid_metric_order(m, j);
         if (inside) {
             if (*budget == 0) {
                 return false;
@@ -260,7 +273,8 @@ static bool metric_finish_dofs(auvid_metric_t *m, uint32_t *budget)
     auvid_metric_cursor_t *at = &m->evaluator.at;
     while (at->dof < AUVID_DOF_COUNT) {
         int j = at->dof;
-        if (auvid_metric_order(m, j) > 0) {
+        if (auvid_metric_order(m, j) > 0 &&
+            (at->pass != PASS_COUPLED || auvid_metric_may_be_coupled(m, j))) {
             if (*budget == 0) {
                 return false;
             }
@@ -269,6 +283,7 @@ static bool metric_finish_dofs(auvid_metric_t *m, uint32_t *budget)
             }
             if (at->pass == PASS_RESIDUAL) {
                 metric_weigh_bands(m, j);
+                auvid_metric_judge_width(m, j);
             } else {
                 auvid_metric_solve_dof(m, j);
             }
@@ -295,6 +310,14 @@ bool auvid_metric_merge_sets(auvid_metric_t *m, uint32_t *budget)
     return status == AUVID_OK;
 }
 
+void auvid_metric_weigh_dof(auvid_metric_t *m, int j)
+{
+    auvid_real_t rows = (auvid_real_t)m->result.dof_rows[j];
+    m->evaluator.weight[j] = m->result.dof_rows[j] == 0
+                                 ? AUVID_C(0.0)
+                                 : AUVID_C(1.0) / (m->cfg.tau_max[j] * m->cfg.tau_max[j] * rows);
+}
+
 void auvid_metric_merge_begin(auvid_metric_t *metric)
 {
     auvid_metric_t *m = metric;
@@ -303,22 +326,21 @@ void auvid_metric_merge_begin(auvid_metric_t *metric)
     }
     auvid_metric_evaluator_t *ev = &m->evaluator;
     auvid_metric_result_t *result = &m->result;
-    result->excited = ev->sets_merged = 0;
+    result->excited = result->coupled = ev->sets_merged = ev->noise = 0;
     memset(result->dof_rows, 0, sizeof result->dof_rows);
+    memset(ev->coupled_rows, 0, sizeof ev->coupled_rows);
     for (int age = 0; age < auvid_metric_sets(m); ++age) {
         const auvid_set_t *set = auvid_metric_set(m, age);
         result->excited |= set->excited;
         ev->sets_merged = (uint8_t)(ev->sets_merged + (set->excited != 0));
         for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
-            unsigned rows = (set->excited >> j & 1) ? set->rows_of[j] : 0u;
-            result->dof_rows[j] = (uint16_t)(result->dof_rows[j] + rows);
+            uint16_t *rows = (set->excited >> j & 1) ? result->dof_rows : ev->coupled_rows;
+            rows[j] = (uint16_t)(rows[j] + set->rows_of[j]);
         }
     }
+    auvid_metric_order_columns(m);
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
-        auvid_real_t rows = (auvid_real_t)result->dof_rows[j];
-        ev->weight[j] = result->dof_rows[j] == 0
-                            ? AUVID_C(0.0)
-                            : AUVID_C(1.0) / (m->cfg.tau_max[j] * m->cfg.tau_max[j] * rows);
+        auvid_metric_weigh_dof(m, j);
         ev->band_weight[0][j] = ev->band_weight[1][j] = AUVID_C(1.0);
     }
     auvid_metric_restart_pass(m, PASS_FIRST);

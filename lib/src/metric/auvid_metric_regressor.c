@@ -64,7 +64,7 @@ static void metric_make_kernel(const auvid_metric_t *m, auvid_real_t *kernel, ui
 
 void auvid_metric_set_velocity_us(auvid_metric_t *m, uint32_t velocity_us)
 {
-    auvid_real_t cells = (auvid_real_t)velocity_us / (auvid_real_t)m->cfg.cell_us;
+    auvid_real_t cells = (auvid_real_t)velocity_us / (auvid_real_t)auvid_metric_cell_us(m);
     m->cfg.velocity_us = velocity_us;
     m->layout.interpolation_spread = auvid_min(cells * cells / AUVID_C(12.0), AUVID_C(0.5));
 }

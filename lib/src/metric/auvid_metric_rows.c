@@ -65,7 +65,8 @@ auvid_status_t auvid_metric_add(auvid_metric_t *metric, const auvid_sample_t *sa
     auvid_status_t status = AUVID_OK;
     int slot = metric_add_to_rows(m, sample);
     if (slot >= 0) {
-        uint64_t middle = sample->t_us - (uint64_t)(m->layout.taps - 1u) * m->cfg.cell_us / 2u;
+        uint64_t middle =
+            sample->t_us - (uint64_t)(m->layout.taps - 1u) * auvid_metric_cell_us(m) / 2u;
         auvid_metric_path(m)->finish_row(m, middle, (uint32_t)slot);
         if (m->rows.set.rows >= m->cfg.set_rows) {
             status = auvid_metric_close(m);

@@ -78,6 +78,28 @@ void auvid_metric_unpack_row(const auvid_metric_t *m, const auvid_set_t *set, in
     }
 }
 
+int auvid_metric_read_row(const auvid_metric_t *m, const auvid_set_t *set, int band, int j, int i,
+                          auvid_real_t *row)
+{
+    auvid_real_t stored[AUVID_MAX_PARAMETERS + AUVID_METRIC_DELAYS] = {AUVID_C(0.0)};
+    const uint8_t *index = m->layout.index + m->layout.channel_at[j];
+    const uint8_t *merged = m->layout.merged_index + m->layout.channel_at[j];
+    int count = m->layout.count[j], order = auvid_metric_order(m, j);
+    if (!auvid_metric_may_be_coupled(m, j)) {
+        auvid_metric_unpack_row(m, set, band, j, i, row);
+        return i;
+    }
+    auvid_metric_unpack_row(m, set, band, j, i, stored);
+    for (int to = 0; to < order; ++to) {
+        int from = to;
+        for (int k = 0; k < count && to < count && index[from] != merged[to]; ++k) {
+            from = (from + 1) % count;
+        }
+        row[to] = stored[from]; /* zero before column i */
+    }
+    return 0;
+}
+
 /* ---- the ring ---- */
 
 /* Returns the slot of the set stored `back` - 1 sets before the last one; 0: of the next set. */

@@ -48,6 +48,12 @@ void auvid_metric_pack(const auvid_metric_t *m, auvid_set_t *set);
 void auvid_metric_unpack_row(const auvid_metric_t *m, const auvid_set_t *set, int band, int j,
                              int i, auvid_real_t *row);
 
+/** Write row i of one band of DoF j's R factor in the order of the merged columns.
+ * @param row [order] written from the returned column on
+ * @return the first column that is not zero */
+int auvid_metric_read_row(const auvid_metric_t *m, const auvid_set_t *set, int band, int j, int i,
+                          auvid_real_t *row);
+
 /** Returns the sum of squares of DoF j's wrench about each set's mean, over the sets that excite
  * it; *rows: the rows of it. */
 auvid_real_t auvid_metric_wrench_squares(const auvid_metric_t *m, int j, auvid_real_t *rows);

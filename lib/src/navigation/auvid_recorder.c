@@ -65,6 +65,7 @@ void auvid_recorder_set_up(auvid_recorder_t *recorder, const auvid_recorder_conf
     }
     memset(recorder, 0, sizeof *recorder);
     recorder->cfg = *cfg;
+    recorder->cell_us = cfg->cell_us;
     recorder->velocity_us = cfg->velocity_us;
     recorder->gap_us = gap_us;
 }
@@ -78,6 +79,13 @@ auvid_status_t auvid_recorder_init(auvid_recorder_t *recorder, const auvid_recor
     auvid_check_begin(&why);
     auvid_recorder_set_up(recorder, cfg, &why);
     return why.status;
+}
+
+void auvid_recorder_set_cell(auvid_recorder_t *rec, uint32_t cell_us)
+{
+    rec->cell_us = cell_us;
+    rec->running = false;
+    rec->broken = true;
 }
 
 /* Is the period of the velocity samples still to be observed? */
@@ -153,10 +161,10 @@ static bool recorder_integrate(auvid_recorder_t *rec, int s, uint64_t t_us,
     int channels = first_channel[s + 1] - first_channel[s];
     bool hold = s == INPUT && rec->cfg.input == AUVID_INPUT_HOLD;
     auvid_real_t per_segment = AUVID_C(1.0) / (auvid_real_t)(uint32_t)(t_us - st->t_us);
-    auvid_real_t per_cell = AUVID_C(1.0) / (auvid_real_t)rec->cfg.cell_us;
+    auvid_real_t per_cell = AUVID_C(1.0) / (auvid_real_t)rec->cell_us;
 
     while (st->filled_us < t_us) {
-        uint64_t cell_end = rec->origin_us + (uint64_t)(st->cell + 1) * rec->cfg.cell_us;
+        uint64_t cell_end = rec->origin_us + (uint64_t)(st->cell + 1) * rec->cell_us;
         uint64_t to = t_us < cell_end ? t_us : cell_end;
         if (st->cell - (rec->next - 2) >= AUVID_RECORDER_CELLS) {
             return false;
@@ -191,9 +199,8 @@ static void recorder_add(auvid_recorder_t *rec, int s, uint64_t t_us, const auvi
     auvid_recorder_stream_t *st = &rec->stream[s];
     if (rec->running && !st->valid) {         /* a velocity component that was lost */
         bool inside = t_us >= rec->origin_us; /* false: sampled before the record began */
-        st->cell =
-            inside ? (uint32_t)auvid_divide(t_us - rec->origin_us, rec->cfg.cell_us) + 1u : 0u;
-        st->filled_us = rec->origin_us + (uint64_t)st->cell * rec->cfg.cell_us;
+        st->cell = inside ? (uint32_t)auvid_divide(t_us - rec->origin_us, rec->cell_us) + 1u : 0u;
+        st->filled_us = rec->origin_us + (uint64_t)st->cell * rec->cell_us;
     } else if (rec->running &&
                (t_us - st->t_us > rec->gap_us || !recorder_integrate(rec, s, t_us, value))) {
         /* if the period is being observed, no cell was popped: the record begins again */
@@ -269,9 +276,9 @@ auvid_status_t auvid_recorder_velocity(auvid_recorder_t *recorder, uint64_t t_us
     bool continues = rec->running && min_us <= rec->gap_us;
     for (int i = 0; i < 3; ++i) {
         bool is_measured = (measured >> i & 1u) != 0;
-        bool lost = is_measured ? silence_us[i] > rec->gap_us
-                                : silence_us[i] >= rec->gap_us ||
-                                      silence_us[i] >= MAX_LAG * rec->cfg.cell_us;
+        bool lost = is_measured
+                        ? silence_us[i] > rec->gap_us
+                        : silence_us[i] >= rec->gap_us || silence_us[i] >= MAX_LAG * rec->cell_us;
         if (continues && lost) {
             rec->stream[VELOCITY + i].valid = false;
         }
@@ -344,10 +351,10 @@ auvid_status_t auvid_recorder_pop(auvid_recorder_t *recorder, auvid_sample_t *sa
                        *before = recorder_cell(rec, rec->next - 1);
     const auvid_real_t *after = recorder_cell(rec, rec->next + 1),
                        *after2 = recorder_cell(rec, rec->next + 2);
-    auvid_real_t per_12t = AUVID_C(1e6) / (AUVID_C(12.0) * (auvid_real_t)rec->cfg.cell_us);
+    auvid_real_t per_12t = AUVID_C(1e6) / (AUVID_C(12.0) * (auvid_real_t)rec->cell_us);
 
     memset(sample, 0, sizeof *sample);
-    sample->t_us = rec->origin_us + (uint64_t)rec->next * rec->cfg.cell_us + rec->cfg.cell_us / 2;
+    sample->t_us = rec->origin_us + (uint64_t)rec->next * rec->cell_us + rec->cell_us / 2;
     sample->phi = mean[PHI];
     sample->theta = mean[PHI + 1];
     sample->psi = mean[PHI + 2];

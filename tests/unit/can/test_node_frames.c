@@ -933,6 +933,16 @@ static void test_each_flag_of_an_estimate_is_one_bit(void)
     }
 }
 
+static void test_a_change_and_a_drift_are_reported_alike(void)
+{
+    begin();
+    TEST_ASSERT_EQUAL_HEX32(0, reported(AUVID_CAN_PROGRESS).as.progress.changed);
+    node.id.change_test.changed = AUVID_DOF_BIT(AUVID_SWAY);
+    TEST_ASSERT_EQUAL_HEX32(2, reported(AUVID_CAN_PROGRESS).as.progress.changed);
+    node.id.change_test.drifted = AUVID_DOF_BIT(AUVID_YAW);
+    TEST_ASSERT_EQUAL_HEX32(2 | 32, reported(AUVID_CAN_PROGRESS).as.progress.changed);
+}
+
 /* An estimate with drag in surge, sway, heave and yaw; the yaw rate was positive only. */
 static void know_drag(void)
 {
@@ -1065,6 +1075,7 @@ int main(void)
     RUN_TEST(test_a_passive_node_commands_nothing_though_its_identifier_excites);
     RUN_TEST(test_the_reported_navigation_is_that_of_the_filter);
     RUN_TEST(test_each_flag_of_an_estimate_is_one_bit);
+    RUN_TEST(test_a_change_and_a_drift_are_reported_alike);
     RUN_TEST(test_the_reported_drag_forces_cycle_and_are_those_of_the_estimate);
     RUN_TEST(test_before_the_first_estimate_no_drag_force_is_reported);
     return UNITY_END();

@@ -147,7 +147,7 @@ static void test_dives_with_a_prior_record_end_sooner_but_not_without_a_set(void
     TEST_ASSERT_TRUE(prior_s < 0.75 * cold_s);
 }
 
-static void test_without_a_side_thruster_sway_is_abandoned_and_the_rest_is_known(void)
+static void test_without_a_side_thruster_coupling_identifies_sway(void)
 {
     config.thrusters.thruster[4].min_N = config.thrusters.thruster[4].max_N = 0;
     config.acting.excitation.segments = 0; /* the excitation would reject that plan */
@@ -155,8 +155,27 @@ static void test_without_a_side_thruster_sway_is_abandoned_and_the_rest_is_known
     chain.waiting = true;
     run(300);
     TEST_ASSERT_EQUAL(AUVID_GUARD_DONE, chain.out.guard);
-    TEST_ASSERT_EQUAL_HEX32(SWAY_ONES, chain.adaptive.abandoned);
-    TEST_ASSERT_EQUAL_HEX32(ALL & ~SWAY_ONES, chain.id.estimate.confidence.identifiable);
+    TEST_ASSERT_EQUAL_HEX32(0, chain.adaptive.abandoned);
+    TEST_ASSERT_EQUAL_HEX8(1u << AUVID_SWAY, chain.id.estimate.coupled);
+    TEST_ASSERT_EQUAL_HEX32(ALL, chain.id.estimate.confidence.identifiable);
+    for (int i = 0; i < SIM_PARAMETERS; ++i) {
+        TEST_ASSERT_TRUE(fabs(chain_error(&chain, i)) < 0.2);
+    }
+}
+
+/* Without yaw moment only disturbances turn the vehicle. */
+static void test_sway_that_hardly_moves_is_abandoned(void)
+{
+    const uint32_t drag = 1u << SIM_Y_V | 1u << SIM_Y_VV;
+    config.thrusters.thruster[4].min_N = config.thrusters.thruster[4].max_N = 0;
+    config.acting.excitation.segments = 0;
+    cfg.amplitude[AUVID_YAW] = 0;
+    begin();
+    chain.waiting = true;
+    run(300);
+    TEST_ASSERT_EQUAL(AUVID_GUARD_DONE, chain.out.guard);
+    TEST_ASSERT_EQUAL_HEX32(drag, chain.adaptive.abandoned & drag);
+    TEST_ASSERT_EQUAL_HEX32(0, chain.id.estimate.confidence.identifiable & drag);
 }
 
 /* The sway thruster runs without effect: an infinite mass. */
@@ -567,7 +586,8 @@ int main(void)
     RUN_TEST(test_it_ends_by_itself_when_everything_is_known);
     RUN_TEST(test_a_run_may_be_begun_again);
     RUN_TEST(test_dives_with_a_prior_record_end_sooner_but_not_without_a_set);
-    RUN_TEST(test_without_a_side_thruster_sway_is_abandoned_and_the_rest_is_known);
+    RUN_TEST(test_without_a_side_thruster_coupling_identifies_sway);
+    RUN_TEST(test_sway_that_hardly_moves_is_abandoned);
     RUN_TEST(test_a_dof_that_does_not_move_is_abandoned_in_time);
     RUN_TEST(test_weak_thrusters_excite_in_turn_and_everything_is_known);
     RUN_TEST(test_it_ends_after_the_longest_run_time);

@@ -332,10 +332,72 @@ static void test_the_sixth_set_is_the_first_that_is_tested_for_a_change(void)
     }
 }
 
+/* The disturbance of this set is three times as large as usual. */
+static void shake(chain_t *c, auvid_input_t *in)
+{
+    double more = c->id.metric.sets.recorded == LYING_SET - 1 ? 3.0 : 1.0;
+    (void)in;
+    c->sim.cfg.disturbance_N = more * c->cfg.sim.disturbance_N;
+    c->sim.cfg.disturbance_Nm = more * c->cfg.sim.disturbance_Nm;
+}
+
+static void listen(chain_t *c, auvid_status_t status, const auvid_output_t *out)
+{
+    TEST_ASSERT_EQUAL(AUVID_OK, status);
+    note(c, out);
+}
+
+static void test_a_noisier_set_is_not_a_change(void)
+{
+    for (uint64_t seed = 71; seed < 71 + 2 * SEEDS; ++seed) {
+        memset(&story, 0, sizeof story);
+        chain_defaults(&cfg, seed, LYING_SET + 1, 1.0);
+        cfg.budget = 2000;
+        cfg.before = shake;
+        cfg.after = listen;
+        TEST_ASSERT_EQUAL(AUVID_OK, chain_run_sets(&chain, &cfg, LYING_SET + 1));
+        TEST_ASSERT_FALSE(story.events[LYING_SET] & AUVID_EVENT_CHANGED);
+        TEST_ASSERT_FALSE(story.events[LYING_SET + 1] & AUVID_EVENT_CHANGED);
+    }
+}
+
+/* From set 8 on, masses and drags are larger. The noise was large before, if `context` is set. */
+static void load(chain_t *c, auvid_input_t *in)
+{
+    auvid_change_detector_t *detector = c->id.attached.change;
+    bool *noisy = c->cfg.context;
+    (void)in;
+    if (c->id.metric.sets.recorded == LYING_SET - 1 && c->sim.cfg.parameter[SIM_M_U] < 260) {
+        for (int i = 0; i < SIM_PARAMETERS; ++i) {
+            c->sim.cfg.parameter[i] *= i == SIM_WB ? 1.0 : 1.2;
+        }
+        for (int j = 0; *noisy && j < AUVID_DOF_COUNT; ++j) {
+            detector->noise[j] *= AUVID_C(30.0);
+        }
+    }
+}
+
+static void test_the_largest_noise_of_late_counts(void)
+{
+    for (int noisy = 0; noisy <= 1; ++noisy) {
+        bool context = noisy == 1;
+        memset(&story, 0, sizeof story);
+        chain_defaults(&cfg, 81, LYING_SET, 1.0);
+        cfg.budget = 2000;
+        cfg.before = load;
+        cfg.after = listen;
+        cfg.context = &context;
+        TEST_ASSERT_EQUAL(AUVID_OK, chain_run_sets(&chain, &cfg, LYING_SET));
+        TEST_ASSERT_EQUAL(!noisy, (story.events[LYING_SET] & AUVID_EVENT_CHANGED) != 0);
+    }
+}
+
 int main(void)
 {
     UNITY_BEGIN();
     RUN_TEST(test_the_next_set_corrects_a_set_with_an_unmodelled_force);
+    RUN_TEST(test_a_noisier_set_is_not_a_change);
+    RUN_TEST(test_the_largest_noise_of_late_counts);
     RUN_TEST(test_an_estimate_that_predicts_worse_than_the_one_before_is_withdrawn);
     RUN_TEST(test_a_restored_estimate_lacks_no_degree_of_freedom);
     RUN_TEST(test_a_confirmed_estimate_is_accepted_by_the_next_set);

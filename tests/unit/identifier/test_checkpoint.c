@@ -142,6 +142,7 @@ static void test_the_bytes_do_not_depend_on_the_chunks(void)
     uint32_t check = 0;
     memcpy(&check, saved + bytes - 4, 4);
     printf("%u bytes, checksum %08lx\n", (unsigned)bytes, (unsigned long)check);
+    fflush(stdout);
 }
 
 static void test_after_the_last_byte_there_is_none(void)
@@ -614,6 +615,10 @@ static void test_a_record_of_too_many_cells_is_refused(void)
     IMPOSSIBLE(recorder.stream[4].valid = false);
     IMPOSSIBLE(recorder.measured[15] = 8);
     IMPOSSIBLE(recorder.velocity_us = 0);
+    IMPOSSIBLE(recorder.cell_us = 200000);
+    IMPOSSIBLE(metric.result.doublings = 1);
+    IMPOSSIBLE(metric.result.doublings = 32);
+    IMPOSSIBLE(metric.evaluator.noise = 4);
     IMPOSSIBLE(recorder.velocity_us = 1000001);
     IMPOSSIBLE(recorder.intervals = AUVID_RECORDER_INTERVALS);
     IMPOSSIBLE(recorder.interval_us[6] = 1000001);

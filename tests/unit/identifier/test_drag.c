@@ -332,10 +332,10 @@ static double fastest_of(const auvid_set_t *set, int j, int backward)
     return (set->excited >> j & 1) ? 1e-3 * set->fastest[j][backward] : 0.0;
 }
 
-/* Yaw is not excited. */
+/* Heave is not excited. */
 static void test_an_estimate_has_the_largest_speeds_of_its_sets(void)
 {
-    static const auvid_real_t amplitude[AUVID_DOF_COUNT] = {100, 100, 100, 0, 0, 0};
+    static const auvid_real_t amplitude[AUVID_DOF_COUNT] = {100, 100, 0, 0, 0, 40};
     chain_config_t cfg;
     chain_defaults(&cfg, 3, 3, 1.0);
     (void)auvid_excitation_plan(&cfg.acting.excitation, amplitude, CHAIN_SET_S, 3, 3);
@@ -356,7 +356,7 @@ static void test_an_estimate_has_the_largest_speeds_of_its_sets(void)
     }
     TEST_ASSERT_TRUE((double)e->speed[AUVID_SURGE][FORWARD] > 0.2);
     TEST_ASSERT_TRUE((double)e->speed[AUVID_SURGE][BACKWARD] > 0.2);
-    TEST_ASSERT_EQUAL_DOUBLE(0, (double)e->speed[AUVID_YAW][FORWARD]);
+    TEST_ASSERT_EQUAL_DOUBLE(0, (double)e->speed[AUVID_HEAVE][FORWARD]);
     TEST_ASSERT_EQUAL_DOUBLE(0, (double)e->speed[AUVID_ROLL][FORWARD]);
 }
 

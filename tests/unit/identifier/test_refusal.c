@@ -186,6 +186,7 @@ static void test_a_field_of_the_metric_is_named(void)
 {
     BELOW(metric, excitation_threshold, -1, 0);
     WHOLE(metric, velocity_us, 1000001, 1000000);
+    WHOLE(metric, max_cell_us, 1000001, 1000000);
     WHOLE(metric, row_cells, 0, 1);
     WHOLE(metric, set_rows, 0, 1);
     WHOLE(metric, set_rows, 60001, 60000 / AUVID_MAX_SETS);

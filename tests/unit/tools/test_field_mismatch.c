@@ -354,6 +354,19 @@ static void test_ballast_at_the_origin_does_not_right_the_vehicle(void)
     TEST_ASSERT_DOUBLE_WITHIN(1e-9, buoyancy, field.hull.buoyancy_N * field.hull.r_b[2]);
 }
 
+static void test_fouling_increases_both_drags_up_to_its_size_at_the_end_of_the_run(void)
+{
+    double left[6], nu[6] = {0.5}, speed;
+    for (int part = 0; part <= 2; ++part) {
+        begin_with("fouling", 0.4);
+        field.t_us = (uint64_t)(part * cfg.length_s / 2 * 1e6);
+        residual_at(nu, left);
+        speed = field.truth.nu[X];
+        TEST_ASSERT_DOUBLE_WITHIN(1e-2, 0.2 * part * (42.4181 * speed + 125.3578 * speed * speed),
+                                  left[X]);
+    }
+}
+
 static void test_near_a_wall_added_mass_and_drag_are_larger(void)
 {
     double left[6], nu[6] = {0.5}, added = 249.5384 - 160;
@@ -451,6 +464,7 @@ int main(void)
     RUN_TEST(test_a_cable_pulls_at_the_stern);
     RUN_TEST(test_ballast_is_added_halfway);
     RUN_TEST(test_ballast_at_the_origin_does_not_right_the_vehicle);
+    RUN_TEST(test_fouling_increases_both_drags_up_to_its_size_at_the_end_of_the_run);
     RUN_TEST(test_near_a_wall_added_mass_and_drag_are_larger);
     RUN_TEST(test_a_current_carries_the_vehicle_and_the_dvl_measures_it);
     RUN_TEST(test_disturbance_has_its_rms_and_correlation_time);

@@ -34,12 +34,26 @@
  * motion. The uncertainty of the delay enters the standard errors (confidence.h). In the
  * residual path one shift, common to wrench and commands, is searched together with the parameters.
  *
+ * Width of the smoother, in the regressor path: it is a number of cells, so it follows their
+ * length, as do the distance of the rows, the range of the delays and the duration of a set. If in
+ * some DoF the residual of the high band exceeds the wrench there, these rows are mostly noise, of
+ * sensors or of waves. Then, after the estimate, the cells are doubled and the sets are dropped,
+ * provided that the new cell is at most a fifth of this DoF's time constant. The length does not
+ * change any more once three sets are without such noise. A slow ship gets cells of 0.2 to 0.8 s.
+ * A vehicle that is quick, or has good sensors, keeps 0.1 s.
+ *
  * If a velocity that a DoF's equation reads (vehicle.h) was not measured within the smoother's
  * window, that equation has no row; the other equations have theirs. Each DoF counts its own rows.
  *
- * A DoF whose wrench hardly varies within a set is not excited. Its rows of that set are left out,
- * because they would pull its parameters to zero with a small formal error. A set in which no DoF
- * with a free parameter is excited does not enter the ring: an idle vehicle keeps its estimate.
+ * A DoF whose wrench hardly varies within a set is not excited. Its rows of that set are left out
+ * of the search, because they would pull its parameters to zero with a small formal error. A set in
+ * which no DoF with a free parameter is excited does not enter the ring: an idle vehicle keeps its
+ * estimate.
+ *
+ * In the regressor path an equation can be *informative* although its DoF is excited in no set: if
+ * coupling with excited DoF moves it, as turns move the sway of a vehicle without lateral thruster.
+ * After a search, auvid_metric_solve_coupled solves such equations for their own parameters, given
+ * those of the excited DoF. They change nothing about the others (auvid_metric_coupled.c).
  *
  * The identifier calls `add` and `gap` from the control tick, the rest from work().
  * Cost, Girona500: add takes 0.4k multiplications a cell, and four rows of Givens rotations every
@@ -101,6 +115,9 @@ typedef struct {
     uint8_t taps, overlap;                    /* of the kernel */
     uint8_t window_length;
     uint8_t index[AUVID_MAX_COLUMNS]; /* parameter numbers, DoF after DoF */
+    /* of the merged R factors, see auvid_metric_order_columns: */
+    uint8_t merged_index[AUVID_MAX_COLUMNS]; /* parameter numbers, DoF after DoF */
+    uint8_t leading[AUVID_DOF_COUNT];        /* columns that the DoF's equation determines */
 } auvid_metric_layout_t;
 
 /** The set being recorded. Private except `rows`. */
@@ -161,16 +178,21 @@ typedef struct {
     auvid_real_t weight[AUVID_DOF_COUNT]; /* 1 / (tau_max^2 rows) */
     auvid_real_t band_weight[AUVID_METRIC_BANDS][AUVID_DOF_COUNT];
     auvid_real_t band_sse[AUVID_METRIC_BANDS][AUVID_DOF_COUNT];
+    auvid_real_t high_wrench[AUVID_DOF_COUNT];      /* sum of squares of the high band's wrench */
+    auvid_real_t coupled_squares[AUVID_DOF_COUNT]; /* sum of squares of the force of coupling */
+    auvid_real_t disagreement[AUVID_DOF_COUNT]; /* relative, of the parameters shared with excited
+                                                   DoF: see auvid_metric_coupled.c */
     auvid_real_t delay_weight[AUVID_METRIC_DELAYS]; /* of the residual path's common delay */
     auvid_real_t pi[AUVID_MAX_PARAMETERS];          /* pi by parameter */
     auvid_real_t candidate[AUVID_MAX_COLUMNS]; /* pi by channel, then minus the delay's weights */
     auvid_real_t z[AUVID_MAX_COLUMNS];         /* wrench at the delay, by channel */
     auvid_real_t merged[AUVID_MAX_FACTOR];     /* the ring's [R_j | Z_j], bands weighted */
     uint32_t window_rows;                      /* rows since a gap */
+    uint16_t coupled_rows[AUVID_DOF_COUNT];    /* merged rows of the DoF that are not excited */
     auvid_metric_cursor_t at;
     uint8_t window_of[AUVID_DOF_COUNT]; /* rows of each DoF since a gap of it, ..window_length */
     uint8_t sets_merged;                /* sets with an excited DoF at the last merge */
-    uint8_t reserved;
+    uint8_t noise;                      /* what the high bands show: auvid_metric_width.c */
     union {
         auvid_real_t window[AUVID_METRIC_WINDOW][AUVID_DOF_COUNT]; /* residuals of the last rows */
 #if AUVID_MAX_COMMANDS > 0
@@ -191,14 +213,21 @@ typedef struct {
     uint8_t excited;                       /**< bit j: DoF j is excited in some merged set */
     uint8_t first_order_lag;               /**< bit j: DoF j's delay is that of a first-order lag,
                                                not a shift */
+    uint8_t doublings;                     /**< of the cell, see auvid_metric_cell_us */
+    bool width_chosen;                     /**< the length of the cells does not change any more */
+    uint8_t coupled; /**< bit j: DoF j is excited in no merged set, and coupling with excited DoF
+                          makes its equation informative: see auvid_metric_solve_coupled */
 } auvid_metric_result_t;
 
 /** Result of the change test. */
 typedef struct {
-    auvid_real_t change[2][AUVID_DOF_COUNT]; /**< Chow statistic: pooled minus separate sum of
+    auvid_real_t change[2][AUVID_DOF_COUNT];      /**< Chow statistic: pooled minus separate sum of
                                                   squared residuals of the older sets and the newest
                                                   set [0], or the newest two [1] [N^2, Nm^2] */
-    uint8_t rank[AUVID_DOF_COUNT];           /**< number of parameters tested */
+    auvid_real_t unexplained[2][AUVID_DOF_COUNT]; /**< sum of squared residuals of the newest set
+                                                       [0], or the newest two [1], fitted without
+                                                       the older ones [N^2, Nm^2] */
+    uint8_t rank[AUVID_DOF_COUNT];                /**< number of parameters tested */
     uint8_t reserved[2];
 } auvid_metric_change_t;
 
@@ -296,8 +325,9 @@ void auvid_metric_merge_begin(auvid_metric_t *metric);
 #define auvid_metric_merge AUVID_SIZED(auvid_metric_merge)
 /** Continue the merge started by auvid_metric_merge_begin.
  * @param budget units of work left, reduced by those used. The merge makes three passes over all
- * rows of all sets and bands. A row costs four units, in the second pass one; each DoF costs eight
- * in each pass
+ * rows of excited DoF, of all sets and bands, and one over those of DoF that are not excited in any
+ * set and have parameters of their own. A row costs four units, in the second pass one; each DoF
+ * costs eight in each pass
  * @return AUVID_OK (ready for evaluations); AUVID_PENDING (budget used up); AUVID_ERR_NO_DATA (the
  * ring is empty, or no DoF is excited in any set); AUVID_ERR_NULL. */
 auvid_status_t auvid_metric_merge(auvid_metric_t *metric, uint32_t *budget);
@@ -404,8 +434,17 @@ uint32_t auvid_metric_active(const auvid_metric_t *metric);
  * of DoF that are not excited. These are free, have `fixed` zero, and appear in the equation of an
  * excited DoF. (A vehicle that yaws while moving forward drifts sideways: m_v v r acts on surge,
  * whether or not sway is excited.) If they stayed at zero, they would bias the others; their own
- * values are by-products, often poor. Valid after merge. */
+ * values are by-products, often poor. After auvid_metric_solve_coupled also the parameters that it
+ * has solved for. Valid after merge. */
 uint32_t auvid_metric_searched(const auvid_metric_t *metric);
+
+#define auvid_metric_solve_coupled AUVID_SIZED(auvid_metric_solve_coupled)
+/** Regressor path: find the DoF that only coupling moves, and solve their equations given the
+ * result of a search. Writes result.coupled, and the parameters that no equation of an excited DoF
+ * contains. Call it after a search, before the residuals are measured. NULL is a no-op.
+ * Cost: O(n^2).
+ * @param pi [n] in: the result of the search; out: with these parameters */
+void auvid_metric_solve_coupled(auvid_metric_t *metric, auvid_real_t *pi);
 
 #define auvid_metric_scale AUVID_SIZED(auvid_metric_scale)
 /** Compute the scale of each parameter, 1 / sqrt(sum_j w_j ||column i of R_j||^2): a step of one
@@ -416,9 +455,10 @@ void auvid_metric_scale(const auvid_metric_t *metric, auvid_real_t *scale);
 
 #define auvid_metric_r2 AUVID_SIZED(auvid_metric_r2)
 /** Compute the coefficient of determination of the smoothed wrench after a finished measurement,
- * 1 - sse / (sum of squares about each set's mean). NULL is a no-op.
- * @param r2 [6] written; 0 for DoF that are not excited, and where the residuals of the model are
- * not finite */
+ * 1 - sse / (sum of squares about each set's mean); of a DoF that only coupling moves, that of the
+ * force of coupling, 1 - sse / (sum of its squares). NULL is a no-op.
+ * @param r2 [6] written; 0 where the equation is not informative, and where the residuals of the
+ * model are not finite */
 void auvid_metric_r2(const auvid_metric_t *metric, auvid_real_t *r2);
 
 #define auvid_metric_least_squares AUVID_SIZED(auvid_metric_least_squares)

@@ -68,13 +68,14 @@ typedef struct {
     auvid_real_t mean[AUVID_RECORDER_CELLS][AUVID_RECORDER_CHANNELS];
     uint32_t opened;                                /* cells begun so far */
     uint32_t next;                                  /* next cell to pop */
+    uint32_t cell_us;                               /* as configured, or as the metric chose */
     uint32_t velocity_us;                           /* as configured, or as observed */
     uint32_t gap_us;                                /* longest time between samples */
     uint32_t interval_us[AUVID_RECORDER_INTERVALS]; /* between velocity samples, ascending */
     uint8_t measured[AUVID_RECORDER_CELLS];         /* bit i: velocity[i] covers the whole cell */
     bool running, broken;
     uint8_t intervals; /* observed so far */
-    uint8_t reserved[AUVID_GAP(8, AUVID_RECORDER_CHANNELS * sizeof(auvid_real_t) + 7)];
+    uint8_t reserved[AUVID_GAP(8, AUVID_RECORDER_CHANNELS * sizeof(auvid_real_t) + 3)];
 } auvid_recorder_t;
 
 /** Fill *cfg with the defaults stated at its fields.
