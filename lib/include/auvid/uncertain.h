@@ -18,6 +18,10 @@
  *
  * The common scale of the thrust is not observable. It stays in auvid_uncertainty_t.
  *
+ * The priors may be wrong by a factor of two: they get a common scale, the one with the largest
+ * likelihood of what was found. Above 1, the scales of thrust and DVL in auvid_uncertainty_t are
+ * taken as less certain by the same factor: then few parameters are identifiable.
+ *
  * The rows are taken while the excitation runs, in open loop. A motion that is the answer of a
  * controller does not tell thrust from disturbance. Once some were taken, each search is followed
  * by a solution with uncertain inputs, without a search: auvid_identifier_estimate then returns it.
@@ -134,6 +138,7 @@ typedef struct {
     auvid_real_t own_rows[AUVID_UNCERTAIN_OWN][AUVID_UNCERTAIN_ORDER];
     auvid_real_t side[AUVID_DOF_COUNT][AUVID_UNCERTAIN_JOINT]; /* see auvid_uncertain_solve.c */
     auvid_uncertain_part_t part;
+    auvid_real_t squares, known; /* for the scale of the priors */
     uint16_t row, spent;
     uint8_t phase, pass, dof;
     bool solving;
@@ -154,6 +159,7 @@ typedef struct auvid_uncertain {
     auvid_real_t shared[AUVID_UNCERTAIN_SHARED]; /**< estimates by auvid_uncertain_input_t, valid
                                                       if estimate.number > 0; 0: no column */
     auvid_real_t own[AUVID_UNCERTAIN_OWN];
+    auvid_real_t scale;        /**< of all priors, as found, 0.5..2 */
     auvid_estimate_t estimate; /* read auvid_identifier_estimate */
 } auvid_uncertain_t;
 

@@ -112,6 +112,14 @@ static uint8_t uncertain_partner(const auvid_estimate_t *e, const auvid_vehicle_
     return partner;
 }
 
+/* Inputs less exact than configured make the scales that are not observable less certain. */
+static void uncertain_widen_scales(auvid_uncertainty_t *scales, auvid_real_t factor)
+{
+    auvid_real_t by = auvid_max(factor, ONE);
+    scales->thrust_scale = auvid_min(by * scales->thrust_scale, ONE);
+    scales->dvl_scale = auvid_min(by * scales->dvl_scale, ONE);
+}
+
 /* Assess the solution, and write the estimate. */
 static void uncertain_publish(auvid_identifier_t *id)
 {
@@ -126,6 +134,7 @@ static void uncertain_publish(auvid_identifier_t *id)
         bool known = auvid_estimate_covariance(e, vehicle, i, i) > AUVID_C(0.0);
         e->pi[i] = known ? u->pi[i] : e->pi[i];
     }
+    uncertain_widen_scales(&job->result.uncertainty, u->scale);
     auvid_confidence_revise(job, e->pi);
     auvid_confidence_limits(job, id->search.lower, id->search.upper, false);
     for (int i = 0; i < job->n; ++i) {

@@ -404,8 +404,9 @@ static auvid_real_t uncertain_own_sigma(const auvid_uncertain_t *u, const auvid_
     }
 }
 
-auvid_real_t auvid_uncertain_sigma(const auvid_uncertain_t *u, const auvid_metric_t *m, int code,
-                                   int j)
+/* As configured. */
+static auvid_real_t uncertain_configured_sigma(const auvid_uncertain_t *u, const auvid_metric_t *m,
+                                               int code, int j)
 {
     const auvid_uncertain_config_t *cfg = &u->cfg;
     auvid_real_t max_N = AUVID_C(0.0);
@@ -431,4 +432,10 @@ auvid_real_t auvid_uncertain_sigma(const auvid_uncertain_t *u, const auvid_metri
     default:
         return code < OWN_INPUTS ? cfg->gain : uncertain_own_sigma(u, m, code, j);
     }
+}
+
+auvid_real_t auvid_uncertain_sigma(const auvid_uncertain_t *u, const auvid_metric_t *m, int code,
+                                   int j)
+{
+    return u->scale * uncertain_configured_sigma(u, m, code, j);
 }

@@ -19,6 +19,10 @@
  * Covariance: 1.43 P + 0.05 sum_j d_j d_j', P the inverse of the joint normal matrix. d_j is the
  * derivative of the solution by lambda_j: P X_j' times the change of X~_j's columns,
  * e'e / s^2 = rows / 2.6.
+ *
+ * After each pass the priors get the common scale c with the largest likelihood (MacKay 1992) of
+ * the shared inputs, as if three of them had been seen to be right,
+ *     c^2 = (3 + sum_k (b_k / sigma_k)^2) / (3 + sum_k (1 - P_kk / (c sigma_k)^2)).
  */
 #include <string.h>
 
@@ -29,6 +33,9 @@
 #define SIDE_VARIANCE AUVID_C(0.05)
 #define LARGEST_BAND_RATIO AUVID_C(1e3) /* of the weights of the bands */
 
+#define SEEN_RIGHT AUVID_C(3.0)    /* prior of the scale, as a number of inputs */
+#define LARGEST_SCALE AUVID_C(2.0) /* and its inverse the smallest */
+
 enum { SOLVE_PASSES = 3 };
 enum {
     SOLVE_PREPARE,
@@ -37,6 +44,7 @@ enum {
     SOLVE_TRANSFER,
     SOLVE_SHARED,
     SOLVE_FINISH,
+    SOLVE_SCALE,
     SOLVE_SIDES,
     SOLVE_SIGMA,
     SOLVE_DONE
@@ -317,6 +325,29 @@ static void uncertain_finish(uncertain_t *u, const auvid_metric_t *m)
     }
 }
 
+/* Count shared input k for the scale of the priors; set it after the last one. */
+static void uncertain_scale(uncertain_t *u, const auvid_metric_t *m, int k)
+{
+    auvid_uncertain_solution_t *w = &u->work;
+    auvid_real_t x[JOINT_ORDER] = {AUVID_C(0.0)}, variance = AUVID_C(0.0);
+    auvid_real_t sigma = auvid_uncertain_sigma(u, m, k, 0);
+    if (sigma > AUVID_C(0.0)) {
+        auvid_real_t ratio = u->scale * u->shared[k] / sigma;
+        x[k] = AUVID_C(1.0) / sigma;
+        auvid_qr_solve_transposed(w->joint, JOINT_ORDER, JOINT_ORDER - 1, x);
+        for (int i = k; i < JOINT_ORDER - 1; ++i) {
+            variance += x[i] * x[i];
+        }
+        w->squares += ratio * ratio;
+        w->known += AUVID_C(1.0) - auvid_min(variance, AUVID_C(1.0));
+    }
+    if (k == AUVID_UNCERTAIN_SHARED - 1) {
+        auvid_real_t scale = auvid_sqrt((SEEN_RIGHT + w->squares) / (SEEN_RIGHT + w->known));
+        u->scale = auvid_clamp(scale, AUVID_C(1.0) / LARGEST_SCALE, LARGEST_SCALE);
+        w->squares = w->known = AUVID_C(0.0);
+    }
+}
+
 static void uncertain_solve_side(uncertain_t *u, int j)
 {
     auvid_qr_solve_transposed(u->work.joint, JOINT_ORDER, JOINT_ORDER - 1, u->work.side[j]);
@@ -358,6 +389,7 @@ void auvid_uncertain_begin(auvid_uncertain_t *u)
         memcpy(u->pi, u->id->estimate.pi, sizeof u->pi);
         auvid_clear(u->shared, AUVID_UNCERTAIN_SHARED);
         auvid_clear(u->own, AUVID_UNCERTAIN_OWN);
+        u->scale = AUVID_C(1.0);
     }
     memset(&u->work, 0, sizeof u->work);
     u->work.solving = true;
@@ -378,6 +410,7 @@ static uint32_t uncertain_price(const uncertain_t *u)
         return order * order / 8u;
     case SOLVE_TRANSFER:
     case SOLVE_FINISH:
+    case SOLVE_SCALE:
     case SOLVE_SIDES:
     case SOLVE_SIGMA:
         return JOINT_ORDER * JOINT_ORDER / 50u;
@@ -415,6 +448,9 @@ static uint32_t uncertain_step(uncertain_t *u, const auvid_metric_t *m)
     case SOLVE_FINISH:
         uncertain_finish(u, m);
         return 1;
+    case SOLVE_SCALE:
+        uncertain_scale(u, m, (int)i);
+        return AUVID_UNCERTAIN_SHARED;
     case SOLVE_SIDES:
         uncertain_solve_side(u, (int)i);
         return AUVID_DOF_COUNT;
@@ -432,7 +468,7 @@ static void uncertain_next_phase(uncertain_t *u)
     if (w->phase == SOLVE_TRANSFER) {
         w->dof = uncertain_next_dof(u, w->dof + 1);
         w->phase = w->dof < AUVID_DOF_COUNT ? SOLVE_PREPARE : SOLVE_SHARED;
-    } else if (w->phase == SOLVE_FINISH && ++w->pass < SOLVE_PASSES) {
+    } else if (w->phase == SOLVE_SCALE && ++w->pass < SOLVE_PASSES) {
         auvid_clear(w->joint, sizeof w->joint / sizeof w->joint[0]);
         w->dof = uncertain_next_dof(u, 0);
         w->phase = SOLVE_PREPARE;
