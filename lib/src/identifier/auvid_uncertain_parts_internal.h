@@ -22,6 +22,9 @@ enum {
     INPUTS
 };
 
+/** Where a parameter is in the joint factor; its last column is the thrust. */
+enum { PARAMETERS_AT = AUVID_UNCERTAIN_SHARED, JOINT_ORDER = AUVID_UNCERTAIN_JOINT };
+
 /** Is the column formed from the thrust? Else from the motion. */
 static inline bool auvid_uncertain_of_thrust(int code)
 {
@@ -55,6 +58,24 @@ void auvid_uncertain_begin(auvid_uncertain_t *u);
  * parameters, packed, is in .work.part.factor; AUVID_PENDING */
 auvid_status_t auvid_uncertain_solve(auvid_uncertain_t *u, const auvid_metric_t *m,
                                      uint32_t *budget);
+
+/** Column of the joint factor of column k of DoF j, k >= own. */
+int auvid_uncertain_joint_column(const auvid_uncertain_t *u, const auvid_metric_t *m, int j, int k);
+
+/** Prepare DoF j's part of a pass: residual, weights of the bands, changes of the columns. */
+void auvid_uncertain_prepare(auvid_uncertain_t *u, const auvid_metric_t *m, int j);
+
+/** Rotate row i of one band, with its changed columns, into the DoF's factor. */
+void auvid_uncertain_add_row(auvid_uncertain_t *u, int j, int band, int i);
+
+/** Rotate the prior of its own input k into the DoF's factor. */
+void auvid_uncertain_add_own_prior(auvid_uncertain_t *u, const auvid_metric_t *m, int j, int k);
+
+/** Keep the rows of the own inputs; eliminate these from the side. */
+void auvid_uncertain_keep_own(auvid_uncertain_t *u, const auvid_metric_t *m, int j);
+
+/** Rotate row i of the DoF's factor, an own input's no more, into the joint factor. */
+void auvid_uncertain_transfer(auvid_uncertain_t *u, const auvid_metric_t *m, int j, int i);
 
 /** Does the solution read DoF j's factors in several steps? Then they must not change. */
 bool auvid_uncertain_reads(const auvid_uncertain_t *u, int j);

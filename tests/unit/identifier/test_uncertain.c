@@ -162,6 +162,38 @@ static void test_each_mismatch_is_found_and_leaves_the_parameters_right(void)
     }
 }
 
+/* Runs a mixture of mismatches. */
+static void identify_mixture(uint64_t seed, double strength)
+{
+    field_run_defaults(&field);
+    field_defaults(&field.field, FIELD_GIRONA500, FIELD_EXCITED, seed);
+    field_draw(&field.field, strength);
+    TEST_ASSERT_TRUE(field_run(&run, &field, &record));
+}
+
+/* The same seed gives the same mismatches, only larger. */
+static void test_with_inputs_less_exact_than_told_little_is_identifiable(void)
+{
+    int usual = 0, large = 0;
+    for (uint64_t seed = 1; seed <= 4; ++seed) {
+        identify_mixture(seed, 0.5);
+        TEST_ASSERT_TRUE(run.uncertain.scale < (auvid_real_t)1.0);
+        TEST_ASSERT_EQUAL_FLOAT(run.id.uncertainty.thrust_scale,
+                                run.uncertain.estimate.confidence.uncertainty.thrust_scale);
+        for (int i = 0; i < SIM_PARAMETERS; ++i) {
+            usual += record.flagged[i];
+        }
+        identify_mixture(seed, 3.0);
+        TEST_ASSERT_TRUE(run.uncertain.scale > (auvid_real_t)1.3);
+        TEST_ASSERT_EQUAL_FLOAT(run.uncertain.scale * run.id.uncertainty.thrust_scale,
+                                run.uncertain.estimate.confidence.uncertainty.thrust_scale);
+        for (int i = 0; i < SIM_PARAMETERS; ++i) {
+            large += record.flagged[i];
+        }
+    }
+    TEST_ASSERT_TRUE(usual > 25 && large < 5);
+}
+
 static void test_the_estimate_without_uncertain_inputs_stays_available(void)
 {
     identify("thrust_advance", 0.3);
@@ -197,6 +229,7 @@ int main(void)
     RUN_TEST(test_more_columns_than_there_is_room_for_are_refused);
     RUN_TEST(test_a_model_of_the_residual_path_is_refused);
     RUN_TEST(test_each_mismatch_is_found_and_leaves_the_parameters_right);
+    RUN_TEST(test_with_inputs_less_exact_than_told_little_is_identifiable);
     RUN_TEST(test_the_estimate_without_uncertain_inputs_stays_available);
     RUN_TEST(test_a_passive_vehicle_has_no_estimate_with_uncertain_inputs);
     return UNITY_END();

@@ -1,0 +1,240 @@
+/*
+ * Uncertain inputs: the equation of one DoF, from its R factors of both bands to one with changed
+ * columns. The equations are in auvid_uncertain_solve.c.
+ */
+#include <string.h>
+
+#include "auvid_uncertain_parts_internal.h"
+
+#define SMOOTHED AUVID_C(2.6)           /* see auvid_confidence.c */
+#define LARGEST_BAND_RATIO AUVID_C(1e3) /* of the weights of the bands */
+
+typedef auvid_uncertain_t uncertain_t;
+
+int auvid_uncertain_joint_column(const uncertain_t *u, const auvid_metric_t *m, int j, int k)
+{
+    const auvid_uncertain_equation_t *e = &u->equation[j];
+    if (k == e->order - 1) {
+        return JOINT_ORDER - 1;
+    }
+    return k < e->inputs ? u->code[e->column_at + k]
+                         : PARAMETERS_AT + auvid_metric_equation(m, j).index[k - e->inputs];
+}
+
+/* Sum over the bands of the product of two columns. */
+static auvid_real_t uncertain_product(const uncertain_t *u, int j, int k, int l,
+                                      const auvid_real_t weight[AUVID_METRIC_BANDS])
+{
+    const auvid_uncertain_equation_t *e = &u->equation[j];
+    auvid_real_t sum = AUVID_C(0.0);
+    for (int band = 0; band < AUVID_METRIC_BANDS; ++band) {
+        const auvid_real_t *factor = u->factor[band] + e->factor_at;
+        auvid_real_t product = AUVID_C(0.0);
+        for (int i = 0; i <= k && i <= l; ++i) {
+            const auvid_real_t *r = factor + auvid_qr_row(e->order, i);
+            product += r[k - i] * r[l - i];
+        }
+        sum += weight[band] * product;
+    }
+    return sum;
+}
+
+/* Parts of column k that are linear and quadratic drag. */
+static void uncertain_project(uncertain_t *u, int j, int k)
+{
+    static const auvid_real_t both[AUVID_METRIC_BANDS] = {AUVID_C(1.0), AUVID_C(1.0)};
+    auvid_uncertain_part_t *p = &u->work.part;
+    int l = p->drag_at[0], q = p->drag_at[1], none = u->equation[j].order;
+    auvid_real_t ll = l == none ? AUVID_C(1.0) : uncertain_product(u, j, l, l, both);
+    auvid_real_t qq = q == none ? AUVID_C(1.0) : uncertain_product(u, j, q, q, both);
+    auvid_real_t lq = l == none || q == none ? AUVID_C(0.0) : uncertain_product(u, j, l, q, both);
+    auvid_real_t lk = l == none ? AUVID_C(0.0) : uncertain_product(u, j, l, k, both);
+    auvid_real_t qk = q == none ? AUVID_C(0.0) : uncertain_product(u, j, q, k, both);
+    auvid_real_t determinant = ll * qq - lq * lq;
+    if (determinant > AUVID_C(1e-4) * ll * qq) {
+        p->drag[0][k] = (lk * qq - qk * lq) / determinant;
+        p->drag[1][k] = (qk * ll - lk * lq) / determinant;
+    }
+}
+
+/* Coefficients of the columns in the residual. */
+static void uncertain_prepare_values(uncertain_t *u, const auvid_metric_t *m, int j)
+{
+    auvid_uncertain_part_t *p = &u->work.part;
+    const auvid_uncertain_equation_t *e = &u->equation[j];
+    const uint8_t *index = auvid_metric_equation(m, j).index;
+    p->drag_at[0] = p->drag_at[1] = e->order;
+    for (int k = 0; k < e->order; ++k) {
+        p->value[k] = k < e->own         ? u->own[e->own_at + k]
+                      : k < e->inputs    ? u->shared[u->code[e->column_at + k]]
+                      : k < e->order - 1 ? u->pi[index[k - e->inputs]]
+                                         : AUVID_C(-1.0);
+        p->residual[k] = -p->value[k];
+        if (k >= e->inputs && k < e->order - 1) {
+            const auvid_parameter_t *parameter = &m->cfg.vehicle->parameter[index[k - e->inputs]];
+            bool linear = parameter->kind == AUVID_PARAMETER_LINEAR_DRAG;
+            if ((int)parameter->dof == j &&
+                (linear || parameter->kind == AUVID_PARAMETER_QUADRATIC_DRAG)) {
+                p->drag_at[!linear] = (uint8_t)k;
+            }
+        }
+    }
+    for (int k = 0; k < e->inputs; ++k) {
+        if (!auvid_uncertain_of_hull(u->code[e->column_at + k])) {
+            continue;
+        }
+        uncertain_project(u, j, k);
+        for (int d = 0; d < 2; ++d) {
+            if (p->drag_at[d] < e->order) {
+                p->residual[p->drag_at[d]] += p->drag[d][k] * p->value[k];
+            }
+        }
+    }
+}
+
+/* Residual of row i of one band, at the last pass. */
+static auvid_real_t uncertain_residual(const uncertain_t *u, int j, int band, int i)
+{
+    const auvid_uncertain_equation_t *e = &u->equation[j];
+    const auvid_real_t *r = u->factor[band] + e->factor_at + auvid_qr_row(e->order, i);
+    auvid_real_t sum = AUVID_C(0.0);
+    for (int k = i; k < e->order; ++k) {
+        sum += r[k - i] * u->work.part.residual[k];
+    }
+    return sum;
+}
+
+/* What the residual adds to each column, and the same for the joint solution (side). */
+static void uncertain_prepare_slopes(uncertain_t *u, const auvid_metric_t *m, int j,
+                                     const auvid_real_t weight[AUVID_METRIC_BANDS])
+{
+    auvid_uncertain_part_t *p = &u->work.part;
+    const auvid_uncertain_equation_t *e = &u->equation[j];
+    auvid_equation_t equation = auvid_metric_equation(m, j);
+    auvid_real_t lambda = j < AUVID_ROLL ? AUVID_C(1.0) : AUVID_C(0.5), mass = AUVID_C(0.0);
+    auvid_real_t a[AUVID_MAX_PARAMETERS];
+    auvid_real_t zz = uncertain_product(u, j, e->order - 1, e->order - 1, weight);
+    auvid_confidence_acceleration_row(m->cfg.vehicle, j, &p->regressor, a);
+    memset(&p->regressor, 0, sizeof p->regressor); /* the factor is there from now on */
+    for (int k = 0; k < equation.count; ++k) {
+        mass += a[equation.index[k]] * u->pi[equation.index[k]];
+    }
+    auvid_clear(u->work.side[j], JOINT_ORDER);
+    for (int k = 0; k < e->order - 1; ++k) {
+        auvid_real_t side = AUVID_C(0.0), share = AUVID_C(1.0) - lambda;
+        if (k >= e->inputs) {
+            share = lambda;
+            side = mass > AUVID_C(0.0) ? a[equation.index[k - e->inputs]] / mass : AUVID_C(0.0);
+            p->slope[k] = share * side;
+        } else if (auvid_uncertain_of_thrust(u->code[e->column_at + k])) {
+            side = zz > AUVID_C(0.0) ? uncertain_product(u, j, k, e->order - 1, weight) / zz
+                                     : AUVID_C(0.0);
+            p->slope[k] = -share * side;
+        }
+        side *= u->rows[j] / SMOOTHED;
+        if (k < e->own) {
+            p->own_side[k] = side;
+        } else {
+            u->work.side[j][auvid_uncertain_joint_column(u, m, j, k)] = side;
+        }
+    }
+}
+
+/* The rows hold about as much as the ring: older ones fade. */
+static void uncertain_fade(uncertain_t *u, const auvid_metric_t *m, int j)
+{
+    auvid_real_t full = (auvid_real_t)m->cfg.sets * (auvid_real_t)m->cfg.set_rows;
+    auvid_real_t keep = full / u->rows[j], root = auvid_sqrt(keep);
+    const auvid_uncertain_equation_t *e = &u->equation[j];
+    if (keep < AUVID_C(1.0)) {
+        for (int k = 0; k < 2 * AUVID_QR_FACTOR(e->order); ++k) {
+            u->factor[k % 2][e->factor_at + k / 2] *= root;
+        }
+        u->rows[j] = full;
+    }
+}
+
+void auvid_uncertain_prepare(uncertain_t *u, const auvid_metric_t *m, int j)
+{
+    auvid_uncertain_part_t *p = &u->work.part;
+    auvid_real_t squares[AUVID_METRIC_BANDS] = {AUVID_C(0.0)}, weight[AUVID_METRIC_BANDS];
+    memset(p, 0, sizeof *p);
+    if (u->work.pass == 0) {
+        uncertain_fade(u, m, j);
+    }
+    uncertain_prepare_values(u, m, j);
+    for (int band = 0; band < AUVID_METRIC_BANDS; ++band) {
+        for (int i = 0; i < u->equation[j].order; ++i) {
+            auvid_real_t e = uncertain_residual(u, j, band, i);
+            squares[band] += e * e;
+        }
+    }
+    auvid_real_t ratio = squares[0] > AUVID_C(0.0) ? squares[1] / squares[0] : AUVID_C(1.0);
+    ratio = auvid_clamp(ratio, AUVID_C(1.0) / LARGEST_BAND_RATIO, LARGEST_BAND_RATIO);
+    weight[0] = auvid_sqrt(ratio);
+    weight[1] = AUVID_C(1.0) / weight[0];
+    auvid_real_t noise =
+        auvid_sqrt(SMOOTHED * (weight[0] * squares[0] + weight[1] * squares[1]) / u->rows[j]);
+    auvid_real_t least = AUVID_C(1e-5) * m->cfg.tau_max[j];
+    for (int band = 0; band < AUVID_METRIC_BANDS; ++band) {
+        p->scale[band] = auvid_sqrt(weight[band]) / auvid_max(noise, least);
+    }
+    uncertain_prepare_slopes(u, m, j, weight);
+}
+
+void auvid_uncertain_add_row(uncertain_t *u, int j, int band, int i)
+{
+    auvid_uncertain_part_t *p = &u->work.part;
+    const auvid_uncertain_equation_t *e = &u->equation[j];
+    const auvid_real_t *r = u->factor[band] + e->factor_at + auvid_qr_row(e->order, i) - i;
+    auvid_real_t row[AUVID_UNCERTAIN_ORDER], residual = uncertain_residual(u, j, band, i);
+    auvid_real_t target = residual, scale = p->scale[band];
+    for (int k = 0; k < e->order - 1; ++k) {
+        row[k] = (k >= i ? r[k] : AUVID_C(0.0)) + p->slope[k] * residual;
+        for (int d = 0; d < 2 && k < e->inputs; ++d) {
+            int at = p->drag_at[d];
+            row[k] -= at < e->order && at >= i ? p->drag[d][k] * r[at] : AUVID_C(0.0);
+        }
+        target += row[k] * p->value[k];
+        row[k] *= scale;
+    }
+    row[e->order - 1] = scale * target;
+    auvid_qr_update(p->factor, e->order, 0, row);
+}
+
+void auvid_uncertain_add_own_prior(uncertain_t *u, const auvid_metric_t *m, int j, int k)
+{
+    const auvid_uncertain_equation_t *e = &u->equation[j];
+    auvid_real_t row[AUVID_UNCERTAIN_ORDER] = {AUVID_C(0.0)};
+    auvid_real_t sigma = auvid_uncertain_sigma(u, m, u->code[e->column_at + k], j);
+    row[k] = AUVID_C(1.0) / auvid_max(sigma, AUVID_C(1e-6));
+    auvid_qr_update(u->work.part.factor, e->order, k, row);
+}
+
+void auvid_uncertain_keep_own(uncertain_t *u, const auvid_metric_t *m, int j)
+{
+    const auvid_uncertain_equation_t *e = &u->equation[j];
+    auvid_real_t *factor = u->work.part.factor, *side = u->work.part.own_side;
+    for (int i = 0; i < e->own; ++i) {
+        const auvid_real_t *r = factor + auvid_qr_row(e->order, i) - i;
+        auvid_real_t *to = u->work.own_rows[e->own_at + i];
+        memcpy(to + i, r + i, (size_t)(e->order - i) * sizeof *r);
+        side[i] = auvid_abs(r[i]) > AUVID_C(0.0) ? side[i] / r[i] : AUVID_C(0.0);
+        for (int k = i + 1; k < e->order - 1; ++k) {
+            auvid_real_t *from =
+                k < e->own ? &side[k] : &u->work.side[j][auvid_uncertain_joint_column(u, m, j, k)];
+            *from -= r[k] * side[i];
+        }
+    }
+}
+
+void auvid_uncertain_transfer(uncertain_t *u, const auvid_metric_t *m, int j, int i)
+{
+    const auvid_uncertain_equation_t *e = &u->equation[j];
+    auvid_real_t row[JOINT_ORDER] = {AUVID_C(0.0)};
+    const auvid_real_t *r = u->work.part.factor + auvid_qr_row(e->order, i) - i;
+    for (int k = i; k < e->order; ++k) {
+        row[auvid_uncertain_joint_column(u, m, j, k)] = r[k];
+    }
+    auvid_qr_update(u->work.joint, JOINT_ORDER, 0, row);
+}
