@@ -76,8 +76,8 @@ def field():
     """README: flags in the field, each share of wrong flags within its interval."""
     text = document("README.md")
     pair = rf"{NUMBER} % \| {FIGURE}"
-    for options in ("--field 0.5", "--field 1", "--field 1 --perfect-thrust",
-                    "--field 1 --driver joystick"):
+    for options in ("--field 0.5", "--field 1", "--field 2", "--field 1 --plain",
+                    "--field 1 --perfect-thrust", "--field 1 --driver joystick"):
         row = stated(text, rf"\| `{options}` \| {pair} \| {pair} \|")
         for vehicle, (flagged, _, low, high) in (("girona500", row[:4]), ("rov20", row[4:])):
             if LONG:
