@@ -77,6 +77,7 @@ void control_tick(uint64_t now_us);
 void my_configure(auvid_identifier_config_t *cfg);
 auvid_status_t configure_in_current(auvid_identifier_config_t *cfg);
 auvid_status_t my_thrusters(auvid_identifier_config_t *cfg);
+auvid_status_t my_model(auvid_refusal_t *refusal);
 bool plan(void);
 bool begin(void);
 #include "example.c"
@@ -202,6 +203,25 @@ static int own_vehicle(void)
     return pilot(amplitude) ? check_own_estimate() : 1;
 }
 
+/* The table of terms gives the estimate of the hand-written model. */
+static int own_table(void)
+{
+    static auvid_identifier_config_t cfg;
+    const auvid_real_t amplitude[AUVID_DOF_COUNT] = {100, 100, 0, 0, 0, 40};
+    const auvid_real_t typical[MINE] = {250, 370, 75, -40, -125, -75, -450, -20, -60};
+    if (own_vehicle() != 0 || my_model(NULL) < 0 ||
+        auvid_vehicle_selftest(&my_terms.vehicle, typical, 0, 0, NULL) < 0) {
+        return 1;
+    }
+    auvid_estimate_t by_hand = last;
+    my_configure(&cfg);
+    cfg.vehicle = cfg.metric.vehicle = &my_terms.vehicle;
+    return auvid_identifier_init(&id, &cfg) == AUVID_OK && pilot(amplitude) &&
+                   memcmp(by_hand.pi, last.pi, sizeof last.pi) == 0
+               ? 0
+               : 1;
+}
+
 /* No depth sensor: the craft is armed and excited, and the guard is done. */
 static int surface(void)
 {
@@ -271,6 +291,9 @@ int main(int count, char **argument)
     if (strcmp(argument[1], "own-vehicle") == 0) {
         return own_vehicle();
     }
+    if (strcmp(argument[1], "own-table") == 0) {
+        return own_table();
+    }
     if (strcmp(argument[1], "surface") == 0) {
         return surface();
     }
@@ -289,6 +312,7 @@ check "README's example compiles without a warning" \
     -I"$ROOT/lib/src" -I"$ROOT/tools/simulator" -I. -o example main.c $objects -lm
 check "README's example identifies a vehicle passively, with a restart" ./example
 check "README's own vehicle is identified" ./example own-vehicle
+check "README's table of terms gives the same estimate" ./example own-table
 check "README's surface craft is armed and excited without a depth sensor" ./example surface
 check "README's own thrusters are accepted" ./example own-thrusters
 check "README's plan excites and identifies it, and the guard is done" ./example exciting

@@ -56,13 +56,14 @@ void field_run_identifier(const field_run_config_t *config, auvid_averaged_t *av
 {
     const field_config_t *field = &config->field;
     double amplitude[6];
-    auvid_identifier_defaults(cfg, &auvid_girona500);
+    const auvid_vehicle_t *model = config->model != NULL ? config->model : &auvid_girona500;
+    auvid_identifier_defaults(cfg, model);
     field_amplitude(field->vehicle, amplitude);
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
         cfg->metric.tau_max[j] = (auvid_real_t)amplitude[j]; /* 0: auvid's choice */
     }
     if (field->vehicle == FIELD_ROV20) {
-        (void)auvid_averaged_init(averaged, &auvid_girona500, cfg->recorder.cell_us, DVL_US);
+        (void)auvid_averaged_init(averaged, model, cfg->recorder.cell_us, DVL_US);
         cfg->vehicle = cfg->metric.vehicle = &averaged->vehicle;
         cfg->metric.half_width[1] = 4;
     }

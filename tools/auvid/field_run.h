@@ -23,7 +23,8 @@ typedef struct {
     field_config_t field;
     /** Uncertainties of the identifier (auvid_uncertainty_t). Negative: the library's default. */
     double thrust_scale, dvl_scale, delay_s;
-    bool uncertain; /**< with uncertain inputs (uncertain.h) */
+    bool uncertain;               /**< with uncertain inputs (uncertain.h) */
+    const auvid_vehicle_t *model; /**< NULL: as above; else the first parameters are Girona500's */
     uint32_t sets;   /**< excited: number of sets of 30 s; the plan is repeated as needed */
     uint32_t budget; /**< work units per tick */
 } field_run_config_t;

@@ -136,7 +136,7 @@ auvid_status_t auvid_selftest(void);
 
 /**
  * What a configuration was refused for. Written by auvid_identifier_init, auvid_node_init (to its
- * identifier) and auvid_identifier_attach_actuation (to its storage).
+ * identifier), auvid_identifier_attach_actuation (to its storage) and auvid_terms_init.
  * To print it: "cfg.<part>.<field>[<element>] is <value>, limit <limit>".
  */
 typedef struct {

@@ -4,8 +4,8 @@
  *
  * A model is one constant struct: the names of its parameters, the parameters of each equation, and
  * up to three functions. The struct begins with `.built_for = AUVID_BUILD`. This header has the
- * Girona500 model of the paper (Eq. 12-15). For any other vehicle, the user writes a struct and a
- * function.
+ * Girona500 model of the paper (Eq. 12-15). For any other vehicle, the user writes a table of terms
+ * (auvid_terms_init), or a struct and a function.
  *
  * - `path` names how the metric uses the model. `&auvid_path_regressor`: the model is linear in its
  *   parameters and gives `regressor`. A cost evaluation is about thirty times cheaper.
@@ -226,6 +226,102 @@ typedef struct {
  * has no regressor, or is &a->vehicle); AUVID_ERR_RANGE (a time). Cost: constant. */
 auvid_status_t auvid_averaged_init(auvid_averaged_t *a, const auvid_vehicle_t *vehicle,
                                    uint32_t cell_us, uint32_t velocity_us);
+
+/** A factor of a term. Velocities, their absolute values and accelerations are in the order of
+ * auvid_dof_t: AUVID_FACTOR_U + j is nu[j]. */
+typedef enum {
+    AUVID_FACTOR_ONE = 0, /**< no factor */
+    AUVID_FACTOR_U,       /**< velocity [m/s, rad/s] */
+    AUVID_FACTOR_V,
+    AUVID_FACTOR_W,
+    AUVID_FACTOR_P,
+    AUVID_FACTOR_Q,
+    AUVID_FACTOR_R,
+    AUVID_FACTOR_ABS_U, /**< absolute value of the velocity */
+    AUVID_FACTOR_ABS_V,
+    AUVID_FACTOR_ABS_W,
+    AUVID_FACTOR_ABS_P,
+    AUVID_FACTOR_ABS_Q,
+    AUVID_FACTOR_ABS_R,
+    AUVID_FACTOR_U_DOT, /**< acceleration [m/s2, rad/s2], at most one in a term */
+    AUVID_FACTOR_V_DOT,
+    AUVID_FACTOR_W_DOT,
+    AUVID_FACTOR_P_DOT,
+    AUVID_FACTOR_Q_DOT,
+    AUVID_FACTOR_R_DOT,
+    AUVID_FACTOR_SIN_PHI, /**< attitude */
+    AUVID_FACTOR_COS_PHI,
+    AUVID_FACTOR_SIN_THETA,
+    AUVID_FACTOR_COS_THETA,
+    AUVID_FACTOR_SIN_PSI,
+    AUVID_FACTOR_COS_PSI,
+    AUVID_FACTOR_TIME, /**< time since auvid_terms_t.begin_us [s], within +-24 days, to 1 ms */
+    AUVID_FACTOR_COUNT
+} auvid_factor_t;
+
+/** A term of an equation: wrench[dof] = ... + sign * factors * pi[parameter]. Terms of the same
+ * parameter and equation add up. */
+typedef struct {
+    uint8_t parameter; /**< index of the parameter */
+    uint8_t dof;       /**< auvid_dof_t of the equation */
+    int8_t sign;       /**< 1 or -1 */
+    uint8_t factor[3]; /**< auvid_factor_t, in any order; 0: none */
+} auvid_term_t;
+
+/** A model as a table. */
+typedef struct {
+    const char *name;                   /**< display name */
+    const auvid_parameter_t *parameter; /**< [parameters] */
+    const auvid_term_t *term;           /**< [terms] */
+    uint16_t terms;
+    uint8_t parameters; /**< 1..AUVID_MAX_PARAMETERS */
+} auvid_term_table_t;
+
+/**
+ * A model made from a table of terms: its rows, masks and acceleration follow from the table.
+ *
+ *     static const auvid_term_t term[] = { // X = m_u u' - X_uu |u| u
+ *         {M_U, AUVID_SURGE, 1, {AUVID_FACTOR_U_DOT}},
+ *         {X_UU, AUVID_SURGE, -1, {AUVID_FACTOR_ABS_U, AUVID_FACTOR_U}}};
+ *
+ * The acceleration solves M nu' = rest. M contains the terms with an acceleration, and need not be
+ * symmetric. Where its symmetric part is not positive definite, the acceleration is not finite. The
+ * acceleration of a DoF that is not modelled is read from the sample, as its velocity is.
+ *
+ * The applied wrench is no factor: a row must not read it. A column that contains it explains the
+ * wrench by itself, and shrinks the parameters: of a loss of thrust with time, as a parameter, only
+ * a quarter was found. Errors of the thrust are uncertain inputs (uncertain.h).
+ *
+ * `vehicle` points back to this struct, which must not move while it is in use. The table and what
+ * it points to stay where they are, and may be in flash. Members of `vehicle` such as `free` may be
+ * changed before it is used.
+ *
+ * Cost of the regressor: with Girona500's 27 terms, 960 instructions of a Cortex-M4F; the
+ * hand-written one takes 210. It is called once for each cell. 200 bytes of stack, 400 for the
+ * acceleration. Memory: sizeof(auvid_terms_t), 96 bytes on a Cortex-M; in flash 6 bytes for a term,
+ * and 1.8 KiB of code. Unused code is not linked.
+ */
+typedef struct {
+    auvid_vehicle_t vehicle; /**< model for identifier, metric and validation */
+    uint64_t begin_us;       /**< where AUVID_FACTOR_TIME is 0 [us]; 0 after init; set it before the
+                                  first sample */
+    const auvid_term_table_t *table; /* as given */
+    uint32_t factors;                /* bit f: factor f is in the table */
+} auvid_terms_t;
+
+#define auvid_terms_init AUVID_SIZED(auvid_terms_init)
+/** Makes terms->vehicle, the model of a table, on the regressor path.
+ * @param terms out; unchanged if refused
+ * @param table must outlive *terms, as must what it points to
+ * @param refusal written: what is refused, e.g. part "term", field "factor", element 3; NULL: not
+ * wanted
+ * @return AUVID_OK; AUVID_ERR_NULL (terms, the table, its parameters or terms);
+ * AUVID_ERR_PARAMETERS (n out of range); AUVID_ERR_SIZE (no term); AUVID_ERR_RANGE (a term's
+ * parameter, dof or factor does not exist; its sign is not 1 or -1); AUVID_ERR_MODEL (a term has
+ * two accelerations, or repeats another one; the dof of a parameter does not exist, or its equation
+ * has no term of the parameter). Cost: O(terms^2). */
+auvid_status_t auvid_terms_init(auvid_terms_t *terms, const auvid_term_table_t *table,
+                                auvid_refusal_t *refusal);
 
 #define auvid_kinematics AUVID_SIZED0(auvid_kinematics)
 /** Computes eta_dot = J(eta) nu (Eq. 1; Fossen 2011, Eq. 2.53).
