@@ -6,8 +6,9 @@ check "demo identifies and exits 0" exits 0 demo --json
 cp out one.json
 check "its JSON has the documented keys" is one.json '
 assert list(d) == ["version", "status", "seed", "model", "parameters", "missing",
-                   "not_modelled", "drag", "delay_s", "r2_force", "r2_validation", "change_test",
-                   "guard", "cell_s", "evaluations", "budget", "estimates"], list(d)
+                   "not_modelled", "assumed", "drag", "delay_s", "r2_force", "r2_validation",
+                   "change_test", "guard", "cell_s", "evaluations", "budget",
+                   "estimates"], list(d)
 assert d["version"] == "0.1.0" and d["status"] == "ok" and d["seed"] == 1
 assert [p["name"] for p in d["parameters"]] == list(TRUTH)
 assert all(set(p) == {"name", "unit", "estimate", "sigma", "sigma_told", "thrust_error",

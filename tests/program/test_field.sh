@@ -119,6 +119,29 @@ exits 0 demo --field 1 --runs 2 --seed 3 --sets 4 --json
 check "seeds are consecutive: runs may be divided among processes" holds out '
 assert d["each"] == json.load(open("four"))["each"][2:]'
 
+# ---- causes ----
+exits 0 demo --mismatch thrust_backward=0.1 --runs 4 --json
+check "weaker backward thrust is named, with a sentence" holds out '
+assert d["causes"]["right"] == d["causes"]["any"] == 4 and d["causes"]["wrong"] == 0
+assert d["causes"]["thrust_curve"] == {"first": 4, "named": 4}
+for run in d["each"]:
+    cause = run["causes"][0]
+    assert cause["class"] == "thrust_curve" and abs(cause["value"] - 0.1) < 4 * cause["sigma"]
+    assert cause["sentence"].startswith("backward thrust is weaker than told, by 10 % or so; ")'
+exits 0 demo --field 0 --runs 8 --json
+check "nothing is named in a perfect world" holds out '
+assert d["causes"]["any"] == 0 and all(run["causes"] == [] for run in d["each"])'
+exits 0 demo --mismatch thrust_advance=0.3 --mismatch cg_x=0.001 --runs 2 --shifts --json
+check "--shifts: the loss with speed moves the estimate most" holds out '
+assert d["causes"]["among_largest"] == d["causes"]["inflow"]["first"] == 2
+for run in d["each"]:
+    shift = run["shift"]
+    assert len(shift) == 7 and shift["inflow"] == max(shift.values()) > 0.05
+    assert shift["sag"] == shift["timing"] == 0'
+check "--shifts without field statistics" refuses "--shifts needs --field" demo --shifts
+check "tables name the cause" exits 0 demo --mismatch thrust_backward=0.1 --runs 1
+check "  with its sentence" grep -q "^    backward thrust is weaker than told, by 10 %" out
+
 # ---- correctness ----
 perfect="demo --field 0 --perfect-inputs --json"
 for vehicle in girona500 rov20; do

@@ -24,8 +24,8 @@ check "a log is identified" exits 0 fit train.csv --json --validate test.csv
 cp out fit.json
 check "its JSON has the documented keys" is fit.json '
 assert list(d) == ["version", "status", "seed", "model", "parameters", "missing",
-                   "not_modelled", "drag", "delay_s", "r2_force", "r2_validation", "r2_interval",
-                   "change_test", "cell_s", "evaluations", "budget"], list(d)
+                   "not_modelled", "assumed", "drag", "delay_s", "r2_force", "r2_validation",
+                   "r2_interval", "change_test", "cell_s", "evaluations", "budget"], list(d)
 assert all(set(p) == {"name", "unit", "estimate", "sigma", "sigma_told", "thrust_error",
                           "dvl_error", "identifiable", "note"}
            for p in d["parameters"])

@@ -7,6 +7,7 @@
 
 #include "commands.h"
 #include "report_error.h"
+#include "field_causes.h"
 #include "field_report.h"
 #include "progress.h"
 
@@ -146,6 +147,10 @@ static int run_all(campaign_memory_t *m, const options_t *options)
         if (status == 0 && !field_run(&m->run, &m->cfg, &m->record[k])) {
             status =
                 report_error("demo: the simulator or the identifier refused its configuration");
+        }
+        if (status == 0 && options->field.shifts &&
+            !field_causes_shift(&m->run, &m->cfg, &m->record[k])) {
+            status = report_error("demo: the simulator refused a class of mismatches");
         }
         if (status == 0) {
             field_table_add(&m->table, &m->record[k]);

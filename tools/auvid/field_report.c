@@ -1,5 +1,7 @@
 #include "field_report.h"
 
+#include "field_causes.h"
+
 #include <math.h>
 #include <stdio.h>
 
@@ -177,6 +179,7 @@ void field_report_tables(const field_campaign_t *campaign, const field_table_t *
     print_curve(table);
     print_notes(table);
     print_alarms(table, record);
+    field_causes_table(campaign, record, table->runs);
 }
 
 /* ---- JSON ---- */
@@ -288,6 +291,7 @@ static void json_record(const field_record_t *record)
     json_list("acceleration", truth->acceleration, FIELD_EQUATIONS);
     json_list("delay_s", record->delay_s, FIELD_EQUATIONS);
     json_list("drag_force_06", force, FIELD_DIRECTIONS);
+    field_causes_json_run(record);
     printf(", \"mismatch\": {");
     for (int k = 0, shown = 0; k < count; ++k) {
         if (fabs(record->size[k]) > 0.0) {
@@ -316,6 +320,7 @@ void field_report_json(const field_campaign_t *campaign, const field_table_t *ta
     json_figure(",\n  ", "runs_not_converged", &table->figure[FIELD_AT_CAPPED_RUN]);
     json_groups(table);
     json_forces(table);
+    field_causes_json(campaign, record, table->runs);
     json_list("tau_max", record[0].tau_max, FIELD_EQUATIONS);
     printf(",\n  \"parameters\": [");
     for (int i = 0; i < SIM_PARAMETERS; ++i) {

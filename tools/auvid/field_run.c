@@ -275,5 +275,8 @@ bool field_run(field_run_t *run, const field_run_config_t *config, field_record_
     while (auvid_identifier_work(&run->id, AT_EASE) == AUVID_PENDING) {
     }
     gather(run, config, record);
+    if (run->id.attached.uncertain != NULL) {
+        (void)auvid_uncertain_causes(&run->uncertain, &record->causes);
+    }
     return true;
 }

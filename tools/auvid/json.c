@@ -170,7 +170,11 @@ static void json_missing(const result_t *result)
             separator = ", ";
         }
     }
-    printf("]");
+    printf("],\n  \"assumed\": {\"thrust_scale\": ");
+    json_number((double)result->estimate.confidence.uncertainty.thrust_scale);
+    printf(", \"dvl_scale\": ");
+    json_number((double)result->estimate.confidence.uncertainty.dvl_scale);
+    printf(", \"heading\": 0}");
 }
 
 /* The names of the degrees of freedom in a mask. */

@@ -76,6 +76,8 @@ static const char field_help[] =
     "  --perfect-inputs   set --thrust-scale, --dvl-scale and --delay to zero;\n"
     "                     no input is uncertain\n"
     "  --plain            without uncertain inputs; the two scales and the delay remain\n"
+    "  --shifts           for each run: how far does each class of causes alone move the\n"
+    "                     estimate? Ten times as long\n"
     "\n";
 static const char fit_help[] =
     "options of fit\n"

@@ -28,6 +28,7 @@ typedef struct {
     bool matched;        /**< only the scales of thrust and DVL are drawn, as configured */
     bool perfect_thrust; /**< no mismatch of the thrust is drawn */
     bool perfect_inputs; /**< every uncertainty is zero */
+    bool shifts;         /**< rank the classes of causes (field_causes.h) */
     bool plain;          /**< no uncertain inputs (uncertain.h) */
     const char *mismatch[FIELD_MISMATCHES]; /**< NAME=SIZE, as given */
     int mismatches;

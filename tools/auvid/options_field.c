@@ -69,6 +69,10 @@ int options_field_take(reader_t *r, options_t *options)
         f->chosen = "--plain";
         return take_flag(r, &f->plain);
     }
+    if (strcmp(r->name, "--shifts") == 0) {
+        f->chosen = "--shifts";
+        return take_flag(r, &f->shifts);
+    }
     return strcmp(r->name, "--matched") == 0 ? take_flag(r, &f->matched) : -1;
 }
 

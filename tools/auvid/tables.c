@@ -176,7 +176,7 @@ static void drag_table(const result_t *result)
     }
 }
 
-/* What is missing for a complete estimate, and what to do about it. */
+/* What is missing for a complete estimate, what to do about it, and what no motion shows. */
 static void missing_list(const result_t *result)
 {
     char text[WORDS];
@@ -192,6 +192,12 @@ static void missing_list(const result_t *result)
     }
     if (!all) {
         putchar('\n');
+    }
+    const auvid_uncertainty_t *u = &result->estimate.confidence.uncertainty;
+    if (result->estimate.number > 0) {
+        printf("  assumed        thrust scale to %.3g %%, DVL scale to %.3g %% (1 sigma); heading "
+               "exact\n",
+               100.0 * (double)u->thrust_scale, 100.0 * (double)u->dvl_scale);
     }
 }
 

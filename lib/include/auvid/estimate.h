@@ -19,6 +19,14 @@
  * rms over the rows. An impossible estimate makes the whole equation untrusted. The result must
  * also explain the force at all.
  *
+ * What an estimate promises, the most reliable first:
+ *
+ * 1. the drag force at speeds that were seen (auvid_estimate_drag);
+ * 2. the acceleration in a run that it was not made from (validation.h, auvid_change_test_t);
+ * 3. masses;
+ * 4. a single coefficient of drag, only if it is identifiable. Otherwise only the force of linear
+ *    and quadratic drag together is known.
+ *
  * All functions only read. Memory: sizeof(auvid_estimate_t), of which an identifier has two.
  */
 #ifndef AUVID_ESTIMATE_H
@@ -44,7 +52,10 @@ typedef enum {
                                  confidence, below AUVID_CONFIDENCE_SMALL of the rms force in every
                                  DoF */
     AUVID_NOTE_NOISE,        /**< a mass that the noise of the measured acceleration may bias */
-    AUVID_NOTE_UNCERTAIN,    /**< too little or too short motion for the present disturbance */
+    AUVID_NOTE_UNCERTAIN,    /**< `partner` 0: too little or too short motion for the present
+                                  disturbance. 1: less than AUVID_CONFIDENCE_EXPLAINED of its
+                                  equation's force is explained, and more motion does not help;
+                                  `bound` is the share explained */
     AUVID_NOTE_IMPLAUSIBLE,  /**< identifiable, but the result explains the force of its DoF worse
                                  than the mean does: a sign, a unit, a bound or the model is
                                  wrong */
@@ -73,6 +84,9 @@ typedef enum {
 /** Part of a DoF's rms wrench below which the force of a parameter is small. */
 #define AUVID_CONFIDENCE_SMALL AUVID_C(0.01)
 
+/** Share of an equation's force (R2) below which no advice is given on its motion. */
+#define AUVID_CONFIDENCE_EXPLAINED AUVID_C(0.5)
+
 /** Number of entries of a covariance of all parameters, packed. */
 #define AUVID_COVARIANCE (AUVID_MAX_PARAMETERS * (AUVID_MAX_PARAMETERS + 1) / 2)
 
@@ -97,7 +111,9 @@ typedef struct {
                                                    bound [parameter's unit]; _DISCREDITED: the
                                                    impossible value [partner's unit]; _THRUST_SCALE:
                                                    the largest thrust_scale with which the parameter
-                                                   is identifiable */
+                                                   is identifiable; _UNCERTAIN: the share of the
+                                                   force that is explained, if
+                                                   `partner` is 1 */
     /** effective noise: rms of white noise that gives the same standard errors [N, Nm];
      * 0: DoF not excited */
     auvid_real_t effective_noise[AUVID_DOF_COUNT];
@@ -255,10 +271,12 @@ auvid_status_t auvid_confidence_note(const auvid_confidence_t *confidence,
 #define AUVID_CONFIDENCE_LOST_PERCENT 20
 
 #define auvid_confidence_missing AUVID_SIZED(auvid_confidence_missing)
-/** Write one sentence on the motion, or setting, that is missing: "yaw: not excited; apply steps
- * held 4-8 s and sines of 0.1-0.3 Hz". If at least AUVID_CONFIDENCE_LOST_PERCENT of the rows of a
- * DoF were lost to gaps, the last sentence gives the largest share and its DoF. Cost:
- * O(n).
+/** Write one sentence on what is wrong or missing: "yaw: not excited; apply steps held 4-8 s and
+ * sines of 0.1-0.3 Hz". Equations whose force is not explained, or whose estimate is impossible,
+ * come first; for these no sentence asks for motion. With uncertain inputs, ask first
+ * auvid_causes_sentence (uncertain.h), which names causes. If at least
+ * AUVID_CONFIDENCE_LOST_PERCENT of the rows of a DoF were lost to gaps, the last sentence gives the
+ * largest share and its DoF. Cost: O(n).
  * @param confidence of an estimate, or NULL if there is none yet
  * @param vehicle its model
  * @param free bit i: parameter i was to be identified (0: all)

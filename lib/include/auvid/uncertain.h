@@ -182,6 +182,69 @@ auvid_status_t auvid_identifier_attach_uncertain(auvid_identifier_t *id, auvid_u
                                                  const auvid_uncertain_config_t *cfg,
                                                  const auvid_allocation_t *allocation);
 
+/** Classes of causes that motion tells apart. Those of one class look alike. No motion shows the
+ * common scale of the thrust, that of the DVL, or an error of heading: they are never found. */
+typedef enum {
+    AUVID_CAUSE_CURVE,     /**< weaker backward thrust, dead band, another thrust curve */
+    AUVID_CAUSE_INFLOW,    /**< thrust lost with speed, or drag of another law */
+    AUVID_CAUSE_TIMING,    /**< thrust, DVL or attitude late; lag of the propellers */
+    AUVID_CAUSE_MOUNTING,  /**< lever arm or mounting of DVL or IMU; centre of gravity, constant
+                                force, force of sway and yaw together */
+    AUVID_CAUSE_ASYMMETRY, /**< drag that differs forward and backward */
+    AUVID_CAUSE_SAG,       /**< thrust that sags with time, or fouling */
+    AUVID_CAUSE_CURRENT,   /**< current, or the pull of a cable */
+    AUVID_CAUSE_COUNT
+} auvid_cause_class_t;
+
+/** The most important input of a class. */
+typedef struct {
+    auvid_real_t value; /**< estimate. Thrust curve, inflow, sag, current: as in
+                             auvid_uncertain_input_t. Asymmetry: of the drag forward, relative to
+                             the mean. Centre of gravity: astern, or to port [m]. Constant force [N,
+                             Nm]. Sway and yaw together, lift: relative to drag. Timing: delay of
+                             the thrust beyond the nominal lag, or if < 0 before its time stamp [s];
+                             0: in between */
+    auvid_real_t sigma; /**< its standard deviation; 0: this class has no input */
+    auvid_real_t share; /**< rms of its force, relative to the thrust of its equation */
+    uint8_t input;      /**< which one. Private */
+    uint8_t dof;        /**< equation in which its share is largest */
+    bool named; /**< more than AUVID_CAUSE_SIGMAS standard deviations from zero, and its share is at
+                     least AUVID_CAUSE_SHARE. Its size is only rough */
+} auvid_cause_t;
+
+/** See named. */
+#define AUVID_CAUSE_SIGMAS AUVID_C(4.0)
+#define AUVID_CAUSE_SHARE AUVID_C(0.04)
+
+/** What is wrong with the inputs. */
+typedef struct {
+    auvid_cause_t cause[AUVID_CAUSE_COUNT]; /**< by auvid_cause_class_t */
+    uint8_t order[AUVID_CAUSE_COUNT];       /**< the named classes, the largest share first */
+    uint8_t named;                          /**< their number */
+    uint32_t differs; /**< bit i: the estimates of parameter i with and without uncertain inputs
+                           differ by more than both half-widths */
+} auvid_causes_t;
+
+#define auvid_uncertain_causes AUVID_SIZED(auvid_uncertain_causes)
+/** Find what is wrong with the inputs, by the last solution.
+ * @param causes written if AUVID_OK
+ * @return AUVID_OK; AUVID_PENDING (a solution is under way: ask again after the next estimate);
+ * AUVID_ERR_NO_DATA (none yet); AUVID_ERR_NULL. Cost: up to 50k multiplications. */
+auvid_status_t auvid_uncertain_causes(const auvid_uncertain_t *u, auvid_causes_t *causes);
+
+#define auvid_causes_sentence AUVID_SIZED(auvid_causes_sentence)
+/** Write one sentence on what is wrong, with the remedy: "backward thrust is weaker than told, by
+ * 10 % or so; measure the thrusters astern". The last one lists the parameters in `differs`. Cost:
+ * O(size).
+ * @param vehicle the model
+ * @param which 0, 1, ... : sentence number
+ * @param text [size] written, truncated to size and always zero-terminated; empty if there is no
+ * such sentence
+ * @return AUVID_OK; AUVID_FINISHED (there are not so many sentences); AUVID_ERR_NULL;
+ * AUVID_ERR_RANGE (size 0). */
+auvid_status_t auvid_causes_sentence(const auvid_causes_t *causes, const auvid_vehicle_t *vehicle,
+                                     unsigned which, char *text, size_t size);
+
 #ifdef __cplusplus
 }
 #endif

@@ -17,8 +17,8 @@ enum {
     INPUT_FORCE,
     INPUT_CROSS,
     INPUT_LIFT,
-    INPUT_ROLL,  /* centre of gravity aside */
-    INPUT_PITCH, /* centre of gravity ahead */
+    INPUT_ROLL,  /* centre of gravity astern */
+    INPUT_PITCH, /* centre of gravity to port */
     INPUTS
 };
 
@@ -76,6 +76,10 @@ void auvid_uncertain_keep_own(auvid_uncertain_t *u, const auvid_metric_t *m, int
 
 /** Rotate row i of the DoF's factor, an own input's no more, into the joint factor. */
 void auvid_uncertain_transfer(auvid_uncertain_t *u, const auvid_metric_t *m, int j, int i);
+
+/** Returns the standard deviation, after a solution, of the sum of DoF j's own input `own` and of a
+ * shared input; negative: none. */
+auvid_real_t auvid_uncertain_deviation(const auvid_uncertain_t *u, int j, int own, int shared);
 
 /** Does the solution read DoF j's factors in several steps? Then they must not change. */
 bool auvid_uncertain_reads(const auvid_uncertain_t *u, int j);

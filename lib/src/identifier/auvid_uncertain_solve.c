@@ -131,6 +131,37 @@ static void uncertain_find_covariance(uncertain_t *u, const auvid_metric_t *m, i
     }
 }
 
+/* With J the joint R factor, and [R_o R_c] the rows of the DoF's own inputs, the variance is
+ *
+ *     1.43 (||g||^2 + ||v||^2),   R_o' g = own,   J' v = shared - R_c' g
+ */
+auvid_real_t auvid_uncertain_deviation(const uncertain_t *u, int j, int own, int shared)
+{
+    const auvid_uncertain_equation_t *e = &u->equation[j];
+    auvid_real_t g[AUVID_UNCERTAIN_OWN] = {AUVID_C(0.0)}, v[JOINT_ORDER] = {AUVID_C(0.0)};
+    auvid_real_t variance = AUVID_C(0.0);
+    for (int i = own; i >= 0 && i < e->own; ++i) {
+        const auvid_real_t *row = u->work.own_rows[e->own_at + i];
+        g[i] = ((i == own ? AUVID_C(1.0) : AUVID_C(0.0)) - g[i]) / row[i];
+        variance += g[i] * g[i];
+        for (int k = i + 1; k < e->order - 1; ++k) {
+            if (k < e->own) {
+                g[k] += row[k] * g[i];
+            } else {
+                v[auvid_uncertain_joint_column(u, &u->id->metric, j, k)] -= row[k] * g[i];
+            }
+        }
+    }
+    if (shared >= 0) {
+        v[shared] += AUVID_C(1.0);
+    }
+    auvid_qr_solve_transposed(u->work.joint, JOINT_ORDER, JOINT_ORDER - 1, v);
+    for (int k = 0; k < JOINT_ORDER - 1; ++k) {
+        variance += v[k] * v[k];
+    }
+    return auvid_sqrt(COVARIANCE_FACTOR * variance);
+}
+
 /* ---- the steps ---- */
 
 /* The next DoF with rows, from j on. */

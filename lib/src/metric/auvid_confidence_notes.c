@@ -178,14 +178,6 @@ static auvid_real_t confidence_small_value(const auvid_confidence_job_t *c, int 
     return smallest < AUVID_LARGEST ? smallest : AUVID_C(0.0);
 }
 
-/* Returns true if the model explains DoF j's wrench better than the mean of the wrench does. An
- * optimum does, unless bounds or model errors keep the search away from it. */
-static bool confidence_is_explained(const auvid_metric_t *m, int j)
-{
-    auvid_real_t rows, total = auvid_metric_force_squares(m, j, &rows);
-    return m->result.sse[j] <= total;
-}
-
 /* Returns how far parameter i is beyond the possible range; 0: it is within. */
 static auvid_real_t confidence_impossible_part(const auvid_confidence_job_t *c, int i)
 {
@@ -293,7 +285,7 @@ void auvid_confidence_conclude(auvid_confidence_job_t *c, int i, const auvid_fin
         return; /* its value is a by-product */
     }
     const auvid_metric_config_t *cfg = &c->metric->cfg;
-    const auvid_parameter_t *parameter = &cfg->vehicle->parameter[p];
+    int j = (int)cfg->vehicle->parameter[p].dof;
     auvid_real_t sigma = found->sigma, bias = found->bias;
     auvid_real_t thrust = to->thrust_error[p], dvl = to->dvl_error[p];
     auvid_real_t relative = auvid_sqrt(sigma * sigma + dvl * dvl);
@@ -301,6 +293,8 @@ void auvid_confidence_conclude(auvid_confidence_job_t *c, int i, const auvid_fin
     auvid_real_t total = auvid_sqrt(all * all + bias * bias);
     auvid_real_t half = AUVID_HALF_WIDTH * all + bias;
     auvid_real_t allowed = auvid_confidence_allowed(cfg, p, c->pi[p]);
+    auvid_real_t rows, force = auvid_metric_force_squares(c->metric, j, &rows);
+    auvid_real_t unexplained = c->metric->result.sse[j];
     /* without the step of the delays, which would lead an estimate at a bound away from it */
     auvid_real_t variance =
         auvid_max(sigma * sigma - c->delay_step[i] * c->delay_step[i], AUVID_C(0.0));
@@ -313,7 +307,9 @@ void auvid_confidence_conclude(auvid_confidence_job_t *c, int i, const auvid_fin
         to->note[p] = (uint8_t)limit;
         to->partner[p] = limit == AUVID_NOTE_BESIDE_BOUND ? found->bound_partner : to->partner[p];
     } else if (known && half <= allowed) {
-        bool plausible = confidence_is_explained(c->metric, (int)parameter->dof);
+        /* an optimum explains more than the mean of the wrench does, unless bounds or model errors
+         * keep the search away from it */
+        bool plausible = unexplained <= force;
         to->identifiable |= 1u << p;
         to->implausible |= (uint32_t)!plausible << p;
         to->note[p] = plausible ? AUVID_NOTE_NONE : AUVID_NOTE_IMPLAUSIBLE;
@@ -325,10 +321,15 @@ void auvid_confidence_conclude(auvid_confidence_job_t *c, int i, const auvid_fin
         to->bound[p] =
             to->uncertainty.thrust_scale *
             (auvid_sqrt(max_sigma * max_sigma - relative * relative) / auvid_abs(thrust));
+    } else if (!(unexplained <= (AUVID_C(1.0) - AUVID_CONFIDENCE_EXPLAINED) * force)) {
+        to->partner[p] = UNEXPLAINED;
+        to->bound[p] = auvid_r2(unexplained, force);
     } else if (found->partner != NOWHERE) {
         to->note[p] = AUVID_NOTE_COMBINATION;
         to->partner[p] = found->partner;
     } else if (AUVID_HALF_WIDTH * all <= allowed) {
         to->note[p] = AUVID_NOTE_NOISE;
+    } else {
+        to->partner[p] = FEW_DATA;
     }
 }

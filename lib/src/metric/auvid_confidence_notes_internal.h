@@ -13,6 +13,9 @@ enum { NOWHERE = 255 };
 /** partner of AUVID_NOTE_NOT_EXCITED: see estimate.h */
 enum { IDLE, UNACTUATED, UNACTUATED_ROWS };
 
+/** partner of AUVID_NOTE_UNCERTAIN: see estimate.h */
+enum { FEW_DATA, UNEXPLAINED };
+
 /** auvid_confidence_job_t.phase: see auvid_confidence.c */
 enum { OPTIMUM, ROTATE, BOUND, INVERT, SCATTER, BIAS, JUDGE, CONCLUDE, DONE };
 

@@ -4,6 +4,7 @@
 #include "auvid/detail/confidence.h"
 
 #include "auvid_confidence_notes_internal.h"
+#include "auvid_words_internal.h"
 #include "../base/auvid_math_internal.h"
 
 const char *auvid_note_str(auvid_note_t note)
@@ -41,74 +42,10 @@ const char *auvid_note_str(auvid_note_t note)
     }
 }
 
-/* A text under construction, always zero-terminated. */
-typedef struct {
-    char *text;
-    size_t size, used;
-} writer_t;
-
-static void confidence_append(writer_t *w, const char *words)
+/* Is the force of parameter i's equation not explained? */
+static bool confidence_is_unexplained(const auvid_confidence_t *c, int i)
 {
-    for (; *words != '\0' && w->used + 1 < w->size; ++words) {
-        w->text[w->used++] = *words;
-    }
-    w->text[w->used] = '\0';
-}
-
-static void confidence_append_dof(writer_t *w, auvid_dof_t dof)
-{
-    static const char *const name[AUVID_DOF_COUNT] = {
-        "surge: ", "sway: ", "heave: ", "roll: ", "pitch: ", "yaw: "};
-    confidence_append(w, name[dof]);
-}
-
-/* Append a number with up to three decimals, or nothing if it needs more space or more decimals.
- * @return true if it is appended */
-static bool confidence_append_number(writer_t *w, auvid_real_t x)
-{
-    enum { PLACES = 14, DECIMALS = 3 };
-    char text[PLACES + 1] = {0}, *c = text + PLACES;
-    auvid_real_t size = auvid_abs(x);
-    if (!(size < AUVID_C(1e9)) || (size > AUVID_C(0.0) && size < AUVID_C(1e-3))) {
-        return false;
-    }
-    uint32_t whole = (uint32_t)size;
-    uint32_t rest = (uint32_t)((size - (auvid_real_t)whole) * AUVID_C(1000.0) + AUVID_C(0.5));
-    whole += rest / 1000u;
-    rest %= 1000u;
-    for (int k = 0; k < DECIMALS; ++k, rest /= 10u) {
-        if (rest % 10u != 0 || *c != '\0') {
-            *--c = (char)('0' + rest % 10u);
-        }
-    }
-    if (*c != '\0') {
-        *--c = '.';
-    }
-    do {
-        *--c = (char)('0' + whole % 10u);
-        whole /= 10u;
-    } while (whole > 0);
-    confidence_append(w, x < AUVID_C(0.0) ? "-" : "");
-    confidence_append(w, c);
-    return true;
-}
-
-/* Append a number in whole steps, or nothing if it is 1e9 steps or more. */
-static void confidence_append_steps(writer_t *w, auvid_real_t x, auvid_real_t step, bool up)
-{
-    auvid_real_t steps = x / step;
-    if (steps < AUVID_C(1e9)) {
-        uint32_t whole = (uint32_t)steps;
-        whole += up && (auvid_real_t)whole < steps;
-        (void)confidence_append_number(w, (auvid_real_t)whole * step);
-    }
-}
-
-/* Append x as per cent, in tenths below one. */
-static void confidence_append_percent(writer_t *w, auvid_real_t x, bool up)
-{
-    confidence_append_steps(w, x, x < AUVID_C(1.0) ? AUVID_C(0.1) : AUVID_C(1.0), up);
-    confidence_append(w, " %");
+    return c->note[i] == AUVID_NOTE_UNCERTAIN && c->partner[i] == UNEXPLAINED;
 }
 
 auvid_status_t auvid_confidence_note(const auvid_confidence_t *confidence,
@@ -120,95 +57,114 @@ auvid_status_t auvid_confidence_note(const auvid_confidence_t *confidence,
     if (size == 0 || i < 0 || i >= vehicle->parameters || i >= AUVID_MAX_PARAMETERS) {
         return AUVID_ERR_RANGE;
     }
-    writer_t w = {.text = text, .size = size};
+    auvid_words_t w = {.text = text, .size = size};
     uint8_t partner = confidence->partner[i];
     const char *name = partner < vehicle->parameters ? vehicle->parameter[partner].name : "";
     auvid_note_t note = (auvid_note_t)confidence->note[i];
     text[0] = '\0';
     if (note == AUVID_NOTE_COMBINATION) {
-        confidence_append(&w, "only a combination with ");
-        confidence_append(&w, name);
+        auvid_words_append(&w, "only a combination with ");
+        auvid_words_append(&w, name);
     } else if (note == AUVID_NOTE_BESIDE_BOUND) {
-        confidence_append(&w, "depends on ");
-        confidence_append(&w, name);
-        confidence_append(&w, ", at its bound");
+        auvid_words_append(&w, "depends on ");
+        auvid_words_append(&w, name);
+        auvid_words_append(&w, ", at its bound");
     } else if (note == AUVID_NOTE_DISCREDITED) {
-        confidence_append(&w, name);
-        confidence_append(&w, " is impossible");
+        auvid_words_append(&w, name);
+        auvid_words_append(&w, " is impossible");
     } else if (note == AUVID_NOTE_NOT_EXCITED && partner != IDLE) {
-        confidence_append(&w, "unactuated");
+        auvid_words_append(&w, "unactuated");
+    } else if (confidence_is_unexplained(confidence, i)) {
+        auvid_words_append(&w, "most of the force is unexplained");
     } else {
-        confidence_append(&w, auvid_note_str(note));
+        auvid_words_append(&w, auvid_note_str(note));
     }
     return AUVID_OK;
 }
 
+/* Append x as per cent, in tenths below one. */
+static void confidence_append_percent(auvid_words_t *w, auvid_real_t x, bool up)
+{
+    auvid_words_append_steps(w, x, x < AUVID_C(1.0) ? AUVID_C(0.1) : AUVID_C(1.0), up);
+    auvid_words_append(w, " %");
+}
+
 /* Append that parameter i is known relative to the thrust scale. With the thrust_scale in `bound`
  * its half-width would be the largest allowed. */
-static void confidence_append_scale(writer_t *w, const auvid_confidence_t *c,
+static void confidence_append_scale(auvid_words_t *w, const auvid_confidence_t *c,
                                     const auvid_parameter_t *parameter, int i)
 {
     auvid_real_t sigma = c->sigma[i], thrust = c->thrust_error[i];
     auvid_real_t relative = auvid_sqrt(sigma * sigma - thrust * thrust);
     auvid_real_t limit = c->bound[i] / c->uncertainty.thrust_scale * thrust;
     auvid_real_t allowed = auvid_sqrt(relative * relative + limit * limit);
-    confidence_append(w, parameter->name);
-    confidence_append(w, " is known to ");
+    auvid_words_append(w, parameter->name);
+    auvid_words_append(w, " is known to ");
     if (parameter->kind == AUVID_PARAMETER_FORCE) {
-        confidence_append_steps(w, AUVID_HALF_WIDTH * relative, AUVID_C(0.1), true);
-        confidence_append(w, " ");
-        confidence_append(w, parameter->unit);
+        auvid_words_append_steps(w, AUVID_HALF_WIDTH * relative, AUVID_C(0.1), true);
+        auvid_words_append(w, " ");
+        auvid_words_append(w, parameter->unit);
     } else {
         confidence_append_percent(
             w, AUVID_C(100.0) * AUVID_CONFIDENCE_IDENTIFIABLE * relative / allowed, true);
     }
-    confidence_append(w, " up to the thrust scale; calibrate thrust to ");
+    auvid_words_append(w, " up to the thrust scale; calibrate thrust to ");
     confidence_append_percent(w, AUVID_C(100.0) * c->bound[i], false);
 }
 
 /* Append that parameter i's equation has an impossible estimate. */
-static void confidence_append_impossible(writer_t *w, const auvid_confidence_t *c,
+static void confidence_append_impossible(auvid_words_t *w, const auvid_confidence_t *c,
                                          const auvid_vehicle_t *vehicle, int i)
 {
-    confidence_append(w, vehicle->parameter[c->partner[i]].name);
-    confidence_append(w, " is impossible (");
-    confidence_append(w, c->bound[i] > AUVID_C(0.0) ? "+" : "");
-    (void)confidence_append_number(w, c->bound[i]);
-    confidence_append(w, "): the equation is not trusted; check signs, units and the model");
+    auvid_words_append(w, vehicle->parameter[c->partner[i]].name);
+    auvid_words_append(w, " is impossible (");
+    auvid_words_append(w, c->bound[i] > AUVID_C(0.0) ? "+" : "");
+    (void)auvid_words_append_number(w, c->bound[i]);
+    auvid_words_append(w, "): the equation is not trusted; check signs, units and the model");
+}
+
+/* Append that the force of parameter i's equation is not explained. */
+static void confidence_append_unexplained(auvid_words_t *w, const auvid_confidence_t *c, int i)
+{
+    auvid_words_append(w, "only ");
+    auvid_words_append_steps(w, AUVID_C(100.0) * auvid_max(c->bound[i], AUVID_C(0.0)), AUVID_C(1.0),
+                             false);
+    auvid_words_append(
+        w, " % of the force is explained; check signs, thrust, time stamps, current and cable");
 }
 
 /* Append that parameter i is at its bound. */
-static void confidence_append_bound(writer_t *w, const auvid_confidence_t *c,
+static void confidence_append_bound(auvid_words_t *w, const auvid_confidence_t *c,
                                     const auvid_parameter_t *parameter, int i)
 {
-    confidence_append(w, parameter->name);
-    confidence_append(w, c->partner[i] != 0 ? " is at its upper bound of "
-                                            : " is at its lower bound of ");
-    if (confidence_append_number(w, c->bound[i])) {
-        confidence_append(w, " ");
+    auvid_words_append(w, parameter->name);
+    auvid_words_append(w, c->partner[i] != 0 ? " is at its upper bound of "
+                                             : " is at its lower bound of ");
+    if (auvid_words_append_number(w, c->bound[i])) {
+        auvid_words_append(w, " ");
     }
-    confidence_append(w, parameter->unit);
-    confidence_append(w, ": widen it");
+    auvid_words_append(w, parameter->unit);
+    auvid_words_append(w, ": widen it");
 }
 
 /* Append all parameters that depend on the same parameter at its bound as parameter i. */
-static void confidence_append_dependents(writer_t *w, const auvid_confidence_t *c,
+static void confidence_append_dependents(auvid_words_t *w, const auvid_confidence_t *c,
                                          const auvid_vehicle_t *vehicle, int i)
 {
     const char *separator = " also changes ";
-    confidence_append(w, vehicle->parameter[c->partner[i]].name);
-    confidence_append(w, " at its bound");
+    auvid_words_append(w, vehicle->parameter[c->partner[i]].name);
+    auvid_words_append(w, " at its bound");
     for (int k = i; k < vehicle->parameters; ++k) {
         if (c->note[k] == AUVID_NOTE_BESIDE_BOUND && c->partner[k] == c->partner[i]) {
-            confidence_append(w, separator);
-            confidence_append(w, vehicle->parameter[k].name);
+            auvid_words_append(w, separator);
+            auvid_words_append(w, vehicle->parameter[k].name);
             separator = ", ";
         }
     }
 }
 
 /* Append the motion that a parameter of its kind needs. */
-static void confidence_append_need(writer_t *w, const auvid_parameter_t *parameter)
+static void confidence_append_need(auvid_words_t *w, const auvid_parameter_t *parameter)
 {
     static const char *const lacks[] = {[AUVID_PARAMETER_OTHER] = "too little motion for ",
                                         [AUVID_PARAMETER_MASS] = "too little acceleration for ",
@@ -226,9 +182,9 @@ static void confidence_append_need(writer_t *w, const auvid_parameter_t *paramet
         [AUVID_PARAMETER_FORCE] = "; continue recording"};
     bool known = (unsigned)parameter->kind < sizeof lacks / sizeof lacks[0];
     auvid_parameter_kind_t kind = known ? parameter->kind : AUVID_PARAMETER_OTHER;
-    confidence_append(w, lacks[kind]);
-    confidence_append(w, parameter->name);
-    confidence_append(w, needs[kind]);
+    auvid_words_append(w, lacks[kind]);
+    auvid_words_append(w, parameter->name);
+    auvid_words_append(w, needs[kind]);
 }
 
 static bool confidence_is_drag(const auvid_parameter_t *parameter)
@@ -237,16 +193,16 @@ static bool confidence_is_drag(const auvid_parameter_t *parameter)
            parameter->kind == AUVID_PARAMETER_QUADRATIC_DRAG;
 }
 
-static void confidence_append_pair(writer_t *w, const auvid_parameter_t *one,
+static void confidence_append_pair(auvid_words_t *w, const auvid_parameter_t *one,
                                    const auvid_parameter_t *other)
 {
-    confidence_append(w, one->name);
-    confidence_append(w, " and ");
-    confidence_append(w, other->name);
-    confidence_append(w, " cannot be distinguished; ");
-    confidence_append(w, confidence_is_drag(one) && confidence_is_drag(other)
-                             ? "steps held 4-8 s at two strengths"
-                             : "fix one of them, or vary the motion");
+    auvid_words_append(w, one->name);
+    auvid_words_append(w, " and ");
+    auvid_words_append(w, other->name);
+    auvid_words_append(w, " cannot be distinguished; ");
+    auvid_words_append(w, confidence_is_drag(one) && confidence_is_drag(other)
+                              ? "steps held 4-8 s at two strengths"
+                              : "fix one of them, or vary the motion");
 }
 
 /* Returns true if the sentence of parameter k < i also covers parameter i. */
@@ -260,16 +216,20 @@ static bool confidence_is_same_sentence(const auvid_confidence_t *c, const auvid
         return false;
     }
     return c->note[i] == AUVID_NOTE_NOT_CONVERGED ||
+           (confidence_is_unexplained(c, i) && confidence_is_unexplained(c, k) &&
+            vehicle->parameter[k].dof == vehicle->parameter[i].dof) ||
            (c->note[i] == AUVID_NOTE_COMBINATION && c->partner[i] == k && c->partner[k] == i) ||
            (c->note[i] == AUVID_NOTE_DISCREDITED && c->partner[i] == c->partner[k]) ||
            (c->note[i] == AUVID_NOTE_BESIDE_BOUND && c->partner[i] == c->partner[k]);
 }
 
 /* Returns true if parameter i has a sentence and is the first parameter with that sentence. One
- * sentence covers: a DoF that was not excited; a pair; all that depend on a parameter at its bound;
- * the equation of an impossible estimate; a search that has not converged. */
+ * sentence covers: a DoF that was not excited, or that is not explained; a pair; all that depend on
+ * a parameter at its bound; the equation of an impossible estimate; a search that has not
+ * converged.
+ * @param wrong only equations that are not explained, or impossible; else only the others */
 static bool confidence_has_sentence(const auvid_confidence_t *c, const auvid_vehicle_t *vehicle,
-                                    uint32_t free, int i)
+                                    uint32_t free, bool wrong, int i)
 {
     _Static_assert(AUVID_NOTE_COUNT <= 32, "a bit of `with_sentence` for each note");
     static const uint32_t with_sentence =
@@ -277,7 +237,9 @@ static bool confidence_has_sentence(const auvid_confidence_t *c, const auvid_veh
         1u << AUVID_NOTE_UNCERTAIN | 1u << AUVID_NOTE_AT_BOUND | 1u << AUVID_NOTE_BESIDE_BOUND |
         1u << AUVID_NOTE_NOT_CONVERGED | 1u << AUVID_NOTE_DISCREDITED |
         1u << AUVID_NOTE_THRUST_SCALE;
-    if ((free != 0 && !(free >> i & 1u)) ||
+    bool is_wrong =
+        c != NULL && (c->note[i] == AUVID_NOTE_DISCREDITED || confidence_is_unexplained(c, i));
+    if (wrong != is_wrong || (free != 0 && !(free >> i & 1u)) ||
         (c != NULL && !(with_sentence >> (c->note[i] & 31u) & 1u))) {
         return false;
     }
@@ -290,28 +252,27 @@ static bool confidence_has_sentence(const auvid_confidence_t *c, const auvid_veh
 }
 
 /* Append what a DoF needs that was not excited. */
-static void confidence_append_idle(writer_t *w, uint8_t reason)
+static void confidence_append_idle(auvid_words_t *w, uint8_t reason)
 {
     static const char *const sentence[] = {
         [IDLE] = "not excited; apply steps held 4-8 s and sines of 0.1-0.3 Hz",
-        [UNACTUATED] =
-            "unactuated, and coupling does not suffice; excite it, or turn faster",
+        [UNACTUATED] = "unactuated, and coupling does not suffice; excite it, or turn faster",
         [UNACTUATED_ROWS] = "unactuated; excite it if it has an actuator, else fix its parameters"};
-    confidence_append(w, sentence[reason <= UNACTUATED_ROWS ? reason : IDLE]);
+    auvid_words_append(w, sentence[reason <= UNACTUATED_ROWS ? reason : IDLE]);
 }
 
 /* Append the sentence of parameter i. */
-static void confidence_append_sentence(writer_t *w, const auvid_confidence_t *c,
+static void confidence_append_sentence(auvid_words_t *w, const auvid_confidence_t *c,
                                        const auvid_vehicle_t *vehicle, int i)
 {
     const auvid_parameter_t *parameter = &vehicle->parameter[i];
     auvid_note_t note = c == NULL ? AUVID_NOTE_NOT_EXCITED : (auvid_note_t)c->note[i];
     if (note == AUVID_NOTE_NOT_CONVERGED) {
-        confidence_append(w,
-                          "the search has not converged; narrow the bounds, or give a good point");
+        auvid_words_append(w,
+                           "the search has not converged; narrow the bounds, or give a good point");
         return;
     }
-    confidence_append_dof(w, parameter->dof);
+    auvid_words_append_dof(w, parameter->dof);
     if (note == AUVID_NOTE_NOT_EXCITED) {
         confidence_append_idle(w, c == NULL ? IDLE : c->partner[i]);
     } else if (note == AUVID_NOTE_COMBINATION) {
@@ -322,6 +283,8 @@ static void confidence_append_sentence(writer_t *w, const auvid_confidence_t *c,
         confidence_append_dependents(w, c, vehicle, i);
     } else if (note == AUVID_NOTE_DISCREDITED) {
         confidence_append_impossible(w, c, vehicle, i);
+    } else if (confidence_is_unexplained(c, i)) {
+        confidence_append_unexplained(w, c, i);
     } else if (note == AUVID_NOTE_THRUST_SCALE) {
         confidence_append_scale(w, c, parameter, i);
     } else {
@@ -339,12 +302,12 @@ static int confidence_max_lost_dof(const auvid_confidence_t *c)
     return worst;
 }
 
-static void confidence_append_lost(writer_t *w, int dof, unsigned lost)
+static void confidence_append_lost(auvid_words_t *w, int dof, unsigned lost)
 {
     const char number[3] = {(char)('0' + lost / 10 % 10), (char)('0' + lost % 10), '\0'};
-    confidence_append_dof(w, (auvid_dof_t)dof);
-    confidence_append(w, number);
-    confidence_append(w, " % of the rows were lost to gaps in the record");
+    auvid_words_append_dof(w, (auvid_dof_t)dof);
+    auvid_words_append(w, number);
+    auvid_words_append(w, " % of the rows were lost to gaps in the record");
 }
 
 auvid_status_t auvid_confidence_missing(const auvid_confidence_t *confidence,
@@ -357,12 +320,14 @@ auvid_status_t auvid_confidence_missing(const auvid_confidence_t *confidence,
     if (size == 0) {
         return AUVID_ERR_RANGE;
     }
-    writer_t w = {.text = text, .size = size};
+    auvid_words_t w = {.text = text, .size = size};
     text[0] = '\0';
-    for (int i = 0; i < vehicle->parameters && i < AUVID_MAX_PARAMETERS; ++i) {
-        if (confidence_has_sentence(confidence, vehicle, free, i) && which-- == 0) {
-            confidence_append_sentence(&w, confidence, vehicle, i);
-            return AUVID_OK;
+    for (int wrong = 1; wrong >= 0; --wrong) { /* what is wrong comes first */
+        for (int i = 0; i < vehicle->parameters && i < AUVID_MAX_PARAMETERS; ++i) {
+            if (confidence_has_sentence(confidence, vehicle, free, wrong, i) && which-- == 0) {
+                confidence_append_sentence(&w, confidence, vehicle, i);
+                return AUVID_OK;
+            }
         }
     }
     int dof = confidence == NULL ? 0 : confidence_max_lost_dof(confidence);

@@ -618,6 +618,46 @@ static void test_every_need_has_its_sentence(void)
     TEST_ASSERT_EQUAL_STRING("", text);
 }
 
+static void test_an_unexplained_force_is_reported_before_any_advice_on_motion(void)
+{
+    memset(&notes, 0, sizeof notes);
+    notes.note[AUVID_G500_M_U] = notes.note[AUVID_G500_X_U] = AUVID_NOTE_UNCERTAIN;
+    notes.note[AUVID_G500_N_R] = notes.note[AUVID_G500_N_RR] = AUVID_NOTE_UNCERTAIN;
+    notes.partner[AUVID_G500_N_R] = notes.partner[AUVID_G500_N_RR] = 1;
+    notes.bound[AUVID_G500_N_R] = notes.bound[AUVID_G500_N_RR] = AUVID_C(0.359);
+    expect("yaw: only 35 % of the force is explained; check signs, thrust, time stamps, current "
+           "and cable",
+           0);
+    expect("surge: too little acceleration for m_u; sines of 0.1-0.3 Hz, stronger or for longer",
+           1);
+    expect("surge: too little slow motion for X_u; more steps held 4-8 s, some at a third of the "
+           "strength",
+           2);
+    TEST_ASSERT_EQUAL(
+        AUVID_FINISHED,
+        auvid_confidence_missing(&notes, &auvid_girona500, AUVID_G500_FREE, 3, text, sizeof text));
+    notes.bound[AUVID_G500_N_R] = -2;
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_confidence_missing(&notes, &auvid_girona500, AUVID_G500_FREE,
+                                                         0, text, sizeof text));
+    TEST_ASSERT_NOT_NULL(strstr(text, "only 0 %"));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_confidence_note(&notes, &auvid_girona500, AUVID_G500_N_R,
+                                                      text, sizeof text));
+    TEST_ASSERT_EQUAL_STRING("most of the force is unexplained", text);
+}
+
+static void test_an_unexplained_force_never_asks_for_motion(void)
+{
+    observe(&(world_t){ALL, 1, 300.0, 0.0});
+    for (unsigned which = 0; auvid_confidence_missing(result, &auvid_girona500, AUVID_G500_FREE,
+                                                      which, text, sizeof text) == AUVID_OK;
+         ++which) {
+        TEST_ASSERT_NOT_NULL_MESSAGE(strstr(text, "of the force is explained"), text);
+    }
+    for (int i = 0; i < auvid_girona500.parameters; ++i) {
+        TEST_ASSERT_TRUE(result->note[i] != AUVID_NOTE_UNCERTAIN || result->partner[i] == 1);
+    }
+}
+
 static void test_a_large_part_of_rows_lost_to_gaps_is_reported(void)
 {
     memset(&notes, 0, sizeof notes);
@@ -846,6 +886,8 @@ int main(void)
     RUN_TEST(test_a_mass_that_noise_may_bias_is_called_so);
     RUN_TEST(test_too_much_noise_makes_all_uncertain);
     RUN_TEST(test_every_need_has_its_sentence);
+    RUN_TEST(test_an_unexplained_force_is_reported_before_any_advice_on_motion);
+    RUN_TEST(test_an_unexplained_force_never_asks_for_motion);
     RUN_TEST(test_a_large_part_of_rows_lost_to_gaps_is_reported);
     RUN_TEST(test_a_pair_and_a_dof_have_one_sentence_each);
     RUN_TEST(test_a_bound_is_reported_with_its_value_and_its_dependents);

@@ -22,7 +22,10 @@
  *   fixed drags are accounted for, fixed masses are assumed orthogonal to the rest. On the residual
  *   path, parameters of kind OTHER are assumed not to scale; with vehicle.own_thrust
  *   no parameter scales.
- * - What is identifiable, and what is plausible: see estimate.h.
+ * - What is identifiable, and what is plausible, and in which order to rely on the results: drag
+ *   force at speeds that were seen, held-out acceleration, masses, single coefficients. See
+ *   estimate.h.
+ * - An equation whose force is mostly unexplained gets no advice on motion.
  *
  * If a delay was estimated, its uncertainty is part of the standard errors. With
  * uncertainty.delay_s > 0 the delay of every excited DoF is uncertain, whether it was estimated,

@@ -1,0 +1,195 @@
+/*
+ * Causes: each class is named where it is the only mismatch, with its sign and rough size; nothing
+ * is named in a perfect world; sentences say it in words.
+ */
+#include <math.h>
+#include <string.h>
+
+#include "auvid/uncertain.h"
+#include "field_run.h"
+#include "unity.h"
+
+static field_run_t run;
+static field_run_config_t field;
+static field_record_t record;
+static auvid_causes_t causes, unchanged;
+static char text[200];
+
+void setUp(void)
+{
+    memset(&causes, 0, sizeof causes);
+}
+
+void tearDown(void)
+{
+}
+
+/* Runs a field vehicle with up to two mismatches. */
+static void identify(field_vehicle_t vehicle, const char *name, double size)
+{
+    field_run_defaults(&field);
+    field_defaults(&field.field, vehicle, FIELD_EXCITED, 3);
+    TEST_ASSERT_TRUE(name == NULL || field_set(&field.field, name, size));
+    TEST_ASSERT_TRUE(field_run(&run, &field, &record));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_uncertain_causes(&run.uncertain, &causes));
+}
+
+static void test_each_class_is_named_with_sign_and_rough_size(void)
+{
+    static const struct {
+        const char *name;
+        double size;
+        auvid_cause_class_t class;
+        double value;
+    } mismatch[] = {{"thrust_backward", 0.1, AUVID_CAUSE_CURVE, 0.1},
+                    {"thrust_backward", -0.1, AUVID_CAUSE_CURVE, -0.1},
+                    {"thrust_dead_band", 2.0, AUVID_CAUSE_CURVE, 2.0},
+                    {"thrust_exponent", -0.1, AUVID_CAUSE_CURVE, -0.1},
+                    {"thrust_advance", 0.3, AUVID_CAUSE_INFLOW, 0.3},
+                    {"thrust_lag", 0.27, AUVID_CAUSE_TIMING, 0.12},
+                    {"thrust_late", 0.1, AUVID_CAUSE_TIMING, -0.1}};
+    for (int vehicle = 0; vehicle < FIELD_VEHICLES; ++vehicle) {
+        for (size_t k = 0; k < sizeof mismatch / sizeof mismatch[0]; ++k) {
+            identify((field_vehicle_t)vehicle, mismatch[k].name, mismatch[k].size);
+            const auvid_cause_t *cause = &causes.cause[mismatch[k].class];
+            TEST_ASSERT_TRUE_MESSAGE(causes.named > 0, mismatch[k].name);
+            TEST_ASSERT_EQUAL_MESSAGE(mismatch[k].class, causes.order[0], mismatch[k].name);
+            TEST_ASSERT_TRUE(cause->named && cause->sigma > 0 && cause->share > 0);
+            TEST_ASSERT_DOUBLE_WITHIN_MESSAGE(0.4 * fabs(mismatch[k].value), mismatch[k].value,
+                                              (double)cause->value, mismatch[k].name);
+        }
+    }
+}
+
+static void test_asymmetry_and_current_have_the_right_sign(void)
+{
+    identify(FIELD_GIRONA500, "drag_asymmetry", 0.24);
+    const auvid_cause_t *cause = &causes.cause[AUVID_CAUSE_ASYMMETRY];
+    TEST_ASSERT_EQUAL(AUVID_CAUSE_ASYMMETRY, causes.order[0]);
+    double truth = run.field.hull.asymmetry[cause->dof];
+    TEST_ASSERT_DOUBLE_WITHIN(0.4 * fabs(truth), truth, (double)cause->value);
+    identify(FIELD_GIRONA500, "current", 0.1);
+    cause = &causes.cause[AUVID_CAUSE_CURRENT];
+    TEST_ASSERT_EQUAL(AUVID_CAUSE_CURRENT, causes.order[0]);
+    truth = run.field.hull.current[cause->input == AUVID_UNCERTAIN_CURRENT_Y];
+    TEST_ASSERT_DOUBLE_WITHIN(0.4 * fabs(truth), truth, (double)cause->value);
+}
+
+static void test_nothing_is_named_in_a_perfect_world(void)
+{
+    for (int vehicle = 0; vehicle < FIELD_VEHICLES; ++vehicle) {
+        identify((field_vehicle_t)vehicle, NULL, 0.0);
+        TEST_ASSERT_EQUAL(0, causes.named);
+        for (int class = 0; class < AUVID_CAUSE_COUNT; ++class) {
+            TEST_ASSERT_FALSE(causes.cause[class].named);
+            TEST_ASSERT_TRUE(causes.cause[class].sigma > 0); /* yet each is estimated */
+        }
+        TEST_ASSERT_EQUAL(AUVID_FINISHED,
+                          auvid_causes_sentence(&causes, &auvid_girona500, 0, text, sizeof text));
+    }
+}
+
+static void test_the_scale_of_the_thrust_is_never_named(void)
+{
+    identify(FIELD_ROV20, "thrust_common", -0.2);
+    TEST_ASSERT_EQUAL(0, causes.named);
+}
+
+static void test_estimates_that_differ_are_listed(void)
+{
+    identify(FIELD_ROV20, "thrust_advance", 0.36);
+    const auvid_estimate_t *with = auvid_identifier_estimate(&run.id), *plain = &run.id.estimate;
+    TEST_ASSERT_NOT_EQUAL(0, causes.differs);
+    for (int i = 0; i < SIM_PARAMETERS; ++i) {
+        double half =
+            2.1 * fmax((double)with->confidence.sigma[i], (double)plain->confidence.sigma[i]);
+        TEST_ASSERT_EQUAL(fabs((double)(with->pi[i] - plain->pi[i])) > half,
+                          causes.differs >> i & 1u);
+    }
+}
+
+/* ---- words ---- */
+
+static void expect(const char *words, unsigned which)
+{
+    TEST_ASSERT_EQUAL(AUVID_OK,
+                      auvid_causes_sentence(&causes, &auvid_girona500, which, text, sizeof text));
+    TEST_ASSERT_EQUAL_STRING(words, text);
+}
+
+static void test_sentences_give_size_and_remedy(void)
+{
+    identify(FIELD_GIRONA500, "thrust_backward", 0.1);
+    causes.differs = 1u << AUVID_G500_M_U | 1u << AUVID_G500_X_UU;
+    expect("backward thrust is weaker than told, by 10 % or so; measure the thrusters astern", 0);
+    expect("uncertain inputs change, beyond both half-widths: m_u, X_uu", 1);
+    TEST_ASSERT_EQUAL(AUVID_FINISHED,
+                      auvid_causes_sentence(&causes, &auvid_girona500, 2, text, sizeof text));
+    TEST_ASSERT_EQUAL_STRING("", text);
+    causes.cause[AUVID_CAUSE_CURVE].value = AUVID_C(-0.068);
+    expect("backward thrust is stronger than told, by 7 % or so; measure the thrusters astern", 0);
+    causes.cause[AUVID_CAUSE_CURVE].value = AUVID_C(0.0997);
+    expect("backward thrust is weaker than told, by 10 % or so; measure the thrusters astern", 0);
+    for (size_t size = 1; size < 60; ++size) {
+        memset(text, 'x', sizeof text);
+        TEST_ASSERT_EQUAL(AUVID_OK,
+                          auvid_causes_sentence(&causes, &auvid_girona500, 0, text, size));
+        TEST_ASSERT_EQUAL(size - 1, strlen(text));
+        TEST_ASSERT_EQUAL('x', text[size]);
+    }
+}
+
+static void test_every_named_input_has_a_sentence(void)
+{
+    static const char *const mismatch[] = {
+        "thrust_dead_band", "thrust_exponent", "thrust_advance", "thrust_lag", "drag_asymmetry",
+        "current",          "cross",           "cg_x",           "cg_y"};
+    static const double size[] = {4.0, 0.1, 0.3, 0.27, 0.24, 0.1, 0.3, 0.02, 0.02};
+    static const char *const words[] = {"dead band",  "exponent", "falls with speed",
+                                        "later",      "drag is",  "current sets",
+                                        "each other", "ahead",    "to starboard"};
+    for (size_t k = 0; k < sizeof mismatch / sizeof mismatch[0]; ++k) {
+        identify(FIELD_GIRONA500, mismatch[k], size[k]);
+        TEST_ASSERT_EQUAL(AUVID_OK,
+                          auvid_causes_sentence(&causes, &auvid_girona500, 0, text, sizeof text));
+        TEST_ASSERT_NOT_NULL_MESSAGE(strstr(text, words[k]), text);
+        TEST_ASSERT_NOT_NULL_MESSAGE(strstr(text, "; "), text);
+    }
+}
+
+/* ---- statuses ---- */
+
+static void test_refusals_change_nothing(void)
+{
+    identify(FIELD_GIRONA500, NULL, 0.0);
+    unchanged = causes;
+    TEST_ASSERT_EQUAL(AUVID_ERR_NULL, auvid_uncertain_causes(NULL, &causes));
+    TEST_ASSERT_EQUAL(AUVID_ERR_NULL, auvid_uncertain_causes(&run.uncertain, NULL));
+    run.uncertain.work.solving = true;
+    TEST_ASSERT_EQUAL(AUVID_PENDING, auvid_uncertain_causes(&run.uncertain, &causes));
+    run.uncertain.work.solving = false;
+    run.uncertain.estimate.number = 0;
+    TEST_ASSERT_EQUAL(AUVID_ERR_NO_DATA, auvid_uncertain_causes(&run.uncertain, &causes));
+    TEST_ASSERT_EQUAL_MEMORY(&unchanged, &causes, sizeof causes);
+    TEST_ASSERT_EQUAL(AUVID_ERR_NULL,
+                      auvid_causes_sentence(NULL, &auvid_girona500, 0, text, sizeof text));
+    TEST_ASSERT_EQUAL(AUVID_ERR_NULL, auvid_causes_sentence(&causes, NULL, 0, text, sizeof text));
+    TEST_ASSERT_EQUAL(AUVID_ERR_NULL,
+                      auvid_causes_sentence(&causes, &auvid_girona500, 0, NULL, sizeof text));
+    TEST_ASSERT_EQUAL(AUVID_ERR_RANGE,
+                      auvid_causes_sentence(&causes, &auvid_girona500, 0, text, 0));
+}
+
+int main(void)
+{
+    UNITY_BEGIN();
+    RUN_TEST(test_each_class_is_named_with_sign_and_rough_size);
+    RUN_TEST(test_asymmetry_and_current_have_the_right_sign);
+    RUN_TEST(test_nothing_is_named_in_a_perfect_world);
+    RUN_TEST(test_the_scale_of_the_thrust_is_never_named);
+    RUN_TEST(test_estimates_that_differ_are_listed);
+    RUN_TEST(test_sentences_give_size_and_remedy);
+    RUN_TEST(test_every_named_input_has_a_sentence);
+    RUN_TEST(test_refusals_change_nothing);
+    return UNITY_END();
+}
