@@ -201,6 +201,12 @@ static void test_the_acceleration_is_not_finite_where_the_mass_matrix_is_not_pos
     TEST_ASSERT_TRUE(accelerate(pi, nu_dot));
     TEST_ASSERT_TRUE(auvid_is_finite(nu_dot[AUVID_SURGE]));
     TEST_ASSERT_FALSE(auvid_is_finite(nu_dot[AUVID_SWAY]) || auvid_is_finite(nu_dot[AUVID_YAW]));
+    pi[M_V] = AUVID_C(0.1); /* singular but for the rounding of m_r */
+    pi[M_R] = 10 * (1 + AUVID_EPSILON);
+    pi[M_VR] = 1;
+    pi[M_RV] = -1;
+    TEST_ASSERT_TRUE(accelerate(pi, nu_dot));
+    TEST_ASSERT_FALSE(auvid_is_finite(nu_dot[AUVID_SWAY]) || auvid_is_finite(nu_dot[AUVID_YAW]));
     memcpy(pi, coupled_pi, sizeof pi);
     pi[M_U] = -20;
     TEST_ASSERT_TRUE(accelerate(pi, nu_dot));
@@ -295,14 +301,30 @@ static void test_a_wrong_term_is_named(void)
 static void test_a_repeated_term_is_refused_in_any_order_of_its_factors(void)
 {
     expect_term((auvid_term_t){M_V, AUVID_SWAY, -1, {0, AUVID_FACTOR_V_DOT}}, AUVID_ERR_MODEL, "");
-    auvid_term_t two[] = {{M_U, AUVID_SURGE, 1, {AUVID_FACTOR_U_DOT}},
-                          {M_U, AUVID_SURGE, 1, {AUVID_FACTOR_ABS_U, AUVID_FACTOR_U}},
-                          {M_U, AUVID_SURGE, 1, {AUVID_FACTOR_U, AUVID_FACTOR_U}},
-                          {M_U, AUVID_SURGE, 1, {AUVID_FACTOR_U, 0, AUVID_FACTOR_ABS_U}}};
-    auvid_term_table_t bad = {"twice", coupled_parameter, two, 4, 1};
-    expect(&bad, AUVID_ERR_MODEL, "term", "", 3);
-    bad.terms = 3;
-    TEST_ASSERT_EQUAL(AUVID_OK, auvid_terms_init(&model, &bad, NULL));
+    auvid_term_t some[] = {
+        {M_U, AUVID_SURGE, 1, {AUVID_FACTOR_U_DOT}},
+        {M_U, AUVID_SWAY, 1, {AUVID_FACTOR_U_DOT}},
+        {M_U, AUVID_SURGE, 1, {AUVID_FACTOR_U, AUVID_FACTOR_U}},
+        {M_U, AUVID_SURGE, 1, {AUVID_FACTOR_ABS_U, AUVID_FACTOR_U}},
+        {M_U, AUVID_SURGE, 1, {AUVID_FACTOR_ABS_U, AUVID_FACTOR_U, AUVID_FACTOR_U}},
+        {M_U, AUVID_SURGE, 1, {AUVID_FACTOR_ABS_U, AUVID_FACTOR_ABS_U, AUVID_FACTOR_U}},
+        {M_U, AUVID_SURGE, 1, {AUVID_FACTOR_U, 0, AUVID_FACTOR_ABS_U}}};
+    auvid_term_table_t table = {"some", coupled_parameter, some, 6, 1};
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_terms_init(&model, &table, NULL));
+    table.terms = 7; /* the last is the fourth */
+    expect(&table, AUVID_ERR_MODEL, "term", "", 6);
+}
+
+/* 0 would mean that it reads all. */
+static void test_an_equation_without_motion_reads_its_own_velocity(void)
+{
+    static const auvid_parameter_t weight = {"W-B", "N", AUVID_HEAVE, AUVID_PARAMETER_FORCE};
+    static const auvid_term_t restoring = {
+        0, AUVID_HEAVE, -1, {AUVID_FACTOR_COS_THETA, AUVID_FACTOR_COS_PHI}};
+    static const auvid_term_table_t table = {"weight", &weight, &restoring, 1, 1};
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_terms_init(&model, &table, NULL));
+    TEST_ASSERT_EQUAL_HEX8(1u << AUVID_HEAVE, model.vehicle.reads[AUVID_HEAVE]);
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_vehicle_check(&model.vehicle));
 }
 
 /* Its DoF is what must be excited to identify it. */
@@ -335,6 +357,7 @@ int main(void)
     RUN_TEST(test_incomplete_tables_are_refused);
     RUN_TEST(test_a_wrong_term_is_named);
     RUN_TEST(test_a_repeated_term_is_refused_in_any_order_of_its_factors);
+    RUN_TEST(test_an_equation_without_motion_reads_its_own_velocity);
     RUN_TEST(test_a_parameter_without_a_term_in_the_equation_of_its_dof_is_refused);
     return UNITY_END();
 }
