@@ -23,6 +23,7 @@ def is_wrong(run, i, tau_max, truth="truth"):
 def recount(d):
     """The shares once more, from the runs."""
     flags = [(run, i) for run in d["each"] for i in range(13) if run["flagged"][i]]
+    assert all(run["wrong"][i] == is_wrong(run, i, d["tau_max"]) for run, i in flags)
     assert near(d["flagged"]["all"]["value"], len(flags) / (13 * d["runs"]))
     for truth, told in (("truth", ""), ("told_truth", "told_")):
         wrong = sum(is_wrong(run, i, d["tau_max"], truth) for run, i in flags)

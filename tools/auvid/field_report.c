@@ -265,11 +265,13 @@ static void json_record(const field_record_t *record)
 {
     const field_mismatch_t *kind;
     const field_reference_t *truth = &record->truth;
-    double note[SIM_PARAMETERS], flagged[SIM_PARAMETERS], force[FIELD_DIRECTIONS];
+    double note[SIM_PARAMETERS], flagged[SIM_PARAMETERS], wrong[SIM_PARAMETERS];
+    double force[FIELD_DIRECTIONS];
     int count = field_mismatches(&kind);
     for (int i = 0; i < SIM_PARAMETERS; ++i) {
         note[i] = record->note[i];
         flagged[i] = record->flagged[i];
+        wrong[i] = record->flagged[i] && field_is_wrong(record, i, truth->si);
     }
     for (int d = 0; d < FIELD_DIRECTIONS; ++d) {
         force[d] = record->force[1][d].value;
@@ -282,6 +284,7 @@ static void json_record(const field_record_t *record)
     json_list("estimate", record->pi, SIM_PARAMETERS);
     json_list("sigma", record->sigma, SIM_PARAMETERS);
     json_list("flagged", flagged, SIM_PARAMETERS);
+    json_list("wrong", wrong, SIM_PARAMETERS);
     json_list("note", note, SIM_PARAMETERS);
     json_list("truth", truth->si, SIM_PARAMETERS);
     json_list("told_truth", truth->reported, SIM_PARAMETERS);
