@@ -133,15 +133,17 @@ void field_run_actuation(const field_run_config_t *config, auvid_actuation_confi
     cfg->guard.off = AUVID_GUARD_SWITCHABLE;
 }
 
-/* Attaches the excitation. Returns false if the library refuses it. */
-static bool excite(field_run_t *run, const field_run_config_t *config)
+/* Attaches the excitation and the uncertain inputs. Returns false if the library refuses them. */
+static bool attach(field_run_t *run, const field_run_config_t *config)
 {
     auvid_allocation_config_t thrusters;
     auvid_actuation_config_t cfg;
     field_run_actuation(config, &cfg);
     allocate(config->field.vehicle, &thrusters);
     if (auvid_allocation_init(&run->allocation, &thrusters) < 0 ||
-        auvid_identifier_attach_actuation(&run->id, &run->actuation, &cfg, &run->allocation) < 0) {
+        (config->field.driver == FIELD_EXCITED &&
+         auvid_identifier_attach_actuation(&run->id, &run->actuation, &cfg, &run->allocation) <
+             0)) {
         return false;
     }
     if (config->uncertain) {
@@ -267,8 +269,7 @@ bool field_run(field_run_t *run, const field_run_config_t *config, field_record_
     memset(record, 0, sizeof *record);
     field_run_identifier(config, &run->averaged, cfg);
     if (!field_init(&run->field, &config->field) || auvid_identifier_init(&run->id, cfg) < 0 ||
-        auvid_identifier_attach_change_test(&run->id, &run->change) < 0 ||
-        (config->field.driver == FIELD_EXCITED && !excite(run, config))) {
+        auvid_identifier_attach_change_test(&run->id, &run->change) < 0 || !attach(run, config)) {
         return false;
     }
     record_motion(run, config, record);

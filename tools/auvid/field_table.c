@@ -147,6 +147,7 @@ static bool is_flagged_at(const field_record_t *record, int i, double limit)
     case AUVID_NOTE_AT_BOUND:
     case AUVID_NOTE_BESIDE_BOUND:
     case AUVID_NOTE_NOT_CONVERGED:
+    case AUVID_NOTE_FEEDBACK:
         return false;
     case AUVID_NOTE_IMPLAUSIBLE:
     case AUVID_NOTE_DISCREDITED:

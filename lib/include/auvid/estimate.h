@@ -72,6 +72,9 @@ typedef enum {
                                  wrench */
     AUVID_NOTE_THRUST_SCALE,  /**< identifiable relative to the supplied thrust; only the
                                  uncertainty of the thrust scale makes the half-width too large */
+    AUVID_NOTE_FEEDBACK, /**< closed loop: the wrench answers the motion, so motion by the thrust
+                              cannot be told from motion by a disturbance. Its sigma does not hold.
+                              Then no parameter is identifiable */
     AUVID_NOTE_COUNT
 } auvid_note_t;
 

@@ -22,11 +22,12 @@
  * likelihood of what was found. Above 1, the scales of thrust and DVL in auvid_uncertainty_t are
  * taken as less certain by the same factor: then few parameters are identifiable.
  *
- * The rows are taken while the excitation runs, in open loop. A motion that is the answer of a
- * controller does not tell thrust from disturbance. Once some were taken, each search is followed
- * by a solution with uncertain inputs, without a search: auvid_identifier_estimate then returns it.
- * The estimate without uncertain inputs is identifier.estimate. After a change of the vehicle the
- * rows begin again. The rows hold about as much as the ring of sets.
+ * The rows of a passive vehicle are taken until the first excitation, then only those of the
+ * excitation. Passive rows give no flag in closed loop (AUVID_NOTE_FEEDBACK): a motion that is the
+ * answer of a controller does not tell thrust from disturbance. Once some were taken, each search
+ * is followed by a solution with uncertain inputs, without a search: auvid_identifier_estimate
+ * then returns it. The estimate without uncertain inputs is identifier.estimate. After a change of
+ * the vehicle the rows begin again. The rows hold about as much as the ring of sets.
  *
  *     static auvid_uncertain_t uncertain;
  *     auvid_uncertain_defaults(&inputs);
@@ -153,6 +154,7 @@ typedef struct auvid_uncertain {
     uint8_t code[AUVID_UNCERTAIN_COLUMNS]; /* what each column is */
     auvid_real_t factor[AUVID_METRIC_BANDS][AUVID_UNCERTAIN_FACTOR];
     auvid_real_t rows[AUVID_DOF_COUNT]; /* in the R factors */
+    bool excited;                       /* they are of the excitation, not of a passive vehicle */
     auvid_uncertain_rows_t recorded;
     auvid_uncertain_solution_t work;
     auvid_real_t pi[AUVID_MAX_PARAMETERS];       /* last solution */

@@ -51,12 +51,12 @@ typedef struct {
 } auvid_checkpoint_block_t;
 
 /** The state, in the order of the stream; what of the identifier is configured. */
-enum { CHECKPOINT_BLOCKS = 21, CHECKPOINT_CONFIGURED = 5 };
+enum { CHECKPOINT_BLOCKS = 22, CHECKPOINT_CONFIGURED = 5 };
 extern const auvid_checkpoint_block_t auvid_checkpoint_block[CHECKPOINT_BLOCKS];
 extern const auvid_checkpoint_block_t auvid_checkpoint_configured[CHECKPOINT_CONFIGURED];
 
 /** Checksum of the layout with default sizes, float: tests/validation/layout.py computes it. */
-#define AUVID_CHECKPOINT_LAYOUT 0x0736a2f3u
+#define AUVID_CHECKPOINT_LAYOUT 0x2d025449u
 
 /** The body of a checkpoint. */
 typedef struct {

@@ -115,6 +115,8 @@ const auvid_checkpoint_limit_t auvid_checkpoint_limit[] = {
     DOF_BITS(metric, rows.missing, rows.missing),
     BYTE(metric, sets.from, sets.least, AUVID_MAX_SETS),
     FLAG(metric, sets.held, sets.changed),
+    VALUE(metric, feedback.factor, feedback.wrench),
+    UP_TO(metric, feedback.rows, feedback.rows, AUVID_C(1e9)),
 
     WITHIN(excitation_channel, level, before, AUVID_C(1.0)),
     UP_TO(excitation_channel, scale, scale, AUVID_C(1e4)),

@@ -8,6 +8,7 @@
 
 #include "auvid_actuation_internal.h"
 #include "../base/auvid_math_internal.h"
+#include "../metric/auvid_metric_feedback_internal.h"
 #include "../metric/auvid_metric_sets_internal.h"
 #include "../navigation/auvid_nav_internal.h"
 #include "auvid_input_internal.h"
@@ -20,6 +21,14 @@ static void identifier_pass_cell(auvid_identifier_t *id, const auvid_sample_t *c
     if (id->attached.simulate != NULL) {
         id->attached.simulate->cell(id, cell);
     }
+}
+
+/* Test whether the wrench is feedback; the excitation is not. */
+static void identifier_watch_cell(auvid_identifier_t *id, const auvid_sample_t *cell)
+{
+    const auvid_estimate_t *e = &id->estimate;
+    bool excites = id->actuation != NULL && id->actuation->guard.state == AUVID_GUARD_EXCITING;
+    auvid_metric_watch(&id->metric, cell, excites || e->number == 0 ? NULL : e->pi, e->excited);
 }
 
 /* Pass complete cells, at most max_cells, to the metric and the simulation of velocity. */
@@ -39,6 +48,7 @@ static void identifier_take_cells(auvid_identifier_t *id, int max_cells)
             auvid_metric_set_velocity_us(&id->metric, id->recorder.velocity_us);
             identifier_pass_cell(id, &cell);
             identifier_take_set(id, auvid_metric_add(&id->metric, &cell));
+            identifier_watch_cell(id, &cell);
             bool drops = id->metric.sets.rows_dropped != dropped;
             id->events |= drops ? AUVID_EVENT_ROWS_DROPPED : 0u;
         }

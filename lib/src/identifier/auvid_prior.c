@@ -85,8 +85,8 @@ auvid_status_t auvid_prior_save(const auvid_identifier_t *id, uint8_t *record)
         auvid_real_t sigma = auvid_sqrt(auvid_estimate_covariance(e, vehicle, i, i));
         auvid_real_t total = e->confidence.sigma[i];
         bool has =
-            (e->identified >> i & 1u) && total > AUVID_C(0.0) && total < AUVID_LARGEST &&
-            sigma > AUVID_C(0.0) &&
+            (e->identified >> i & 1u) && e->confidence.note[i] != AUVID_NOTE_FEEDBACK &&
+            total > AUVID_C(0.0) && total < AUVID_LARGEST && sigma > AUVID_C(0.0) &&
             prior_variance_inflation(&e->confidence, (int)vehicle->parameter[i].dof) > AUVID_C(0.0);
         uint32_t upper = has ? (auvid_single_bits(sigma) + 0xFFFFu) >> 16 : 0u;
         known |= (uint32_t)has << i;

@@ -143,6 +143,9 @@ static void uncertain_publish(auvid_identifier_t *id)
         auvid_confidence_revise_parameter(job, &id->metric, i, sigma,
                                           uncertain_partner(e, vehicle, p));
     }
+    if (!u->excited) {
+        auvid_confidence_close_loop(job, &id->metric);
+    }
     e->confidence = job->result;
 }
 

@@ -13,11 +13,19 @@
 /* Rows rotated with each cell. Two bands of six DoF are done within five cells. */
 enum { ROTATED_PER_CELL = 3 };
 
-/* Are rows taken? Only while the vehicle moves by the excitation. */
-static bool uncertain_is_open_loop(const auvid_uncertain_t *u)
+/* Is a row taken now? Rows of a passive vehicle count until the first excitation; then they are
+ * dropped, and only the excitation gives rows. */
+static bool uncertain_takes_row(auvid_uncertain_t *u)
 {
     const auvid_actuation_t *actuation = u->id->actuation;
-    return actuation != NULL && actuation->guard.state == AUVID_GUARD_EXCITING;
+    bool excites = actuation != NULL && actuation->guard.state == AUVID_GUARD_EXCITING;
+    if (excites && !u->excited && !u->work.solving) {
+        memset(u->factor, 0, sizeof u->factor);
+        memset(u->rows, 0, sizeof u->rows);
+        u->recorded.pending = 0;
+        u->excited = true;
+    }
+    return excites || !u->excited;
 }
 
 void auvid_uncertain_restart(auvid_uncertain_t *u)
@@ -101,7 +109,7 @@ static void uncertain_take(void *context, int j, uint32_t slot, const auvid_real
     const auvid_real_t *other =
         r->previous[(r->since_gap + AUVID_METRIC_LAGS - lag) % AUVID_METRIC_LAGS] + at;
     bool busy = (r->pending >> 2 * j & 3) != 0; /* the solution has not yet read the last one */
-    if (r->successive[j] >= lag && !busy && uncertain_is_open_loop(u)) {
+    if (r->successive[j] >= lag && !busy && uncertain_takes_row(u)) {
         for (int k = 0; k < e->order; ++k) {
             r->band[0][at + k] = AUVID_C(0.5) * (row[k] + other[k]);
             r->band[1][at + k] = AUVID_C(0.5) * (row[k] - other[k]);

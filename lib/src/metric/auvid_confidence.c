@@ -317,6 +317,9 @@ static void confidence_step(job_t *c)
                 auvid_confidence_discredit(c, j);
             }
         }
+        if (i == c->n - 1) {
+            auvid_confidence_close_loop(c, c->metric);
+        }
         break;
     }
 }

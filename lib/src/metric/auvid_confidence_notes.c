@@ -8,6 +8,7 @@
 #include "auvid_confidence_notes_internal.h"
 #include "../base/auvid_linalg_internal.h"
 #include "auvid_metric_evaluator_internal.h"
+#include "auvid_metric_feedback_internal.h"
 
 /* Largest part of an equation's rms wrench that the impossible part of an estimate may explain. */
 #define IMPOSSIBLE AUVID_C(0.1)
@@ -331,5 +332,21 @@ void auvid_confidence_conclude(auvid_confidence_job_t *c, int i, const auvid_fin
         to->note[p] = AUVID_NOTE_NOISE;
     } else {
         to->partner[p] = FEW_DATA;
+    }
+}
+
+void auvid_confidence_close_loop(auvid_confidence_job_t *c, const auvid_metric_t *m)
+{
+    static const uint32_t kept = 1u << AUVID_NOTE_FIXED | 1u << AUVID_NOTE_NOT_EXCITED |
+                                 1u << AUVID_NOTE_AT_BOUND | 1u << AUVID_NOTE_BESIDE_BOUND |
+                                 1u << AUVID_NOTE_NOT_CONVERGED;
+    bool feedback = auvid_metric_has_feedback(m);
+    for (int k = 0; feedback && k < c->n; ++k) {
+        int p = c->parameter_of[k];
+        if (!(kept >> c->result.note[p] & 1u)) {
+            c->result.note[p] = AUVID_NOTE_FEEDBACK;
+            c->result.partner[p] = 0;
+        }
+        c->result.identifiable = 0;
     }
 }

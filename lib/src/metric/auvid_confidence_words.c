@@ -36,6 +36,8 @@ const char *auvid_note_str(auvid_note_t note)
         return "its equation has an impossible estimate";
     case AUVID_NOTE_THRUST_SCALE:
         return "known up to the thrust scale";
+    case AUVID_NOTE_FEEDBACK:
+        return "closed loop: the wrench is feedback";
     case AUVID_NOTE_COUNT:
     default:
         return "unknown note";
@@ -215,7 +217,7 @@ static bool confidence_is_same_sentence(const auvid_confidence_t *c, const auvid
     if (c->note[k] != c->note[i]) {
         return false;
     }
-    return c->note[i] == AUVID_NOTE_NOT_CONVERGED ||
+    return c->note[i] == AUVID_NOTE_NOT_CONVERGED || c->note[i] == AUVID_NOTE_FEEDBACK ||
            (confidence_is_unexplained(c, i) && confidence_is_unexplained(c, k) &&
             vehicle->parameter[k].dof == vehicle->parameter[i].dof) ||
            (c->note[i] == AUVID_NOTE_COMBINATION && c->partner[i] == k && c->partner[k] == i) ||
@@ -226,7 +228,7 @@ static bool confidence_is_same_sentence(const auvid_confidence_t *c, const auvid
 /* Returns true if parameter i has a sentence and is the first parameter with that sentence. One
  * sentence covers: a DoF that was not excited, or that is not explained; a pair; all that depend on
  * a parameter at its bound; the equation of an impossible estimate; a search that has not
- * converged.
+ * converged; a closed loop.
  * @param wrong only equations that are not explained, or impossible; else only the others */
 static bool confidence_has_sentence(const auvid_confidence_t *c, const auvid_vehicle_t *vehicle,
                                     uint32_t free, bool wrong, int i)
@@ -236,7 +238,7 @@ static bool confidence_has_sentence(const auvid_confidence_t *c, const auvid_veh
         1u << AUVID_NOTE_NOT_EXCITED | 1u << AUVID_NOTE_COMBINATION | 1u << AUVID_NOTE_NOISE |
         1u << AUVID_NOTE_UNCERTAIN | 1u << AUVID_NOTE_AT_BOUND | 1u << AUVID_NOTE_BESIDE_BOUND |
         1u << AUVID_NOTE_NOT_CONVERGED | 1u << AUVID_NOTE_DISCREDITED |
-        1u << AUVID_NOTE_THRUST_SCALE;
+        1u << AUVID_NOTE_THRUST_SCALE | 1u << AUVID_NOTE_FEEDBACK;
     bool is_wrong =
         c != NULL && (c->note[i] == AUVID_NOTE_DISCREDITED || confidence_is_unexplained(c, i));
     if (wrong != is_wrong || (free != 0 && !(free >> i & 1u)) ||
@@ -270,6 +272,11 @@ static void confidence_append_sentence(auvid_words_t *w, const auvid_confidence_
     if (note == AUVID_NOTE_NOT_CONVERGED) {
         auvid_words_append(w,
                            "the search has not converged; narrow the bounds, or give a good point");
+        return;
+    }
+    if (note == AUVID_NOTE_FEEDBACK) {
+        auvid_words_append(w, "closed loop: the wrench is feedback of a controller; excite the "
+                              "vehicle, or drive it in open loop");
         return;
     }
     auvid_words_append_dof(w, parameter->dof);

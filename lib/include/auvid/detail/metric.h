@@ -162,6 +162,20 @@ typedef struct {
     bool changed; /* a set has entered since it is held */
 } auvid_metric_sets_t;
 
+/** Columns of the test for feedback: three of the wrench's past, three residuals, the wrench. */
+#define AUVID_FEEDBACK_ORDER 7
+
+/** Is the wrench feedback? Private: see auvid_metric_feedback.c. */
+typedef struct {
+    auvid_real_t factor[AUVID_FEEDBACK_ORDER * (AUVID_FEEDBACK_ORDER + 1) / 2];
+    auvid_real_t rows;                         /* in the factor; old ones count less */
+    auvid_real_t sum[AUVID_DOF_COUNT];         /* of residuals, of the block under way */
+    auvid_real_t residual[4][AUVID_DOF_COUNT]; /* means over blocks of cells, the newest first */
+    auvid_real_t wrench[AUVID_DOF_COUNT];      /* the same, the last block, relative to tau_max */
+    uint32_t stored;                           /* sets stored in the ring at the last row */
+    uint32_t cells;                            /* without a gap */
+} auvid_metric_feedback_t;
+
 /** Where a pass over the rows of the sets stands. Private; whoever begins a pass owns it. */
 typedef struct {
     uint16_t row, part, spent;
@@ -247,6 +261,7 @@ typedef struct auvid_metric {
     auvid_metric_evaluator_t evaluator;
     auvid_metric_rows_t rows;
     auvid_metric_sets_t sets;
+    auvid_metric_feedback_t feedback;
 } auvid_metric_t;
 
 #define auvid_metric_defaults AUVID_SIZED(auvid_metric_defaults)

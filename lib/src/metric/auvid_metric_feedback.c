@@ -1,0 +1,136 @@
+/*
+ * Metric: is the wrench feedback of the motion?
+ *
+ * In open loop nothing that disturbs the vehicle tells what its wrench will be. A controller
+ * answers each disturbance, so its wrench depends on the residual e = Y pi - tau before it. Each
+ * block of half a second gives a row of one regression for each DoF,
+ *
+ *     tau(block) = a1 tau(last cell before) + a2 its change + a3 tau(block before)
+ *                  + b1 e_1 + b2 e_2 + b3 e_3 + noise,
+ *
+ * e_k the mean residual of earlier blocks. Between e_1 and tau lies a gap, because velocity is
+ * interpolated between its samples, and time stamps are late. The wrench's own past keeps an error
+ * of the model, which also depends on it, from looking like feedback. tau and e are relative to
+ * tau_max, and all DoF share the coefficients. Rows in which tau changes much count less: they are
+ * changes of a reference. The wrench is feedback if the F statistic of b = 0 is above its limit
+ * (Granger's test of causality, 1969). Older rows fade: their weight halves while eleven sets enter
+ * a ring of eight.
+ */
+#include "auvid_metric_feedback_internal.h"
+
+#include <string.h>
+
+#include "../base/auvid_linalg_internal.h"
+#include "auvid_metric_rows_internal.h"
+#include "auvid_metric_sets_internal.h"
+
+enum { HISTORY = 3, WRENCH = AUVID_FEEDBACK_ORDER - 1, RESIDUALS = WRENCH - HISTORY };
+
+/* Limit of F, 3 degrees of freedom; fewest rows for a verdict. */
+#define FEEDBACK_LIMIT AUVID_C(5.0)
+#define FEEDBACK_MIN_ROWS AUVID_C(100.0)
+
+/* Change of the wrench in a block, relative to tau_max, above which a row counts less: a change of
+ * the reference is no answer to the motion. */
+#define FEEDBACK_STEP AUVID_C(0.05)
+
+/* Returns the wrench, `ago` cells before the newest one. */
+static const auvid_real_t *feedback_wrench(const auvid_metric_t *m, uint32_t ago)
+{
+    return m->rows.past_tau[(m->rows.cells + METRIC_PAST - 1u - ago) % METRIC_PAST];
+}
+
+/* Returns the number of cells in a block; *gap: between the last residual and the wrench. Longer
+ * cells: together they need about the same time. */
+static uint32_t feedback_block(const auvid_metric_t *m, uint32_t *gap)
+{
+    bool doubled = m->result.doublings > 0;
+    *gap = doubled ? 1u : 2u;
+    return doubled ? 3u : 5u;
+}
+
+/* A set has been stored since the last row: the older rows count less. */
+static void feedback_fade(auvid_metric_feedback_t *f, const auvid_metric_t *m)
+{
+    auvid_real_t keep = AUVID_C(1.0) - AUVID_C(0.5) / (auvid_real_t)m->cfg.sets;
+    for (int i = 0; f->stored != m->sets.stored && i < AUVID_QR_FACTOR(AUVID_FEEDBACK_ORDER); ++i) {
+        f->factor[i] *= auvid_sqrt(keep);
+    }
+    f->rows *= f->stored != m->sets.stored ? keep : AUVID_C(1.0);
+    f->stored = m->sets.stored;
+}
+
+/* A block of the wrench is complete: add DoF j's row. */
+static void feedback_add_row(auvid_metric_t *m, int j)
+{
+    auvid_metric_feedback_t *f = &m->feedback;
+    uint32_t gap, block = feedback_block(m, &gap);
+    auvid_real_t scale = AUVID_C(1.0) / m->cfg.tau_max[j], next = AUVID_C(0.0);
+    auvid_real_t last = scale * feedback_wrench(m, block)[j];
+    for (uint32_t ago = 0; ago < block; ++ago) {
+        next += scale / (auvid_real_t)block * feedback_wrench(m, ago)[j];
+    }
+    auvid_real_t row[AUVID_FEEDBACK_ORDER] = {
+        last, last - scale * feedback_wrench(m, block + 1u)[j], f->wrench[j]};
+    for (uint32_t k = 0; k < RESIDUALS; ++k) { /* not one that contains the next velocity sample */
+        bool past = (gap + k * block) * auvid_metric_cell_us(m) >= m->cfg.velocity_us;
+        row[HISTORY + k] = past ? scale * f->residual[k + 1u][j] : AUVID_C(0.0);
+    }
+    row[WRENCH] = next;
+    auvid_real_t step = next - last;
+    auvid_real_t weight = AUVID_C(1.0) / auvid_sqrt(FEEDBACK_STEP * FEEDBACK_STEP + step * step);
+    for (int k = 0; k < AUVID_FEEDBACK_ORDER; ++k) {
+        row[k] *= weight;
+    }
+    f->wrench[j] = next;
+    bool begun = f->cells >= block * (RESIDUALS + 1u) + gap;
+    if (begun && auvid_all_within(row, AUVID_FEEDBACK_ORDER, METRIC_LARGEST_ENTRY) == AUVID_OK) {
+        auvid_qr_update(f->factor, AUVID_FEEDBACK_ORDER, 0, row);
+        f->rows += AUVID_C(1.0);
+    }
+}
+
+void auvid_metric_watch(auvid_metric_t *m, const auvid_sample_t *cell, const auvid_real_t *pi,
+                        uint8_t dofs)
+{
+    auvid_metric_feedback_t *f = &m->feedback;
+    uint32_t gap, block = feedback_block(m, &gap);
+    auvid_real_t e[AUVID_DOF_COUNT];
+    if (pi == NULL || m->rows.cells <= 1 || cell->missing != 0) {
+        memset(f->sum, 0, sizeof f->sum);
+        f->cells = 0;
+        return;
+    }
+    auvid_vehicle_residual(m->cfg.vehicle, cell, pi, e);
+    for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
+        bool known = (dofs >> j & 1) != 0 && auvid_is_finite(e[j]);
+        f->sum[j] += known ? e[j] / (auvid_real_t)block : AUVID_C(0.0);
+    }
+    uint32_t phase = f->cells++ % block;
+    if (phase == gap - 1u && f->cells > block) {
+        feedback_fade(f, m);
+        for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
+            if ((dofs >> j & 1) != 0) {
+                feedback_add_row(m, j);
+            }
+        }
+    } else if (phase == block - 1u) {
+        memmove(f->residual[1], f->residual[0], sizeof f->residual - sizeof f->residual[0]);
+        memcpy(f->residual[0], f->sum, sizeof f->sum);
+        memset(f->sum, 0, sizeof f->sum);
+    }
+}
+
+bool auvid_metric_has_feedback(const auvid_metric_t *m)
+{
+    const auvid_metric_feedback_t *f = &m->feedback;
+    auvid_real_t explained = AUVID_C(0.0);
+    for (int i = HISTORY; i < WRENCH; ++i) {
+        auvid_real_t part = f->factor[auvid_qr_row(AUVID_FEEDBACK_ORDER, i) + WRENCH - i];
+        explained += part * part;
+    }
+    auvid_real_t left = f->factor[AUVID_QR_FACTOR(AUVID_FEEDBACK_ORDER) - 1];
+    auvid_real_t limit = FEEDBACK_LIMIT * (auvid_real_t)RESIDUALS * left * left;
+    return f->rows >= FEEDBACK_MIN_ROWS && m->sets.stored - f->stored < m->cfg.sets &&
+           explained * (f->rows - (auvid_real_t)WRENCH) > limit;
+}

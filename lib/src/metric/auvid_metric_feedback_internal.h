@@ -1,0 +1,19 @@
+/**
+ * @file auvid_metric_feedback_internal.h
+ * Private: is the wrench feedback of the motion?
+ */
+#ifndef AUVID_METRIC_FEEDBACK_INTERNAL_H
+#define AUVID_METRIC_FEEDBACK_INTERNAL_H
+
+#include "auvid_metric_internal.h"
+
+/** Add the newest cell to the test for feedback, after auvid_metric_add.
+ * @param pi parameters of the last estimate; NULL: the cell is not part of the test
+ * @param dofs bit j: they are known in DoF j */
+void auvid_metric_watch(auvid_metric_t *m, const auvid_sample_t *cell, const auvid_real_t *pi,
+                        uint8_t dofs);
+
+/** Is the wrench feedback, in some set of the ring or in the newest one? */
+bool auvid_metric_has_feedback(const auvid_metric_t *m);
+
+#endif

@@ -1,0 +1,152 @@
+/*
+ * Is the wrench feedback of the motion? A body in surge, driven by a pilot or by a controller of
+ * its speed; the identifier is passive.
+ */
+#include <math.h>
+#include <string.h>
+
+#include "auvid/identifier.h"
+#include "auvid/prior.h"
+#include "simulator.h"
+#include "unity.h"
+
+enum { TICK_US = 20000, CONTROL = 10 /* ticks, as samples of the velocity */, DOF = AUVID_SURGE };
+#define M_KG 250.0
+#define LINEAR 40.0
+#define QUADRATIC 120.0
+#define DISTURBANCE_N 3.0
+#define TAU_MAX_N 100.0
+
+typedef struct {
+    sim_rng_t rng;
+    double u, heading, disturbance, stick, wanted, sum, tau, sampled;
+    long next;
+    uint64_t t_us;
+} body_t;
+
+static auvid_identifier_t id;
+static body_t body;
+
+void setUp(void)
+{
+    auvid_identifier_config_t cfg;
+    memset(&body, 0, sizeof body);
+    sim_rng_seed(&body.rng, 7, 1);
+    auvid_identifier_defaults(&cfg, &auvid_girona500);
+    cfg.metric.free = 1u << AUVID_G500_M_U | 1u << AUVID_G500_X_U | 1u << AUVID_G500_X_UU;
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&id, &cfg));
+}
+
+void tearDown(void)
+{
+}
+
+/* The pilot moves the stick at random times. The controller follows a speed that is held longer.
+ */
+static double drive(long tick, bool controlled)
+{
+    if (tick >= body.next) {
+        body.stick = 2.0 * sim_rng_uniform(&body.rng) - 1.0;
+        long held = (long)(300.0 * sim_rng_uniform(&body.rng));
+        body.next = tick + held + (controlled ? 800 : 100);
+    }
+    double error = 0.5 * body.stick - body.sampled;
+    body.sum += controlled ? 2.0 * error * TICK_US * 1e-6 : 0.0;
+    double force = controlled ? 4.0 * M_KG * 0.25 * error + 20.0 * body.sum : 80.0 * body.stick;
+    return fmax(-TAU_MAX_N, fmin(TAU_MAX_N, force));
+}
+
+static void run(double seconds, bool controlled)
+{
+    const double dt = TICK_US * 1e-6;
+    for (long k = 0, ticks = lround(seconds / dt); k < ticks; ++k) {
+        auvid_real_t attitude[3] = {0}, nu[AUVID_DOF_COUNT] = {0}, wrench[AUVID_DOF_COUNT] = {0};
+        if (k % CONTROL == 0) {
+            body.sampled = body.u + 0.005 * sim_rng_gauss(&body.rng);
+            nu[DOF] = (auvid_real_t)body.sampled;
+            (void)auvid_identifier_motion(&id, body.t_us, attitude, nu);
+            body.tau = drive(k, controlled);
+        }
+        wrench[DOF] = (auvid_real_t)body.tau;
+        (void)auvid_identifier_applied(&id, body.t_us, wrench, NULL);
+        (void)auvid_identifier_work(&id, AUVID_DEFAULT_BUDGET);
+        body.disturbance +=
+            -body.disturbance * dt / 2.0 + DISTURBANCE_N * sqrt(dt) * sim_rng_gauss(&body.rng);
+        double drag = (LINEAR + QUADRATIC * fabs(body.u)) * body.u;
+        body.u += (body.tau + body.disturbance - drag) / M_KG * dt;
+        body.t_us += TICK_US;
+    }
+    while (auvid_identifier_work(&id, 1000000) == AUVID_PENDING) {
+    }
+}
+
+static auvid_note_t note(int i)
+{
+    return (auvid_note_t)id.estimate.confidence.note[i];
+}
+
+static void test_a_pilots_wrench_is_no_feedback(void)
+{
+    run(400.0, false);
+    TEST_ASSERT_NOT_EQUAL(0, id.estimate.confidence.identifiable);
+    TEST_ASSERT_EQUAL(AUVID_NOTE_NONE, note(AUVID_G500_M_U));
+}
+
+static void test_a_controllers_wrench_is_feedback_and_nothing_is_identifiable(void)
+{
+    auvid_drag_t drag;
+    run(400.0, true);
+    TEST_ASSERT_TRUE(id.estimate.number > 5);
+    TEST_ASSERT_EQUAL(0, id.estimate.confidence.identifiable);
+    TEST_ASSERT_EQUAL(AUVID_NOTE_FEEDBACK, note(AUVID_G500_M_U));
+    TEST_ASSERT_EQUAL(AUVID_NOTE_FEEDBACK, note(AUVID_G500_X_UU));
+    TEST_ASSERT_EQUAL(AUVID_NOTE_FIXED, note(AUVID_G500_M_V));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_estimate_drag(&id.estimate, &auvid_girona500, AUVID_SURGE,
+                                                    AUVID_C(0.3), &drag));
+    TEST_ASSERT_FALSE(drag.identifiable);
+}
+
+static void test_the_sentence_names_the_closed_loop_once(void)
+{
+    char text[160];
+    run(400.0, true);
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_confidence_missing(&id.estimate.confidence, &auvid_girona500,
+                                                         0, 0, text, sizeof text));
+    TEST_ASSERT_EQUAL_STRING("closed loop: the wrench is feedback of a controller; excite the "
+                             "vehicle, or drive it in open loop",
+                             text);
+    TEST_ASSERT_EQUAL(AUVID_FINISHED,
+                      auvid_confidence_missing(&id.estimate.confidence, &auvid_girona500, 0, 1,
+                                               text, sizeof text));
+}
+
+static void test_a_record_of_feedback_gives_no_prior(void)
+{
+    uint8_t record[AUVID_PRIOR_BYTES];
+    static auvid_prior_t prior;
+    run(400.0, true);
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_prior_save(&id, record));
+    setUp();
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_attach_prior(&id, &prior));
+    TEST_ASSERT_TRUE(auvid_prior_load(&id, record, sizeof record) < 0 || prior.known == 0);
+}
+
+/* The controller's rows fade. */
+static void test_flags_return_after_the_controller(void)
+{
+    run(400.0, true);
+    TEST_ASSERT_EQUAL(AUVID_NOTE_FEEDBACK, note(AUVID_G500_M_U));
+    run(3000.0, false);
+    TEST_ASSERT_EQUAL(AUVID_NOTE_NONE, note(AUVID_G500_M_U));
+}
+
+int main(void)
+{
+    UNITY_BEGIN();
+    RUN_TEST(test_a_pilots_wrench_is_no_feedback);
+    RUN_TEST(test_a_controllers_wrench_is_feedback_and_nothing_is_identifiable);
+    RUN_TEST(test_the_sentence_names_the_closed_loop_once);
+    RUN_TEST(test_a_record_of_feedback_gives_no_prior);
+    RUN_TEST(test_flags_return_after_the_controller);
+    return UNITY_END();
+}
