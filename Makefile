@@ -113,13 +113,16 @@ FLAGS_tests := -Wall -Wextra -Ilib/src -Itools/simulator -Itools/auvid -Iport/li
 
 objects = $(patsubst %.c,build/$(1)/%.o,$(2))
 TESTED = $(call objects,$(1),$(LIB) $(SIMULATOR) $(WORLD) $(SUPPORT)) build/$(1)/unity.o
-TEST_PROGRAMS := $(foreach way,release sanitized double,\
-        $(UNIT:tests/unit/%.c=build/$(way)/tests/unit/%)) \
+# Under the sanitizers these take a minute, and others run the same code: the long form only.
+SLOW_SANITIZED := $(addprefix build/sanitized/tests/unit/identifier/,\
+    test_adaptive test_uncertain_causes test_width)
+TEST_PROGRAMS := $(filter-out $(SLOW_SANITIZED),$(foreach way,release sanitized double,\
+        $(UNIT:tests/unit/%.c=build/$(way)/tests/unit/%))) \
     $(REFERENCE:%.cpp=build/release/%) \
     $(VEHICLES:%.c=build/wide/%) $(VEHICLES_REFERENCE:%.cpp=build/wide/%) \
     $(foreach way,release sanitized,$(PORT_TESTS:%.c=build/$(way)/%)) $(GOLDEN_TESTS)
 # The larger models in double and under the sanitizers are left to the long form.
-TEST_PROGRAMS_LONG := $(TEST_PROGRAMS) \
+TEST_PROGRAMS_LONG := $(TEST_PROGRAMS) $(SLOW_SANITIZED) \
     $(foreach way,wide_double wide_sanitized,$(VEHICLES:%.c=build/$(way)/%)) \
     $(VEHICLES_REFERENCE:%.cpp=build/wide_double/%)
 # The CAN codec alone, for the comparison with cantools.

@@ -208,7 +208,7 @@ static Coverage campaign(const char *title, uint64_t runs, double disturbance_N,
 
 static void test_one_and_two_standard_errors_cover_the_truth_as_often_as_they_should()
 {
-    uint64_t runs = campaign_is_long() ? 600 : 200;
+    uint64_t runs = campaign_is_long() ? 600 : 100;
     DragCoverage drag[2];
     Coverage one = campaign("1 N", runs, 1, 0, &drag[0]);
     Coverage three = campaign("3 N", runs, 3, 0, &drag[1]);
