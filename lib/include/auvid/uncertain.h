@@ -36,7 +36,7 @@
  * The commands (auvid_input_t.command) must be the thrusters' forces in newtons, as reported.
  *
  * Regressor path only. Attach it once; a program without it does not contain it. It is not saved in
- * a checkpoint. Cost: a solution takes 11.3k units of work for Girona500 and 13.2k for an ROV with
+ * a checkpoint. Cost: a solution takes 12.4k units of work for Girona500 and 14.3k for an ROV with
  * six thrusters. Memory: sizeof(auvid_uncertain_t), 24 KiB with default sizes.
  *
  * Sources: Fuller 1987 (errors in variables); Ljung 1999, 7 (prediction error); Schmidt 1966
@@ -58,7 +58,8 @@ typedef enum {
     AUVID_UNCERTAIN_DEAD_BAND, /**< thrust is smaller by this force [N] */
     AUVID_UNCERTAIN_CURVE,     /**< thrust follows the power 1 + this of its nominal value */
     AUVID_UNCERTAIN_INFLOW,    /**< thrust is lost with speed, by this part per m/s */
-    AUVID_UNCERTAIN_SAG,       /**< thrust is lost with time, by this part in 240 s */
+    AUVID_UNCERTAIN_SAG,       /**< thrust is lost with time, by this part in 240 s, from where the
+                                    rows begin that are held */
     AUVID_UNCERTAIN_LAG,       /**< the propellers' lag beyond the nominal one [s] */
     AUVID_UNCERTAIN_CURRENT_X, /**< current to the north [m/s] */
     AUVID_UNCERTAIN_CURRENT_Y, /**< current to the east [m/s] */
@@ -86,6 +87,9 @@ typedef struct {
                                      [s], 0.01..1; default 0.15 */
 } auvid_uncertain_config_t;
 
+/** Time in which thrust sags by auvid_uncertain_config_t.sag [s]. */
+#define AUVID_UNCERTAIN_SAG_S AUVID_C(240.0)
+
 /** Columns of all equations together; numbers of their R factors; most in one equation. */
 #define AUVID_UNCERTAIN_COLUMNS (2 * AUVID_MAX_PARAMETERS + 2 * AUVID_MAX_THRUSTERS + 45)
 #define AUVID_UNCERTAIN_FACTOR (AUVID_UNCERTAIN_COLUMNS * AUVID_UNCERTAIN_COLUMNS / 8)
@@ -112,9 +116,12 @@ typedef struct {
     auvid_real_t speed[AUVID_MAX_THRUSTERS];       /* sqrt of force, behind the nominal lag */
     auvid_real_t lagged[AUVID_MAX_THRUSTERS];      /* behind it twice */
     uint64_t begin_us;                             /* of the first cell; 0: none */
+    auvid_real_t elapsed;                          /* since then, over AUVID_UNCERTAIN_SAG_S */
     uint32_t since_gap;
     uint16_t pending; /* bit 2 j + band: to be rotated */
     uint8_t successive[AUVID_DOF_COUNT];
+    uint8_t begun_before; /* rows under construction that began before the restart */
+    bool takes_rows;
 } auvid_uncertain_rows_t;
 
 /** One DoF's part of a pass. Private. */
@@ -131,6 +138,7 @@ typedef struct {
     auvid_real_t own_side[8];                     /* see auvid_uncertain_solve.c */
     auvid_real_t scale[AUVID_METRIC_BANDS];       /* of its rows: 1 / noise */
     uint8_t drag_at[2];                           /* columns of drag; order: there is none */
+    uint8_t sag_at;                               /* column of sag; order: there is none */
 } auvid_uncertain_part_t;
 
 /** The solution under way. Private. */
@@ -140,6 +148,7 @@ typedef struct {
     auvid_real_t side[AUVID_DOF_COUNT][AUVID_UNCERTAIN_JOINT]; /* see auvid_uncertain_solve.c */
     auvid_uncertain_part_t part;
     auvid_real_t squares, known; /* for the scale of the priors */
+    auvid_real_t sag_from;       /* where its time is 0, over AUVID_UNCERTAIN_SAG_S */
     uint16_t row, spent;
     uint8_t phase, pass, dof;
     bool solving;

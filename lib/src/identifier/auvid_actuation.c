@@ -309,7 +309,7 @@ auvid_status_t auvid_identifier_stop(auvid_identifier_t *id)
         return status;
     }
     auvid_actuation_t *a = id->actuation;
-    if (a->guard.state != AUVID_GUARD_EXCITING) {
+    if (!auvid_actuation_excites(id)) {
         return AUVID_ERR_STATE;
     }
     if (a->starting) {

@@ -20,4 +20,10 @@ typedef struct auvid_actuation_functions {
  * (not initialised); AUVID_ERR_DETACHED. */
 auvid_status_t auvid_actuation_check(const auvid_identifier_t *id);
 
+/** Does the vehicle move by the excitation now? */
+static inline bool auvid_actuation_excites(const auvid_identifier_t *id)
+{
+    return id->actuation != NULL && id->actuation->guard.state == AUVID_GUARD_EXCITING;
+}
+
 #endif

@@ -27,8 +27,8 @@ static void identifier_pass_cell(auvid_identifier_t *id, const auvid_sample_t *c
 static void identifier_watch_cell(auvid_identifier_t *id, const auvid_sample_t *cell)
 {
     const auvid_estimate_t *e = &id->estimate;
-    bool excites = id->actuation != NULL && id->actuation->guard.state == AUVID_GUARD_EXCITING;
-    auvid_metric_watch(&id->metric, cell, excites || e->number == 0 ? NULL : e->pi, e->excited);
+    bool watched = e->number > 0 && !auvid_actuation_excites(id);
+    auvid_metric_watch(&id->metric, cell, watched ? e->pi : NULL, e->excited);
 }
 
 /* Pass complete cells, at most max_cells, to the metric and the simulation of velocity. */

@@ -92,6 +92,7 @@ static void uncertain_judge(auvid_identifier_t *id, bool changed)
     u->estimate.accepted = u->estimate.number == id->estimate.number;
     if (changed) {
         auvid_uncertain_restart(u);
+        u->estimate.number = 0;
     }
 }
 

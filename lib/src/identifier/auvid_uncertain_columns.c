@@ -24,8 +24,6 @@
  */
 #define DEAD_BAND_WIDTH AUVID_C(0.03)
 #define SMALLEST_CURVE AUVID_C(1e-4)
-/* Time in which thrust sags by cfg.sag. */
-#define SAG_S AUVID_C(240.0)
 /* Step of the current for the difference [m/s]. */
 #define CURRENT_STEP AUVID_C(0.05)
 #define GRAVITY AUVID_C(9.81)
@@ -234,7 +232,6 @@ static void uncertain_thrust_columns(auvid_uncertain_t *u, const auvid_metric_t 
 {
     auvid_real_t cell_s = (auvid_real_t)auvid_metric_cell_us(m) * AUVID_C(1e-6);
     auvid_real_t keep = uncertain_decay(AUVID_C(0.5) * cell_s / u->cfg.nominal_lag_s);
-    auvid_real_t elapsed = auvid_seconds(u->recorded.begin_us, cell->t_us) / SAG_S;
     for (int i = 0; i < u->allocation->cfg.thrusters; ++i) {
         const auvid_thruster_t *t = &u->allocation->cfg.thruster[i];
         auvid_real_t max_N = auvid_max(t->max_N, -t->min_N), inflow = AUVID_C(0.0);
@@ -252,7 +249,7 @@ static void uncertain_thrust_columns(auvid_uncertain_t *u, const auvid_metric_t 
             [AUVID_UNCERTAIN_CURVE] =
                 -f.force * uncertain_ln(auvid_max(size / max_N, SMALLEST_CURVE)),
             [AUVID_UNCERTAIN_INFLOW] = size * inflow,
-            [AUVID_UNCERTAIN_SAG] = f.force * elapsed,
+            [AUVID_UNCERTAIN_SAG] = f.force * u->recorded.elapsed,
             [AUVID_UNCERTAIN_LAG] = f.lag,
             [AUVID_UNCERTAIN_LAG + 1] = f.delay};
         uncertain_add_thruster(u, i, value, f.force, channel);

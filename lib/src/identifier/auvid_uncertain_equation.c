@@ -79,7 +79,12 @@ static void uncertain_prepare_values(uncertain_t *u, const auvid_metric_t *m, in
             }
         }
     }
+    p->sag_at = e->order;
     for (int k = 0; k < e->inputs; ++k) {
+        if (u->code[e->column_at + k] == AUVID_UNCERTAIN_SAG) {
+            p->sag_at = (uint8_t)k;
+            p->residual[e->order - 1] += u->work.sag_from * p->value[k];
+        }
         if (!auvid_uncertain_of_hull(u->code[e->column_at + k])) {
             continue;
         }
@@ -129,6 +134,7 @@ static void uncertain_prepare_slopes(uncertain_t *u, const auvid_metric_t *m, in
         } else if (auvid_uncertain_of_thrust(u->code[e->column_at + k])) {
             side = zz > AUVID_C(0.0) ? uncertain_product(u, j, k, e->order - 1, weight) / zz
                                      : AUVID_C(0.0);
+            side -= k == p->sag_at ? u->work.sag_from : AUVID_C(0.0);
             p->slope[k] = -share * side;
         }
         side *= u->rows[j] / SMOOTHED;
@@ -191,6 +197,7 @@ void auvid_uncertain_add_row(uncertain_t *u, int j, int band, int i)
     auvid_real_t target = residual, scale = p->scale[band];
     for (int k = 0; k < e->order - 1; ++k) {
         row[k] = (k >= i ? r[k] : AUVID_C(0.0)) + p->slope[k] * residual;
+        row[k] -= k == p->sag_at ? u->work.sag_from * r[e->order - 1] : AUVID_C(0.0);
         for (int d = 0; d < 2 && k < e->inputs; ++d) {
             int at = p->drag_at[d];
             row[k] -= at < e->order && at >= i ? p->drag[d][k] * r[at] : AUVID_C(0.0);

@@ -7,26 +7,11 @@
  */
 #include <string.h>
 
-#include "auvid/actuation.h"
+#include "auvid_actuation_internal.h"
 #include "auvid_uncertain_parts_internal.h"
 
 /* Rows rotated with each cell. Two bands of six DoF are done within five cells. */
 enum { ROTATED_PER_CELL = 3 };
-
-/* Is a row taken now? Rows of a passive vehicle count until the first excitation; then they are
- * dropped, and only the excitation gives rows. */
-static bool uncertain_takes_row(auvid_uncertain_t *u)
-{
-    const auvid_actuation_t *actuation = u->id->actuation;
-    bool excites = actuation != NULL && actuation->guard.state == AUVID_GUARD_EXCITING;
-    if (excites && !u->excited && !u->work.solving) {
-        memset(u->factor, 0, sizeof u->factor);
-        memset(u->rows, 0, sizeof u->rows);
-        u->recorded.pending = 0;
-        u->excited = true;
-    }
-    return excites || !u->excited;
-}
 
 void auvid_uncertain_restart(auvid_uncertain_t *u)
 {
@@ -34,8 +19,20 @@ void auvid_uncertain_restart(auvid_uncertain_t *u)
     memset(u->rows, 0, sizeof u->rows);
     u->recorded.begin_us = 0;
     u->recorded.pending = 0;
+    u->recorded.begun_before = AUVID_MAX_OVERLAP;
     memset(u->recorded.successive, 0, sizeof u->recorded.successive);
-    u->estimate.number = 0;
+}
+
+/* Are rows taken now? Those of a passive vehicle count until the first excitation; then they are
+ * dropped, and only the excitation gives rows. */
+static bool uncertain_takes_rows(auvid_uncertain_t *u)
+{
+    bool excites = auvid_actuation_excites(u->id);
+    if (excites && !u->excited && !u->work.solving) {
+        auvid_uncertain_restart(u);
+        u->excited = true;
+    }
+    return excites || !u->excited;
 }
 
 /* Rotate up to `most` of the rows that wait. */
@@ -57,12 +54,16 @@ static void uncertain_cell(void *context, const auvid_metric_t *m, const auvid_s
 {
     auvid_uncertain_t *u = context;
     uncertain_rotate_pending(u, ROTATED_PER_CELL);
+    u->recorded.takes_rows = uncertain_takes_rows(u);
     if (first) {
         memset(u->recorded.successive, 0, sizeof u->recorded.successive);
     }
     if (u->recorded.begin_us == 0) {
         u->recorded.begin_us = cell->t_us;
     }
+    /* in units of 1024 us: 50 days fit */
+    uint32_t elapsed = (uint32_t)((cell->t_us - u->recorded.begin_us) >> 10);
+    u->recorded.elapsed = AUVID_C(1.024e-3) / AUVID_UNCERTAIN_SAG_S * (auvid_real_t)elapsed;
     auvid_uncertain_channels(u, m, cell, first, u->recorded.channel);
 }
 
@@ -96,7 +97,7 @@ static void uncertain_take(void *context, int j, uint32_t slot, const auvid_real
     const auvid_uncertain_equation_t *e = &u->equation[j];
     int at = e->column_at;
     auvid_real_t *row = r->accumulator[slot] + at;
-    if (regressor == NULL || e->order == 0) {
+    if (regressor == NULL || e->order == 0 || r->begun_before > 0) {
         r->successive[j] = 0;
         return;
     }
@@ -109,7 +110,7 @@ static void uncertain_take(void *context, int j, uint32_t slot, const auvid_real
     const auvid_real_t *other =
         r->previous[(r->since_gap + AUVID_METRIC_LAGS - lag) % AUVID_METRIC_LAGS] + at;
     bool busy = (r->pending >> 2 * j & 3) != 0; /* the solution has not yet read the last one */
-    if (r->successive[j] >= lag && !busy && uncertain_takes_row(u)) {
+    if (r->successive[j] >= lag && !busy && r->takes_rows) {
         for (int k = 0; k < e->order; ++k) {
             r->band[0][at + k] = AUVID_C(0.5) * (row[k] + other[k]);
             r->band[1][at + k] = AUVID_C(0.5) * (row[k] - other[k]);
@@ -123,7 +124,9 @@ static void uncertain_take(void *context, int j, uint32_t slot, const auvid_real
 
 static void uncertain_next(void *context)
 {
-    ++((auvid_uncertain_t *)context)->recorded.since_gap;
+    auvid_uncertain_rows_t *r = &((auvid_uncertain_t *)context)->recorded;
+    ++r->since_gap;
+    r->begun_before = (uint8_t)(r->begun_before - (r->begun_before > 0));
 }
 
 const struct auvid_metric_extra auvid_uncertain_extra = {uncertain_cell, uncertain_accumulate,
