@@ -58,9 +58,9 @@ typedef enum {
     AUVID_UNCERTAIN_DEAD_BAND, /**< thrust is smaller by this force [N] */
     AUVID_UNCERTAIN_CURVE,     /**< thrust follows the power 1 + this of its nominal value */
     AUVID_UNCERTAIN_INFLOW,    /**< thrust is lost with speed, by this part per m/s */
-    AUVID_UNCERTAIN_SAG,       /**< thrust is lost with time, by this part in 240 s, from where the
-                                    rows begin that are held */
-    AUVID_UNCERTAIN_LAG,       /**< the propellers' lag beyond the nominal one [s] */
+    AUVID_UNCERTAIN_SAG, /**< thrust is lost with time, by this part in 240 s, from the first row
+                                    on, and in a long dive from an hour ago */
+    AUVID_UNCERTAIN_LAG, /**< the propellers' lag beyond the nominal one [s] */
     AUVID_UNCERTAIN_CURRENT_X, /**< current to the north [m/s] */
     AUVID_UNCERTAIN_CURRENT_Y, /**< current to the east [m/s] */
     AUVID_UNCERTAIN_GAIN,      /**< the first thruster is stronger by this part */

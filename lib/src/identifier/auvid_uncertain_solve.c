@@ -13,8 +13,8 @@
  * Columns c of the hull's inputs become c - D a, a = (D'D)^-1 D'c, D the columns of the DoF's drag
  * in unweighted bands. So pi contains the best drag for the motion that was seen.
  *
- * The column c of sag becomes c - t_0 z: sag counts from t_0, where the rows begin that have not
- * faded.
+ * The column c of sag becomes c - t_0 z: in a long dive sag counts from t_0, an hour ago. What is
+ * lost before belongs to the thrust scale.
  *
  * A DoF's own inputs are eliminated in its R factor. What is left of its rows is rotated into the
  * joint factor of shared inputs and parameters.
@@ -33,6 +33,7 @@
 
 #define COVARIANCE_FACTOR AUVID_C(1.43)
 #define SIDE_VARIANCE AUVID_C(0.05)
+#define LONGEST_SAG AUVID_C(15.0)  /* an hour, over AUVID_UNCERTAIN_SAG_S */
 #define SEEN_RIGHT AUVID_C(3.0)    /* prior of the scale, as a number of inputs */
 #define LARGEST_SCALE AUVID_C(2.0) /* and its inverse the smallest */
 
@@ -176,15 +177,6 @@ static uint8_t uncertain_next_dof(const uncertain_t *u, int j)
     return (uint8_t)j;
 }
 
-/* Sag counts from where the rows begin. That is now less one ring, after older ones have faded. */
-static auvid_real_t uncertain_sag_from(const uncertain_t *u)
-{
-    const auvid_metric_t *m = &u->id->metric;
-    auvid_real_t rows = (auvid_real_t)m->cfg.sets * (auvid_real_t)m->cfg.set_rows;
-    auvid_real_t row_s = (auvid_real_t)(auvid_metric_cell_us(m) * m->cfg.row_cells) * AUVID_C(1e-6);
-    return auvid_max(u->recorded.elapsed - rows * row_s / AUVID_UNCERTAIN_SAG_S, AUVID_C(0.0));
-}
-
 void auvid_uncertain_begin(auvid_uncertain_t *u)
 {
     if (u->estimate.number == 0) {
@@ -195,7 +187,7 @@ void auvid_uncertain_begin(auvid_uncertain_t *u)
     }
     memset(&u->work, 0, sizeof u->work);
     u->work.solving = true;
-    u->work.sag_from = uncertain_sag_from(u);
+    u->work.sag_from = auvid_max(u->recorded.elapsed - LONGEST_SAG, AUVID_C(0.0));
     u->work.dof = uncertain_next_dof(u, 0);
 }
 
