@@ -13,6 +13,13 @@ cp out node.json
 check "its estimate is right" is node.json '
 assert all(error(n) < 0.1 for n in P), {n: error(n) for n in P}
 assert d["status"] == "ok", d["status"]'
+check "a BlueROV2 in six degrees of freedom is identified" \
+    exits 0 node --bus memory --excite --vehicle bluerov2 --json
+check "  with uncertain inputs: most is identifiable, and none of it wrong" is out '
+known = [p for p in d["parameters"] if p["identifiable"]]
+assert len(known) >= 15, [p["name"] for p in known]
+assert all(abs(p["estimate"] / p["truth"] - 1) < 0.15 for p in known), known
+assert d["wrong_inputs"] == []'
 check "it has sent thruster commands" grep -q ' 042#' run.log
 check "a listening node ends" exits 1 node --bus memory --sets 1 --log passive.log
 check "and has sent no commands" sh -c '! grep -Eq " 04[23]#" passive.log'
@@ -152,7 +159,7 @@ check "a record that cannot be written" exits 2 \
     node --bus memory --excite --sets 1 --save none/x.avw
 # used PATTERN LOG: the log replays, and one line on stderr says what was ignored.
 used() {
-    "$AUVID" replay "$2" --sets 1 --json >used.out 2>used.err
+    "$AUVID" replay "$2" --sets 2 --json >used.out 2>used.err
     cat used.err
     [ "$(wc -l <used.err)" = 1 ] && grep -Eq "$1" used.err &&
         is used.out 'assert d["status"] == "ok"'
@@ -161,7 +168,7 @@ head -n -1 run.log >whole.log
 { cat whole.log && printf '(9999.000000) memory 404#11'; } >cut.log
 check "a truncated log is used up to its last whole line" \
     used 'warning: cut.log:[0-9]+: the last line is truncated' cut.log
-exits 0 replay whole.log --sets 1 --json
+exits 0 replay whole.log --sets 2 --json
 check "  as if the cut line were not there" cmp out used.out
 check "a log cut within its only line" refuses 'no frame of auvid' replay <(printf '(1.000000) ca')
 # frames of other nodes on the bus

@@ -4,7 +4,7 @@
 . "$(dirname "$0")/common.sh"
 
 cat >figures.py <<'END'
-import json, math, os, subprocess, sys
+import json, math, os, re, subprocess, sys
 NAMES = "m_u m_v m_w m_r W-B X_u X_uu Y_v Y_vv Z_w Z_ww N_r N_rr".split()
 EQUATION = [0, 1, 2, 3, 2, 0, 0, 1, 1, 2, 2, 3, 3]
 WB = 4
@@ -128,7 +128,8 @@ assert d["causes"]["thrust_curve"] == {"first": 4, "named": 4}
 for run in d["each"]:
     cause = run["causes"][0]
     assert cause["class"] == "thrust_curve" and abs(cause["value"] - 0.1) < 4 * cause["sigma"]
-    assert cause["sentence"].startswith("backward thrust is weaker than told, by 10 % or so; ")'
+    assert re.match("backward thrust is weaker than told, by (9|10|11) % or so; ",
+                    cause["sentence"]), cause'
 exits 0 demo --field 0 --runs 8 --json
 check "nothing is named in a perfect world" holds out '
 assert d["causes"]["any"] == 0 and all(run["causes"] == [] for run in d["each"])'

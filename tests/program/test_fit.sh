@@ -20,11 +20,11 @@ out = csv.writer(sys.stdout, lineterminator="\n"); out.writerow(h)
 out.writerows([["%.9g" % x for x in y] for y in r])' "$1"
 }
 
-check "a log is identified" exits 0 fit train.csv --json --validate test.csv
+check "a log is identified" exits 0 fit train.csv --plain --json --validate test.csv
 cp out fit.json
 check "its JSON has the documented keys" is fit.json '
-assert list(d) == ["version", "status", "seed", "model", "parameters", "missing",
-                   "not_modelled", "assumed", "drag", "delay_s", "r2_force", "r2_validation",
+assert list(d) == ["version", "status", "seed", "model", "parameters",
+                   "wrong_inputs", "missing", "not_modelled", "assumed", "drag", "delay_s", "r2_force", "r2_validation",
                    "r2_interval", "change_test", "cell_s", "evaluations", "budget"], list(d)
 assert all(set(p) == {"name", "unit", "estimate", "sigma", "sigma_told", "thrust_error",
                           "dvl_error", "identifiable", "note"}
@@ -39,7 +39,7 @@ assert all(abs(p["estimate"] - TRUTH[n]) < 4 * p["sigma_told"] for n, p in P.ite
     {n: (P[n]["estimate"] - TRUTH[n]) / P[n]["sigma_told"] for n in P}
 assert len(d["missing"]) == 1 and d["missing"][0].startswith("heave: W-B is known to ")
 assert d["change_test"] is None'
-check "with the thrust calibrated to 1 % every parameter is identifiable" exits 0 fit train.csv \
+check "with the thrust calibrated to 1 % every parameter is identifiable" exits 0 fit train.csv --plain \
     --json --thrust-scale 0.01
 check "  all are" is out '
 assert all(p["identifiable"] for p in d["parameters"]) and d["missing"] == []
@@ -50,9 +50,9 @@ for k in "uvwr":
     assert 0.98 < low < d["r2_validation"][k] < high <= 1, (k, d["r2_interval"])'
 check "no call works more than its budget" is fit.json \
     'assert 0 < d["budget"]["worst"] <= d["budget"]["limit"]'
-exits 0 fit train.csv --json --validate test.csv
+exits 0 fit train.csv --plain --json --validate test.csv
 check "same log, same output" cmp out fit.json
-exits 0 fit train.csv --json --seed 7
+exits 0 fit train.csv --plain --json --seed 7
 check "the seed of the search does not matter" is out '
 first = {p["name"]: p["estimate"] for p in json.load(open("fit.json"))["parameters"]}
 assert d["seed"] == 7
@@ -60,9 +60,32 @@ assert all(abs(P[n]["estimate"] / first[n] - 1) < 0.01 for n in TRUTH)'
 check "without --validate there is no R2 of velocity" is out \
     'assert set(d["r2_validation"].values()) == {None} and "r2_interval" not in d'
 
+# ---- errors of thrust and sensors ----
+check "without a check of thrust and sensors" exits 0 fit train.csv --json
+check "  the estimates are the same, and nothing is identifiable" is out '
+first = {p["name"]: p["estimate"] for p in json.load(open("fit.json"))["parameters"]}
+assert all(P[n]["estimate"] == first[n] for n in TRUTH)
+assert not any(p["identifiable"] for p in d["parameters"])
+assert P["m_u"]["note"] == "not checked for errors of thrust and sensors"
+assert not any(f["identifiable"] for e in d["drag"].values() for f in e)
+assert "uncertain inputs must check them" in d["missing"][0]'
+check "with the thrusters of the vehicle" exits 0 fit train.csv --json --thrusters girona500
+check "  masses are identifiable, and all estimates right" is out '
+assert all(P[n]["identifiable"] for n in TRUTH if n[0] == "m")
+assert all(abs(p["estimate"] - TRUTH[n]) < 2.5 * p["sigma"] for n, p in P.items())
+assert d["wrong_inputs"] == [] and d["status"] == "ok"'
+change 'for y in r: y[C["X_N"]] *= 1.5 if y[C["X_N"]] < 0 else 1' <train.csv >weaker.csv
+check "backward thrust that is a third weaker than told" exits 0 fit weaker.csv --json \
+    --thrusters girona500
+check "  is named" is out '
+assert d["wrong_inputs"], d["wrong_inputs"]'
+check "thrusters of no vehicle" refuses "'mine' is not one of" fit train.csv --thrusters mine
+check "--thrusters and --plain" refuses '--thrusters and --plain cannot be combined' \
+    fit train.csv --thrusters girona500 --plain
+
 # same FILE: fit of this log gives the same as fit of train.csv.
 same() {
-    exits 0 fit "$1" --json "${@:2}" && is out '
+    exits 0 fit "$1" --plain --json "${@:2}" && is out '
 first = {p["name"]: p["estimate"] for p in json.load(open("fit.json"))["parameters"]}
 assert all(abs(P[n]["estimate"] / first[n] - 1) < 0.01 for n in TRUTH), \
     {n: P[n]["estimate"] / first[n] for n in TRUTH}'
@@ -74,7 +97,7 @@ check "other columns are ignored" same more.csv
 check "  but listed" grep -qx 'auvid: more.csv: ignored columns: note' err
 check "  once" test "$(wc -l <err)" = 1
 change 'h = ["u_ms" if n == "u_mps" else n for n in h]; drop("X_N")' <train.csv >misspelt.csv
-exits 0 fit misspelt.csv --json >misspelt.said
+exits 0 fit misspelt.csv --plain --json >misspelt.said
 check "a column that resembles a missing one is named" grep -qx \
     'auvid: misspelt.csv: ignored columns: u_ms (u_ms resembles u_mps)' err
 change 'h.append("cmd_surge"); r = [y + [0.5] for y in r]' <train.csv >two_kinds.csv
@@ -89,9 +112,9 @@ check "yaw may be wrapped" same wrapped.csv
 upside='for y in r: y[C["phi_rad"]] += math.pi'
 change "$upside" <train.csv >upside.csv
 change "$upside; y[C['phi_rad']] -= 2 * math.pi * (y[C['phi_rad']] > math.pi)" <train.csv >rolls.csv
-exits 0 fit upside.csv --json
+exits 0 fit upside.csv --plain --json
 mv out upside.json
-exits 0 fit rolls.csv --json
+exits 0 fit rolls.csv --plain --json
 check "roll may be wrapped" is out '
 first = {p["name"]: p["estimate"] for p in json.load(open("upside.json"))["parameters"]}
 assert all(abs(P[n]["estimate"] / first[n] - 1) < 0.01 for n in TRUTH), \
@@ -101,17 +124,17 @@ check "yaw may begin after many revolutions" same turned.csv
 
 # ---- a log with a truncated last line ----
 head -n -1 train.csv >whole.csv
-exits 0 fit whole.csv --json
+exits 0 fit whole.csv --plain --json
 cp out whole.json
 last=$(tail -n 1 train.csv)
 for keep in 1 20 $((${#last} - 3)) "${#last}"; do # the last one is complete, but has no line end
     { cat whole.csv && printf '%s' "${last:0:keep}"; } >cut.csv
-    check "cut after $keep characters of its last line: used up to there" exits 0 fit cut.csv --json
+    check "cut after $keep characters of its last line: used up to there" exits 0 fit cut.csv --plain --json
     check "  like the log without that line" cmp out whole.json
     check "  with a warning" grep -Eqx \
         'auvid: warning: cut.csv:[0-9]+: the last line .*truncated: it is ignored' err
 done
-check "a test log may be cut, too" exits 0 fit train.csv --json --validate cut.csv
+check "a test log may be cut, too" exits 0 fit train.csv --plain --json --validate cut.csv
 check "  with a warning" grep -q 'auvid: warning: cut.csv:' err
 
 # ---- degrees ----
@@ -152,17 +175,17 @@ out = csv.writer(open("epoch.csv", "w"), lineterminator="\n"); out.writerow(rows
 out.writerows([["%.6f" % (float(y[0]) + 1.7e9)] + y[1:] for y in rows[1:]])'
 check "time may count from 1970" same epoch.csv
 change 'r = r[::20]' <train.csv >slow.csv
-check "rows may be 0.4 s apart" exits 0 fit slow.csv --json --input linear
+check "rows may be 0.4 s apart" exits 0 fit slow.csv --plain --json --input linear
 check "  masses within 5 %" is out 'assert all(error(n) < 0.05 for n in TRUTH if n[0] == "m")'
 change 'r = [y for y in r if not 60 < y[0] < 63 and not 100 < y[0] < 107]' <train.csv >gaps.csv
-check "gaps are skipped" exits 0 fit gaps.csv --json
+check "gaps are skipped" exits 0 fit gaps.csv --plain --json
 check "  masses within 3 %" is out 'assert all(error(n) < 0.03 for n in TRUTH if n[0] == "m")'
 change 'r = [y for i, y in enumerate(r) if i * i % 7 not in (1, 4)]' <train.csv >irregular.csv
-check "times may be irregular" exits 0 fit irregular.csv --json
+check "times may be irregular" exits 0 fit irregular.csv --plain --json
 check "  masses within 3 %" is out 'assert all(error(n) < 0.03 for n in TRUTH if n[0] == "m")'
 
 change 'drop("N_Nm")' <train.csv >no_yaw.csv
-check "a DoF without input is ignored" exits 0 fit no_yaw.csv --json --validate test.csv
+check "a DoF without input is ignored" exits 0 fit no_yaw.csv --plain --json --validate test.csv
 check "  its parameters are null, the others are estimated" is out '
 for n in TRUTH:
     assert (P[n]["estimate"] is None) == (n in ("m_r", "N_r", "N_rr")), n
@@ -176,38 +199,38 @@ for n in TRUTH:
     assert n == "W-B" or P[n]["note"] == ("no input column" if left_out else ""), n
 assert d["missing"][0].startswith("yaw: unactuated") and len(d["missing"]) == 2'
 change 'drop("Y_N")' <train.csv >no_sway.csv
-check "its motion does not harm the others" exits 0 fit no_sway.csv --json --validate test.csv
+check "its motion does not harm the others" exits 0 fit no_sway.csv --plain --json --validate test.csv
 check "  which are within 10 %, masses within 2 %" is out '
 for n in TRUTH:
     assert (P[n]["estimate"] is None) == (n in ("m_v", "Y_v", "Y_vv")), n
     assert n in ("m_v", "Y_v", "Y_vv") or error(n) < (0.02 if n[0] == "m" else 0.1), (n, error(n))
 assert min(d["r2_validation"][k] for k in "uwr") > 0.98, d["r2_validation"]'
 change 'for y in r: y[C["u_mps"]] = y[C["v_mps"]] = y[C["w_mps"]] = 0' <train.csv >stuck.csv
-check "a velocity that stands at zero while thrust acts" exits 0 fit stuck.csv --json
+check "a velocity that stands at zero while thrust acts" exits 0 fit stuck.csv --plain --json
 check "  identifies only yaw and the buoyancy" is out '
 for n in TRUTH:
     known = n in ("m_r", "N_r", "N_rr", "W-B")
     assert (P[n]["sigma"] is None) != known and (known or not P[n]["identifiable"]), n'
 change 'for y in r: y[C["Y_N"]] = 5' <train.csv >constant.csv
-check "a DoF with a constant input is not identified" exits 0 fit constant.csv --json
+check "a DoF with a constant input is not identified" exits 0 fit constant.csv --plain --json
 check "  Y is ignored" is out 'assert P["m_v"]["estimate"] is None and d["r2_force"]["Y"] is None'
 change 'for i, y in enumerate(r): y[C["Y_N"]] = 1e-13 * (i % 3)' <train.csv >dust.csv
-check "nor is one whose input is rounding noise" exits 0 fit dust.csv --json
+check "nor is one whose input is rounding noise" exits 0 fit dust.csv --plain --json
 check "  Y is ignored" is out 'assert P["m_v"]["estimate"] is None'
 change 'drop("X_N", "Y_N", "Z_N", "K_Nm", "M_Nm"); drop("u_mps", "v_mps", "w_mps", "phi_rad")' \
     <train.csv >yaw.csv
-check "yaw can be identified by itself" exits 0 fit yaw.csv --json --coupling off
+check "yaw can be identified by itself" exits 0 fit yaw.csv --plain --json --coupling off
 check "  and nothing else is" is out \
     'assert {n for n in TRUTH if P[n]["estimate"] is not None} == {"m_r", "N_r", "N_rr"}'
 change 'for y in r: y[C["X_N"]] = y[C["Y_N"]] = y[C["Z_N"]] = y[C["N_Nm"]] = 0' <train.csv >rest.csv
-check "nothing excited: exit 1" exits 1 fit rest.csv --json
+check "nothing excited: exit 1" exits 1 fit rest.csv --plain --json
 check "  and status not_excited" is out '
 assert d["status"] == "not_excited" and all(p["estimate"] is None for p in d["parameters"])'
 head -n 40 train.csv >short.csv
-check "a log too short for one row: exit 1" exits 1 fit short.csv --json
+check "a log too short for one row: exit 1" exits 1 fit short.csv --plain --json
 check "  and status not_excited" is out 'assert d["status"] == "not_excited"'
 change 'r = r[::30]' <train.csv >sparse.csv
-check "rows further apart than 0.5 s: exit 1" exits 1 fit sparse.csv
+check "rows further apart than 0.5 s: exit 1" exits 1 fit sparse.csv --plain
 
 change '
 names = dict(X_N="cmd_surge", Y_N="cmd_sway", Z_N="cmd_heave", K_Nm="cmd_roll", M_Nm="cmd_pitch",
@@ -216,46 +239,47 @@ for y in r:
     for n in "XYZ": y[C[n + "_N"]] /= 200
     y[C["N_Nm"]] /= 200
 h = [names.get(n, n) for n in h]' <train.csv >commands.csv
-check "commands: parameters in units of command" exits 0 fit commands.csv --json
+check "commands: parameters in units of command" exits 0 fit commands.csv --plain --json
 check "  200 N per unit, with these units in the report" is out '
 assert all(abs(200 * P[n]["estimate"] / TRUTH[n] - 1) < (0.02 if n[0] == "m" else 0.1)
            for n in TRUTH)
 assert P["m_u"]["unit"] == "cmd s2/m" and P["W-B"]["unit"] == "cmd"'
+check "thrusters of commands" refuses '--thrusters needs forces' fit commands.csv --thrusters girona500
 check "training and test log must have the same kind of inputs" refuses 'test.csv:1:1: .*kind' \
     fit commands.csv --validate test.csv
 
-check "--bias identifies constant forces too" exits 0 fit train.csv --json --bias
+check "--bias identifies constant forces too" exits 0 fit train.csv --plain --json --bias
 check "  three more parameters, near zero" is out '
 assert [p["name"] for p in d["parameters"]] == list(TRUTH) + ["X_0", "Y_0", "N_0"]
 assert all(abs(P[n]["estimate"]) < 1.5 for n in ("X_0", "Y_0", "N_0"))'
 change 'for y in r: y[C["X_N"]] -= 12' <train.csv >biased.csv
-check "  a force of 12 N is found" exits 0 fit biased.csv --json --bias
+check "  a force of 12 N is found" exits 0 fit biased.csv --plain --json --bias
 check "  in X_0" is out 'assert abs(P["X_0"]["estimate"] - 12) < 1.5, P["X_0"]'
-check "--bounds hold" exits 0 fit train.csv --json --bounds=-500,500
+check "--bounds hold" exits 0 fit train.csv --plain --json --bounds=-500,500
 check "  m_w stops at its bound" is out 'assert abs(P["m_w"]["estimate"] - 500) < 1, P["m_w"]'
 check "  and says so" is out 'assert [n for n in P if "at_bound" in P[n]] == ["m_w"]'
 check "  names the bound and is not identifiable" is out '
 assert "heave: m_w is at its upper bound of 500 kg: widen it" in d["missing"], d["missing"]
 assert not P["m_w"]["identifiable"] and P["m_w"]["sigma"] is None'
-check "another parameter that depends on a bound" exits 0 fit train.csv --json --bounds=-400,700
+check "another parameter that depends on a bound" exits 0 fit train.csv --plain --json --bounds=-400,700
 check "  is named with the bound" is out '
 assert "sway: Y_vv at its bound also changes Y_v" in d["missing"], d["missing"]
 assert P["Y_v"]["note"] == "depends on Y_vv, at its bound" and not P["Y_v"]["identifiable"]
 assert error("Y_v") > 0.15 and P["m_v"]["identifiable"] and error("m_v") < 0.02'
-check "with commands the message names the bound" exits 0 fit commands.csv --json --bounds=-500,3
+check "with commands the message names the bound" exits 0 fit commands.csv --plain --json --bounds=-500,3
 check "  in units of command" is out '
 assert "heave: m_w is at its upper bound of 3 cmd s2/m: widen it" in d["missing"], d["missing"]'
-check "--bounds may be two words" exits 0 fit train.csv --json --bounds -500,500
-check "--coupling off: the model says so" exits 0 fit train.csv --json --coupling off
+check "--bounds may be two words" exits 0 fit train.csv --plain --json --bounds -500,500
+check "--coupling off: the model says so" exits 0 fit train.csv --plain --json --coupling off
 check "  and is another" is out 'assert d["model"] == "Girona500, decoupled"'
 check "--coupling auto selects the better prediction" is fit.json \
     'assert d["model"] == "Girona500, Eq. 12-15"'
-check "--fix: a known parameter" exits 0 fit train.csv --json --fix W-B=-37.3058 \
+check "--fix: a known parameter" exits 0 fit train.csv --plain --json --fix W-B=-37.3058 \
     --fix=X_u=-42
 check "  is not identified, the others are" is out '
 assert [n for n in TRUTH if n not in P] == ["W-B", "X_u"]
 assert all(error(n) < (0.02 if n[0] == "m" else 0.1) for n in P)'
-check "--free: more parameters are identified" exits 0 fit biased.csv --json --free X_0,Y_0
+check "--free: more parameters are identified" exits 0 fit biased.csv --plain --json --free X_0,Y_0
 check "  a force of 12 N is found" is out '
 assert list(P) == list(TRUTH) + ["X_0", "Y_0"] and abs(P["X_0"]["estimate"] - 12) < 1.5'
 
@@ -264,7 +288,7 @@ assert list(P) == list(TRUTH) + ["X_0", "Y_0"] and abs(P["X_0"]["estimate"] - 12
 "$AUVID" demo --vehicle bluerov2 --disturbance 0.2 --json --seed 2 --csv rov2.csv >/dev/null
 ROV='T = {p["name"]: p["truth"] for p in json.load(open("rov.json"))["parameters"]}
 off = {n: abs(P[n]["estimate"] - T[n]) for n in P if n in T}'
-check "six degrees of freedom are identified" exits 0 fit rov.csv --json --model bluerov2 \
+check "six degrees of freedom are identified" exits 0 fit rov.csv --plain --json --model bluerov2 \
     --validate rov2.csv
 check "  identifiable parameters within four standard errors, masses within 3 %" is out "$ROV"'
 assert list(P) == list(T) and sum(p["identifiable"] for p in d["parameters"]) >= 15
@@ -273,12 +297,12 @@ assert all(off[n] < 0.03 * T[n] for n in list(T)[:6]), off'
 check "  another log is predicted" is out \
     'assert min(d["r2_validation"][k] for k in "uvwr") > 0.99, d["r2_validation"]'
 cp out bluerov2.json
-check "fossen is the same model without the settings of a fast vehicle" exits 0 fit rov.csv --json \
+check "fossen is the same model without the settings of a fast vehicle" exits 0 fit rov.csv --plain --json \
     --model fossen
 check "  masses within 4 %" is out "$ROV"'
 assert d["model"] == "Fossen, 6 DoF" and list(P) == list(T)
 assert all(off[n] < 0.04 * T[n] for n in list(T)[:6]), off'
-check "true zeros may be fixed" exits 0 fit rov.csv --json --model bluerov2 --fix K_p=0 \
+check "true zeros may be fixed" exits 0 fit rov.csv --plain --json --model bluerov2 --fix K_p=0 \
     --fix N_r=0 --fix Y_v=0
 check "  which reduces the standard errors of the other drags" is out '
 before = {p["name"]: p for p in json.load(open("bluerov2.json"))["parameters"]}
@@ -298,36 +322,36 @@ assert d["status"] == "not_converged" and max(d["r2_force"].values()) < 0, d["r2
 assert 0 < d["evaluations"]["line_search"] < 20000 and not any(P[n]["identifiable"] for n in P)
 assert d["missing"] == [
     "the search has not converged; narrow the bounds, or give a good point"], d["missing"]'
-check "  within narrower bounds it converges" exits 0 fit far.csv --json --model fossen \
+check "  within narrower bounds it converges" exits 0 fit far.csv --plain --json --model fossen \
     --bounds=-10,10
 change 'drop("K_Nm")' <rov.csv >no_roll.csv
-check "without its moment roll is not identified" exits 0 fit no_roll.csv --json --model bluerov2
+check "without its moment roll is not identified" exits 0 fit no_roll.csv --plain --json --model bluerov2
 check "  which is said" is out '
 assert P["K_pp"]["note"] == "no input column" and P["K_pp"]["estimate"] is None
 assert P["M_qq"]["estimate"] is not None and d["delay_s"]["K"] is None'
-check "--bias: constant forces and moments except in heave" exits 0 fit rov.csv --json \
+check "--bias: constant forces and moments except in heave" exits 0 fit rov.csv --plain --json \
     --model bluerov2 --bias
 check "  near zero" is out '
 names = ["X_0", "Y_0", "K_0", "M_0", "N_0"]
 assert list(P)[20:] == names and all(abs(P[n]["estimate"]) < 0.3 for n in names)'
 
-check "--literal works" exits 0 fit train.csv --json --literal
+check "--literal works" exits 0 fit train.csv --plain --json --literal
 check "  with larger errors" is out '
 rms = lambda e: sum((e[n] / TRUTH[n] - 1) ** 2 for n in TRUTH)
 mine = {n: P[n]["estimate"] for n in TRUTH}
 default = {p["name"]: p["estimate"] for p in json.load(open("fit.json"))["parameters"]}
 assert rms(mine) > 2 * rms(default) and set(d["delay_s"].values()) == {0}'
 "$AUVID" demo --lag 0.15 --csv lag.csv >/dev/null 2>&1
-check "a significant delay is used" exits 0 fit lag.csv --json
+check "a significant delay is used" exits 0 fit lag.csv --plain --json
 check "  near 0.15 s" is out 'assert all(0.12 < x < 0.18 for x in d["delay_s"].values())'
 
 change 'r = [y for y in r if y[0] < 32]' <train.csv >one_set.csv
-check "half a minute does not identify everything" exits 0 fit one_set.csv --json
+check "half a minute does not identify everything" exits 0 fit one_set.csv --plain --json
 check "  which the report says, with what is missing" is out '
 unsure = [p for p in d["parameters"] if not p["identifiable"]]
 assert 0 < len(unsure) < 13 and all(p["note"] for p in unsure) and len(d["missing"]) >= 1
 assert all(error(p["name"]) < 0.2 for p in d["parameters"] if p["identifiable"])'
-check "tables" exits 0 fit commands.csv --validate commands.csv
+check "tables" exits 0 fit commands.csv --plain --validate commands.csv
 check "  no line is longer than 100 columns" awk 'length > 100 { exit 1 }' out
 check "  name the unit of the parameters" grep -q 'units of command' out
 check "  nothing on stderr" test ! -s err
@@ -345,12 +369,12 @@ for k in range(100 * 900):
         print(f"{t:.2f},{random.gauss(u, 0.06):.4f},{thrust}")
     u += (thrust - 20 * u - 40 * u * abs(u)) / 800 / 100
 END
-check "a ship's log is identified" exits 0 fit ship.csv --json
+check "a ship's log is identified" exits 0 fit ship.csv --plain --json
 cp out ship.json
 check "  with cells that suit it" is ship.json '
 assert d["cell_s"] in (0.2, 0.4, 0.8) and d["r2_force"]["X"] > 0.95, (d["cell_s"], d["r2_force"])
 assert abs(P["m_u"]["estimate"] / 800 - 1) < 0.05 and P["m_u"]["identifiable"], P["m_u"]'
-check "  and the table says so" exits 0 fit ship.csv
+check "  and the table says so" exits 0 fit ship.csv --plain
 check "  in one sentence" grep -q "cells  *0.[248] s instead of 0.1 s: the vehicle is slow" out
 check "a quick vehicle keeps its cells" is fit.json 'assert d["cell_s"] == 0.1'
 

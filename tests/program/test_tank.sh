@@ -10,7 +10,7 @@ data=$(cd "$ROOT" && realpath -m "${AUVID_TANK_DATA:-../shared/data/bluerov2_tan
 # within TRAIN TEST "U V W": 20 seeds, R2 of each velocity at least this.
 within() {
     for seed in $(seq 20); do
-        "$AUVID" fit "$data/$1.csv" --validate "$data/$2.csv" --bias --seed "$seed" --json \
+        "$AUVID" fit "$data/$1.csv" --validate "$data/$2.csv" --bias --plain --seed "$seed" --json \
             >"$seed.json" || return 1
     done
     python3 - "$3" <<'END'

@@ -89,6 +89,7 @@ static void configure(auvid_identifier_config_t *cfg, uint64_t seed)
     static const auvid_real_t low[PARAMETERS] = {0, 0, 0, -200, -500};
     static const auvid_real_t high[PARAMETERS] = {300, 300, auvid_real_t(0.5), 0, 0};
     auvid_identifier_defaults(cfg, &vehicle);
+    cfg->exact_inputs = true;
     cfg->uncertainty = auvid_uncertainty_t(); // the supplied values are exact here
     cfg->metric.rows = store;
     cfg->metric.sets = SETS;

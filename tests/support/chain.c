@@ -19,6 +19,7 @@ void chain_defaults(chain_config_t *cfg, uint64_t seed, uint32_t sets, double di
     cfg->sim.disturbance_N = disturbance_N;
     cfg->sim.disturbance_Nm = 0.4 * disturbance_N;
     auvid_identifier_defaults(&cfg->id, &auvid_girona500);
+    cfg->id.exact_inputs = true;
     auvid_actuation_defaults(&cfg->acting);
     cfg->thrusters = auvid_allocation_girona500;
     memcpy(cfg->id.metric.tau_max, tau_max, sizeof tau_max);

@@ -66,6 +66,7 @@ static inline void configure(auvid_identifier_config_t *cfg, uint64_t seed)
     static const auvid_real_t low[PARAMETERS] = {0, 0, 0, -200, -500};
     static const auvid_real_t high[PARAMETERS] = {300, 300, AUVID_C(0.5), 0, 0};
     auvid_identifier_defaults(cfg, &vehicle);
+    cfg->exact_inputs = true;
     cfg->metric.rows = store;
     cfg->metric.sets = SETS;
     cfg->metric.set_rows = SET_ROWS;

@@ -64,6 +64,7 @@ static inline void configure(uint64_t seed)
     config.slots = SLOTS;
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_thrusters_init(&thrusters, &config));
     auvid_identifier_defaults(&cfg, &thrusters.vehicle);
+    cfg.exact_inputs = true;
     memset(&cfg.uncertainty, 0,
            sizeof cfg.uncertainty); /* nothing is uncertain in this simulation */
     TEST_ASSERT_EQUAL_HEX32(AUVID_G500_FREE | 15u << OWN, cfg.metric.free);

@@ -123,6 +123,7 @@ static inline void sea_configure(const sea_log_t *log, uint64_t seed,
                                  auvid_identifier_config_t *cfg)
 {
     auvid_identifier_defaults(cfg, &auvid_girona500);
+    cfg->exact_inputs = true;
     cfg->uncertainty.thrust_scale = cfg->uncertainty.dvl_scale = AUVID_C(0.0);
     cfg->search.seed = seed;
     cfg->metric.velocity_us = (uint32_t)(1e6 * log->period_s + 0.5);

@@ -140,6 +140,7 @@ static inline void under_configure(const under_vehicle_t *v, const under_world_t
     sim->lag_s = w->lag_s;
     sim->current[0] = w->current_m_s;
     auvid_identifier_defaults(cfg, &auvid_girona500);
+    cfg->exact_inputs = true;
     cfg->metric.free = v->free & ((1u << SIM_PARAMETERS) - 1);
     memcpy(cfg->metric.tau_max, v->tau_max, sizeof v->tau_max);
     cfg->search.seed = seed;

@@ -58,6 +58,7 @@ static void configure(uint64_t seed, const auvid_vehicle_t *vehicle)
     world.disturbance_Nm = 0.08;
     sim_fossen_parameters(&world.fossen, truth);
     auvid_identifier_defaults(&cfg, vehicle);
+    cfg.exact_inputs = true;
     memset(&cfg.uncertainty, 0, sizeof cfg.uncertainty); /* thrust, DVL and delay are exact */
     thrusters = auvid_allocation_bluerov2_heavy;
     auvid_actuation_defaults(&acting);

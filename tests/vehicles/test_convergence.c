@@ -95,6 +95,7 @@ static double wrench_at(const world_t *world, int j, double t)
 static void configure(const world_t *world, uint64_t seed)
 {
     auvid_identifier_defaults(&cfg, &auvid_fossen);
+    cfg.exact_inputs = true;
     memset(&cfg.uncertainty, 0, sizeof cfg.uncertainty); /* thrust, DVL and delay are exact */
     cfg.search.seed = seed;
     cfg.metric.set_rows = 20;

@@ -137,6 +137,7 @@ static void make_vehicle(int v, uint64_t seed, const auvid_uncertainty_t *uncert
     auvid_real_t amplitude[AUVID_DOF_COUNT] = {0};
     auvid_actuation_defaults(&acting);
     auvid_identifier_defaults(&cfg, v == BLUEROV2 ? &auvid_bluerov2_heavy : &auvid_girona500);
+    cfg.exact_inputs = true;
     if (v == BLUEROV2) {
         make_bluerov2();
         memcpy(amplitude, rov, sizeof rov);

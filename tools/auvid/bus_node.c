@@ -25,6 +25,7 @@ typedef struct {
     auvid_actuation_t actuation;
     auvid_validation_t prediction;
     auvid_change_detector_t change;
+    auvid_uncertain_t uncertain;
     auvid_prior_t prior;
     link_t link;
     vehicle_sim_t vehicle_sim; /* --bus memory: the vehicle in this process */
@@ -43,6 +44,7 @@ static int begin(run_t *run)
     auvid_node_config_t cfg;
     world_identifier(&identifier, &world);
     options_uncertainty(o, &identifier.uncertainty);
+    identifier.exact_inputs = o->plain;
     auvid_node_defaults(&cfg);
     cfg.answer = o->lock_step || run->simulated;
     auvid_status_t status = auvid_node_init(&run->node, &cfg, o->vehicle->allocation, &identifier);
@@ -51,6 +53,10 @@ static int begin(run_t *run)
     }
     (void)auvid_identifier_attach_prediction(&run->node.id, &run->prediction);
     (void)auvid_identifier_attach_change_test(&run->node.id, &run->change);
+    status = o->plain ? AUVID_OK : world_uncertain(&run->node, &run->uncertain);
+    if (status < 0) {
+        return report_error("node: uncertain inputs: %s", auvid_status_str(status));
+    }
     status = o->excite ? world_excite(&run->node, &run->actuation, &world) : AUVID_OK;
     if (status < 0) {
         return report_refused("node", status, &run->actuation.refusal, NULL);

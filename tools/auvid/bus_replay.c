@@ -23,6 +23,7 @@ typedef struct {
     auvid_actuation_t actuation; /* obeys the logged orders; the commands go nowhere */
     auvid_validation_t prediction;
     auvid_change_detector_t change;
+    auvid_uncertain_t uncertain;
     auvid_prior_t prior;
     bus_candump_t log;
     csv_writer_t csv;
@@ -146,6 +147,7 @@ static int begin(run_t *run)
     auvid_node_config_t cfg;
     world_identifier(&identifier, &world);
     options_uncertainty(o, &identifier.uncertainty);
+    identifier.exact_inputs = o->plain;
     auvid_node_defaults(&cfg);
     auvid_status_t status = auvid_node_init(&run->node, &cfg, o->vehicle->allocation, &identifier);
     if (status < 0) {
@@ -153,6 +155,10 @@ static int begin(run_t *run)
     }
     (void)auvid_identifier_attach_prediction(&run->node.id, &run->prediction);
     (void)auvid_identifier_attach_change_test(&run->node.id, &run->change);
+    status = o->plain ? AUVID_OK : world_uncertain(&run->node, &run->uncertain);
+    if (status < 0) {
+        return report_error("replay: uncertain inputs: %s", auvid_status_str(status));
+    }
     status = world_excite(&run->node, &run->actuation, &world);
     if (status < 0) {
         return report_refused("replay", status, &run->actuation.refusal, NULL);

@@ -200,7 +200,7 @@ void field_causes_json(const field_campaign_t *campaign, const field_record_t *r
 void field_causes_json_run(const field_record_t *record)
 {
     char text[200];
-    printf(", \"causes\": [");
+    printf(", \"prior_scale\": %.4g, \"causes\": [", record->prior_scale);
     for (int i = 0; i < record->causes.named; ++i) {
         (void)auvid_causes_sentence(&record->causes, &auvid_girona500, (unsigned)i, text,
                                     sizeof text);

@@ -121,7 +121,7 @@ static void begin(campaign_memory_t *m, const options_t *options)
     m->cfg.thrust_scale = options->thrust_scale;
     m->cfg.dvl_scale = options->dvl_scale;
     m->cfg.delay_s = options->delay_s;
-    m->cfg.uncertain = !f->perfect_inputs && !f->plain;
+    m->cfg.uncertain = !f->perfect_inputs && !options->plain;
     m->cfg.sets = options->sets;
     m->cfg.budget = options->budget;
     m->cfg.field.vehicle = f->vehicle;

@@ -58,6 +58,7 @@ void field_run_identifier(const field_run_config_t *config, auvid_averaged_t *av
     double amplitude[6];
     const auvid_vehicle_t *model = config->model != NULL ? config->model : &auvid_girona500;
     auvid_identifier_defaults(cfg, model);
+    cfg->exact_inputs = !config->uncertain;
     field_amplitude(field->vehicle, amplitude);
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
         cfg->metric.tau_max[j] = (auvid_real_t)amplitude[j]; /* 0: auvid's choice */
@@ -278,6 +279,7 @@ bool field_run(field_run_t *run, const field_run_config_t *config, field_record_
     gather(run, config, record);
     if (run->id.attached.uncertain != NULL) {
         (void)auvid_uncertain_causes(&run->uncertain, &record->causes);
+        record->prior_scale = (double)run->uncertain.scale;
     }
     return true;
 }

@@ -56,6 +56,7 @@ typedef struct {
     double delay_s[FIELD_EQUATIONS];
     field_force_t force[FIELD_PARTS][FIELD_DIRECTIONS]; /**< direction 2 e: forward of equation e */
     field_reference_t truth;
+    double prior_scale;              /**< found scale of the priors of the uncertain inputs */
     auvid_causes_t causes;           /**< what is wrong with the inputs; all 0: not known */
     bool has_shift;                  /**< see field_causes.h */
     double shift[AUVID_CAUSE_COUNT]; /**< likewise */

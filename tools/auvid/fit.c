@@ -34,7 +34,8 @@ typedef struct {
     auvid_identifier_t id;
     auvid_validation_t prediction;
     auvid_change_detector_t change;
-    literal_t literal; /* if chosen */
+    auvid_uncertain_t uncertain; /* if the thrusters are known */
+    literal_t literal;           /* if chosen */
 } fitted_t;
 
 /* A fit: logs, options and models. */
@@ -43,6 +44,7 @@ typedef struct {
     csv_log_t train, test;
     size_t gaps; /* number of gaps in the training log */
     replay_t replay;
+    auvid_allocation_t thrusters;
     auvid_real_t tau_max[AUVID_DOF_COUNT];
     uint32_t cell_us;                         /* length of the cells; 0: not chosen yet */
     uint32_t free;                            /* bit i: parameter i is identified */
@@ -172,6 +174,21 @@ static int find_inputs(job_t *job)
     return check_columns(log, job);
 }
 
+/* Takes the chosen thrusters. */
+static int take_thrusters(job_t *job)
+{
+    const vehicle_t *vehicle = job->options->thrusters;
+    if (vehicle == NULL) {
+        return 0;
+    }
+    if (job->replay.kind == INPUT_COMMAND) {
+        return report_error("fit: --thrusters needs forces and moments (X_N ..), not commands");
+    }
+    auvid_status_t status = auvid_allocation_init(&job->thrusters, vehicle->allocation);
+    job->replay.thrusters = &job->thrusters;
+    return status < 0 ? report_error("fit: --thrusters: %s", auvid_status_str(status)) : 0;
+}
+
 /* Finds the DoF that can be identified, and the largest values of their inputs. */
 static void find_excited(job_t *job)
 {
@@ -210,6 +227,7 @@ static int read_logs(job_t *job)
     const options_t *options = job->options;
     int status = csv_read(&job->train, options->train);
     status = status != 0 ? status : find_inputs(job);
+    status = status != 0 ? status : take_thrusters(job);
     if (status == 0 && options->validate != NULL) {
         status = csv_read(&job->test, options->validate);
         if (status == 0 && !has_inputs(&job->test, options->model, job->replay.kind)) {
@@ -275,6 +293,7 @@ static void configure(const job_t *job, const auvid_vehicle_t *vehicle,
         cfg->uncertainty.thrust_scale = 0; /* the unit of a command has no scale error */
     }
     options_uncertainty(options, &cfg->uncertainty);
+    cfg->exact_inputs = options->plain || options->literal;
     cfg->recorder.gap_us = cfg->recorder.cell_us > GAP_US ? cfg->recorder.cell_us : GAP_US;
     cfg->recorder.input = options->linear_input ? AUVID_INPUT_LINEAR : AUVID_INPUT_HOLD;
     memcpy(cfg->metric.tau_max, job->tau_max, sizeof job->tau_max);
@@ -332,6 +351,16 @@ static bool record(const job_t *job, const auvid_vehicle_t *vehicle, fitted_t *f
     }
     (void)auvid_identifier_attach_prediction(&fitted->id, &fitted->prediction);
     (void)auvid_identifier_attach_change_test(&fitted->id, &fitted->change);
+    if (job->replay.thrusters != NULL) {
+        auvid_uncertain_config_t inputs;
+        auvid_uncertain_defaults(&inputs);
+        status = auvid_identifier_attach_uncertain(&fitted->id, &fitted->uncertain, &inputs,
+                                                   job->replay.thrusters);
+    }
+    if (status < 0) {
+        (void)report_error("fit: uncertain inputs: %s", auvid_status_str(status));
+        return false;
+    }
     if (!literal) {
         replay_identify(&job->train, &job->replay, &fitted->id);
     } else if (!replay_literal(job, &fitted->literal, &fitted->id)) {
@@ -408,6 +437,9 @@ static void print_heading(const job_t *job, const auvid_identifier_t *id)
         if (job->options->coupling != COUPLING_OFF) {
             printf("           Coupling terms assume the same unit in all degrees of freedom.\n");
         }
+    }
+    if (!id->exact_inputs && id->attached.uncertain == NULL) {
+        printf("           Their errors are not examined: see --thrusters, --plain\n");
     }
     printf("  metric   %s, %u set%s of at most %.0f s\n",
            job->options->literal ? "literal smoothing of the paper: smoothed states, raw wrench"

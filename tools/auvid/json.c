@@ -159,7 +159,11 @@ static void json_missing(const result_t *result)
 {
     char text[WORDS];
     const char *separator = "";
-    printf(",\n  \"missing\": [");
+    printf(",\n  \"wrong_inputs\": [");
+    for (unsigned k = 0; report_cause(result, k, text, sizeof text); ++k) {
+        printf("%s\n    \"%s\"", k == 0 ? "" : ",", text);
+    }
+    printf("],\n  \"missing\": [");
     for (unsigned k = 0; report_missing(result, k, text, sizeof text); ++k) {
         printf("%s\n    \"%s\"", k == 0 ? "" : ",", text);
     }

@@ -38,6 +38,10 @@ static const char demo_fit_help[] =
     "                     default 0.005\n"
     "  --delay S          standard deviation of the delay from supplied thrust to motion [s],\n"
     "                     used where the data do not determine the delay; default 0.1\n"
+    "  --plain            no errors of thrust and sensors are estimated (uncertain inputs); only "
+    "the\n"
+    "                     two scales and the delay are uncertain. demo: of a field vehicle; else\n"
+    "                     its inputs are exact\n"
     "\n";
 static const char demo_help[] =
     "options of demo\n"
@@ -75,7 +79,6 @@ static const char field_help[] =
     "  --hours H          length of each run; an excited vehicle repeats its plan\n"
     "  --perfect-inputs   set --thrust-scale, --dvl-scale and --delay to zero;\n"
     "                     no input is uncertain\n"
-    "  --plain            without uncertain inputs; the two scales and the delay remain\n"
     "  --shifts           for each run: how far does each class of causes alone move the\n"
     "                     estimate? Ten times as long\n"
     "\n";
@@ -85,6 +88,8 @@ static const char fit_help[] =
     "  --bounds=LO,HI        bounds of every parameter; default -1000,1000\n"
     "  --model NAME          girona500 (default), fossen (six degrees of freedom), bluerov2 (the\n"
     "                        same, for a vehicle that is faster than its DVL of 5 Hz)\n"
+    "  --thrusters NAME      the log is from the thrusters of girona500 or bluerov2: their errors\n"
+    "                        are estimated, too. Without it nothing is identifiable, or --plain\n"
     "  --fix NAME=VALUE      fix this parameter; repeatable\n"
     "  --free NAME,NAME,..   also identify these parameters\n"
     "  --bias                also identify a constant force on X and Y and a moment on N (six\n"
@@ -107,7 +112,8 @@ static const char node_help[] =
     "  --prior FILE       start with this prior record; a message says if it cannot be used\n"
     "  --lock-step        tell the simulated vehicle when the work of each tick is done\n"
     "  --realtime         request SCHED_FIFO and locked memory; with memory: tick by the clock\n"
-    "  --seed N, --vehicle NAME, --json, --thrust-scale S, --dvl-scale S   as for demo\n"
+    "  --seed N, --vehicle NAME, --json, --plain, --thrust-scale S, --dvl-scale S   as for\n"
+    "                     demo\n"
     "\n";
 static const char vehicle_help[] =
     "options of vehicle\n"

@@ -156,6 +156,9 @@ static int common_option(reader_t *r, options_t *options)
     if (is(r, "--thrust-scale")) {
         return take_number(r, 1.0, &options->thrust_scale);
     }
+    if (is(r, "--plain")) {
+        return take_flag(r, &options->plain);
+    }
     if (is(r, "--dvl-scale")) {
         return take_number(r, 1.0, &options->dvl_scale);
     }
@@ -181,6 +184,13 @@ static int take_vehicle(reader_t *r, options_t *options, bool in_field)
     return options->vehicle != NULL
                ? 0
                : report_error("%s: '%s' is not one of %s", r->name, text, vehicle_words);
+}
+
+static int take_thrusters(reader_t *r, options_t *options)
+{
+    int status = take_vehicle(r, options, false);
+    options->thrusters = options->vehicle;
+    return status;
 }
 
 /* --fix or --free: kept as given, because only the model knows its parameter names. */
@@ -273,6 +283,9 @@ static int fit_option(reader_t *r, options_t *options)
     }
     if (is(r, "--model")) {
         return take_model(r, options);
+    }
+    if (is(r, "--thrusters")) {
+        return take_thrusters(r, options);
     }
     if (is(r, "--fix") || is(r, "--free")) {
         return take_choice(r, options);
@@ -446,6 +459,10 @@ int options_fit(options_t *options, int count, char **argument)
     if (status == 0 && options->coupling == COUPLING_OFF && options->model != &auvid_girona500) {
         return report_error("fit: --coupling off needs --model girona500");
     }
+    if (status == 0 && options->thrusters != NULL && (options->plain || options->literal)) {
+        return report_error("fit: --thrusters and %s cannot be combined",
+                            options->plain ? "--plain" : "--literal");
+    }
     return status;
 }
 
@@ -484,6 +501,7 @@ int options_vehicle(options_t *options, int count, char **argument)
     status = status != 0 ? status : check_bus(options, "vehicle");
     const char *other = options->json                  ? "--json"
                         : options->thrust_scale >= 0.0 ? "--thrust-scale"
+                        : options->plain               ? "--plain"
                         : options->dvl_scale >= 0.0    ? "--dvl-scale"
                         : options->delay_s >= 0.0      ? "--delay"
                                                        : NULL;

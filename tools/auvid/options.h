@@ -29,7 +29,6 @@ typedef struct {
     bool perfect_thrust; /**< no mismatch of the thrust is drawn */
     bool perfect_inputs; /**< every uncertainty is zero */
     bool shifts;         /**< rank the classes of causes (field_causes.h) */
-    bool plain;          /**< no uncertain inputs (uncertain.h) */
     const char *mismatch[FIELD_MISMATCHES]; /**< NAME=SIZE, as given */
     int mismatches;
     field_vehicle_t vehicle;
@@ -45,6 +44,7 @@ typedef struct {
     uint64_t seed; /**< default 1 */
     /** Uncertainties that the identifier is given. Negative: the library's default. */
     double thrust_scale, dvl_scale, delay_s;
+    bool plain;               /**< no uncertain inputs (uncertain.h): all are exact but for these */
     const vehicle_t *vehicle; /**< demo and bus; default Girona500 */
 
     /* demo */
@@ -65,6 +65,7 @@ typedef struct {
     bool bias;
     bool linear_input;
     coupling_t coupling;
+    const vehicle_t *thrusters;          /**< of this vehicle; NULL: not known */
     const auvid_vehicle_t *model;        /**< default Girona500 */
     const char *choice[OPTIONS_CHOICES]; /**< NAME=VALUE (--fix) or NAME,.. (--free), as given */
     int choices;

@@ -65,10 +65,6 @@ int options_field_take(reader_t *r, options_t *options)
         f->chosen = "--perfect-thrust";
         return take_flag(r, &f->perfect_thrust);
     }
-    if (strcmp(r->name, "--plain") == 0) {
-        f->chosen = "--plain";
-        return take_flag(r, &f->plain);
-    }
     if (strcmp(r->name, "--shifts") == 0) {
         f->chosen = "--shifts";
         return take_flag(r, &f->shifts);
@@ -87,10 +83,11 @@ int options_field_check(options_t *options)
                         : options->disturbance_N > 0 ? "--disturbance"
                         : options->lag_s > 0         ? "--lag"
                                                      : NULL;
+    const char *chosen = options->plain ? "--plain" : f->chosen;
     f->wanted = f->mixture || f->matched || f->mismatches > 0;
     if (!f->wanted) {
-        return f->chosen != NULL
-                   ? report_error("demo: %s needs --field, --mismatch or --matched", f->chosen)
+        return chosen != NULL
+                   ? report_error("demo: %s needs --field, --mismatch or --matched", chosen)
                    : 0;
     }
     if (matched) {

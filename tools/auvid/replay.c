@@ -46,9 +46,13 @@ void replay_identify(const csv_log_t *log, const replay_t *replay, auvid_identif
     double turns[3] = {0.0};
     for (size_t i = 0; i < log->rows; ++i) {
         instant_t now;
+        auvid_allocation_result_t thrust = {0};
         read_instant(log, replay, i, turns, &now);
+        if (replay->thrusters != NULL) {
+            (void)auvid_allocation_solve(replay->thrusters, now.wrench, &thrust);
+        }
         (void)auvid_identifier_motion(id, now.t_us, now.attitude, now.nu);
-        (void)auvid_identifier_applied(id, now.t_us, now.wrench, NULL);
+        (void)auvid_identifier_applied(id, now.t_us, now.wrench, thrust.force_N);
     }
     (void)auvid_identifier_close(id);
 }

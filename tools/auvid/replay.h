@@ -5,6 +5,7 @@
 #ifndef PROGRAM_REPLAY_H
 #define PROGRAM_REPLAY_H
 
+#include "auvid/allocation.h"
 #include "auvid/identifier.h"
 #include "csv.h"
 
@@ -15,6 +16,7 @@ typedef enum { INPUT_WRENCH, INPUT_COMMAND } input_kind_t;
 typedef struct {
     input_kind_t kind;
     uint8_t dofs; /**< bit j: the input of DoF j is used (its velocity exists) */
+    const auvid_allocation_t *thrusters; /**< NULL: not known */
 } replay_t;
 
 /** First column of the inputs of a kind. */
@@ -23,7 +25,8 @@ int replay_inputs(input_kind_t kind);
 /** Time of a row [us]; the first row is at one second. */
 uint64_t replay_time_us(const csv_log_t *log, size_t row);
 
-/** Feeds all rows to the identifier. */
+/** Feeds all rows to the identifier, with the thrusters' forces that make the wrench, if they are
+ * known. */
 void replay_identify(const csv_log_t *log, const replay_t *replay, auvid_identifier_t *id);
 
 /** A cell of the record. */

@@ -37,10 +37,11 @@ int report_exit(const result_t *result)
 void report_gather(result_t *result, const auvid_identifier_t *id, uint64_t seed)
 {
     const auvid_actuation_t *a = id->actuation;
+    const auvid_estimate_t *estimate = auvid_identifier_estimate(id);
     *result = (result_t){.seed = seed,
                          .vehicle = id->metric.cfg.vehicle,
                          .free = id->metric.cfg.free,
-                         .estimate = id->estimate,
+                         .estimate = estimate != NULL ? *estimate : id->estimate,
                          .budget = AUVID_DEFAULT_BUDGET,
                          .max_work = id->work.max_units,
                          .change_test = id->change_test,
@@ -49,6 +50,9 @@ void report_gather(result_t *result, const auvid_identifier_t *id, uint64_t seed
                          .guard = a != NULL ? a->guard.state : AUVID_GUARD_DISARMED};
     if (a != NULL) {
         result->trip = a->guard.trip;
+    }
+    if (id->attached.uncertain != NULL) {
+        (void)auvid_uncertain_causes(id->attached.uncertain, &result->causes);
     }
 }
 
@@ -197,6 +201,11 @@ bool report_missing(const result_t *result, unsigned which, char *text, size_t s
     vehicle.parameter = parameter;
     return auvid_confidence_missing(e->number > 0 ? &e->confidence : NULL, &vehicle, result->free,
                                     which, text, size) == AUVID_OK;
+}
+
+bool report_cause(const result_t *result, unsigned which, char *text, size_t size)
+{
+    return auvid_causes_sentence(&result->causes, result->vehicle, which, text, size) == AUVID_OK;
 }
 
 const char *report_cause_unit(auvid_guard_cause_t cause)

@@ -6,6 +6,7 @@
 #define PROGRAM_REPORT_H
 
 #include "auvid/actuation.h"
+#include "auvid/uncertain.h"
 #include "vehicle_sim.h"
 #include "event_log.h"
 
@@ -32,6 +33,7 @@ typedef struct {
     double truth[AUVID_MAX_PARAMETERS];
     auvid_guard_trip_t trip; /**< cause of ABORTED */
     auvid_estimate_t estimate;
+    auvid_causes_t causes; /**< what is wrong with the inputs; none: they are not uncertain */
     auvid_change_test_t change_test;  /**< of the newest set */
     double cell_s;                    /**< length of the recorder's cells */
     double excited_s;                 /**< duration of the adaptive excitation; 0: none */
@@ -98,6 +100,10 @@ int report_identifiable(const auvid_estimate_t *estimate);
 
 /** Writes a short note on parameter i; empty: none. */
 void report_note(const result_t *result, int i, char *text, size_t size);
+
+/** Writes sentence number `which` on what is wrong with the inputs. Returns false after the last one.
+ */
+bool report_cause(const result_t *result, unsigned which, char *text, size_t size);
 
 /** Writes sentence number `which` on what is missing. Returns false after the last one. */
 bool report_missing(const result_t *result, unsigned which, char *text, size_t size);

@@ -176,11 +176,14 @@ static void drag_table(const result_t *result)
     }
 }
 
-/* What is missing for a complete estimate, what to do about it, and what no motion shows. */
+/* What is wrong with the inputs, what is missing for a complete estimate, what to do about it, and what no motion shows. */
 static void missing_list(const result_t *result)
 {
     char text[WORDS];
     bool all = true;
+    for (unsigned k = 0; report_cause(result, k, text, sizeof text); ++k) {
+        printf("%s    %s\n", k == 0 ? "\n  wrong inputs\n" : "", text);
+    }
     for (unsigned k = 0; report_missing(result, k, text, sizeof text); ++k) {
         printf("%s    %s\n", k == 0 ? "\n  missing\n" : "", text);
     }

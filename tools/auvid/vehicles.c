@@ -100,6 +100,7 @@ void vehicle_identifier(const vehicle_t *vehicle, uint64_t seed, auvid_identifie
 {
     auvid_identifier_defaults(cfg, vehicle->model);
     cfg->search.seed = seed;
+    cfg->exact_inputs = true; /* those of the simulated vehicles are */
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
         if (vehicle->amplitude[j] > 0) {
             cfg->metric.tau_max[j] = vehicle->amplitude[j];

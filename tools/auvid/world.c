@@ -50,6 +50,13 @@ auvid_status_t world_excite(auvid_node_t *node, auvid_actuation_t *actuation,
     return auvid_node_attach_actuation(node, actuation, &cfg);
 }
 
+auvid_status_t world_uncertain(auvid_node_t *node, auvid_uncertain_t *uncertain)
+{
+    auvid_uncertain_config_t cfg;
+    auvid_uncertain_defaults(&cfg);
+    return auvid_node_attach_uncertain(node, uncertain, &cfg);
+}
+
 /* Starts the next node. */
 static bool begin_node(world_t *world, const auvid_node_config_t *node,
                        const auvid_identifier_config_t *config)

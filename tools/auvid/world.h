@@ -72,6 +72,10 @@ void world_identifier(auvid_identifier_config_t *cfg, const world_config_t *conf
 auvid_status_t world_excite(auvid_node_t *node, auvid_actuation_t *actuation,
                             const world_config_t *config);
 
+/** Attaches uncertain inputs with their defaults to a node.
+ * @return the library's status */
+auvid_status_t world_uncertain(auvid_node_t *node, auvid_uncertain_t *uncertain);
+
 /** Starts. The operator arms the node one second after it navigates.
  * Returns false if the library, see world_refusal, or the simulator refuses the configuration. */
 bool world_begin(world_t *world, const world_config_t *config);

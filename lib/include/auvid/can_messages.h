@@ -16,7 +16,7 @@ extern "C" {
 #endif
 
 /** Version of the frames. Every heartbeat carries it. */
-#define AUVID_CAN_PROTOCOL 2u
+#define AUVID_CAN_PROTOCOL 3u
 /** Default first identifiers of the two blocks (auvid_can_ids_t). */
 #define AUVID_CAN_FAST_BASE 0x040u
 #define AUVID_CAN_SLOW_BASE 0x400u
@@ -131,7 +131,8 @@ enum {
     AUVID_CAN_NOTE_NOT_CONVERGED = 10,
     AUVID_CAN_NOTE_DISCREDITED = 11,
     AUVID_CAN_NOTE_THRUST_SCALE = 12,
-    AUVID_CAN_NOTE_FEEDBACK = 13
+    AUVID_CAN_NOTE_FEEDBACK = 13,
+    AUVID_CAN_NOTE_UNCHECKED = 14
 };
 
 /** Values of `guard`. */

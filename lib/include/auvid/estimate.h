@@ -72,9 +72,11 @@ typedef enum {
                                  wrench */
     AUVID_NOTE_THRUST_SCALE,  /**< identifiable relative to the supplied thrust; only the
                                  uncertainty of the thrust scale makes the half-width too large */
-    AUVID_NOTE_FEEDBACK, /**< closed loop: the wrench answers the motion, so motion by the thrust
+    AUVID_NOTE_FEEDBACK,  /**< closed loop: the wrench answers the motion, so motion by the thrust
                               cannot be told from motion by a disturbance. Its sigma does not hold.
                               Then no parameter is identifiable */
+    AUVID_NOTE_UNCHECKED, /**< identifiable if thrust and sensors are exact. They were not examined
+                               for errors: see auvid_confidence_t.unchecked */
     AUVID_NOTE_COUNT
 } auvid_note_t;
 
@@ -133,7 +135,10 @@ typedef struct {
     uint8_t lost[AUVID_DOF_COUNT]; /**< rows of these sets lost to gaps in the record, or in a
                                         velocity that the DoF's equation reads [%]; 0 for DoF that
                                         are not excited */
-    uint8_t reserved[AUVID_GAP(sizeof(auvid_real_t), 2 * AUVID_MAX_PARAMETERS + 7)];
+    bool unchecked; /**< thrust and sensors were taken as exact, but for `uncertainty`, without
+                         auvid_identifier_config_t.exact_inputs. Then no parameter and no drag force
+                         is identifiable */
+    uint8_t reserved[AUVID_GAP(sizeof(auvid_real_t), 2 * AUVID_MAX_PARAMETERS + 8)];
 } auvid_confidence_t;
 
 /** Result of a search. */

@@ -83,8 +83,11 @@ typedef struct auvid_identifier_config {
     auvid_search_config_t search;     /**< see types.h: bounds, good point, options; init sets n */
     auvid_real_t dry_mass_kg; /**< a smaller mass is implausible [kg], >= 0, below the upper bounds
                                    of all free masses; default 0: not known */
-    auvid_uncertainty_t uncertainty;  /**< see estimate.h; default 0.05 of the thrust, 0.005 of
+    auvid_uncertainty_t uncertainty; /**< see estimate.h; default 0.05 of the thrust, 0.005 of
                                           the DVL, 0.1 s of the delay; 0: known exactly */
+    bool exact_inputs; /**< thrust and sensors have no errors but `uncertainty`. In the field they
+                            have: attach uncertain inputs (uncertain.h) instead. With neither,
+                            nothing is identifiable (AUVID_NOTE_UNCHECKED). Default false */
     const auvid_listener_t *listener; /**< default NULL: none */
     void *listener_context;           /**< its context */
 } auvid_identifier_config_t;
@@ -279,7 +282,7 @@ typedef struct {
     const struct auvid_change_functions *change_functions; /* for it */
     struct auvid_uncertain *uncertain;
     const struct auvid_uncertain_functions *uncertain_functions; /* for it */
-    const auvid_listener_t *listener;                      /* as configured */
+    const auvid_listener_t *listener;                            /* as configured */
     void *listener_context;
 } auvid_identifier_attached_t;
 
@@ -288,6 +291,7 @@ typedef struct auvid_identifier {
     auvid_search_config_t search; /**< as configured; the modules hold the rest */
     auvid_real_t dry_mass_kg;
     auvid_uncertainty_t uncertainty;
+    bool exact_inputs;
     uint8_t velocity;                  /**< auvid_velocity_source_t */
     uint8_t default_scale;             /* bit j: metric.cfg.tau_max[j] is auvid's choice */
     struct auvid_actuation *actuation; /**< the acting half (actuation.h); NULL: passive */

@@ -60,6 +60,7 @@
 #include "auvid/actuation.h"
 #include "auvid/can.h"
 #include "auvid/identifier.h"
+#include "auvid/uncertain.h"
 
 #ifdef __cplusplus
 extern "C" {
@@ -153,6 +154,15 @@ auvid_status_t auvid_node_init(auvid_node_t *node, const auvid_node_config_t *cf
  * @return as auvid_identifier_attach_actuation. */
 auvid_status_t auvid_node_attach_actuation(auvid_node_t *node, auvid_actuation_t *storage,
                                            const auvid_actuation_config_t *cfg);
+
+#define auvid_node_attach_uncertain AUVID_SIZED(auvid_node_attach_uncertain)
+/** Attaches uncertain inputs (uncertain.h), with the thrusters of the node. Without them, and
+ * without auvid_identifier_config_t.exact_inputs, nothing is reported as identifiable. Call it once,
+ * after auvid_node_init and before the first tick. After an error the node is as before.
+ * @param storage, cfg see auvid_identifier_attach_uncertain; cfg->fractions is not read
+ * @return as auvid_identifier_attach_uncertain. */
+auvid_status_t auvid_node_attach_uncertain(auvid_node_t *node, auvid_uncertain_t *storage,
+                                           const auvid_uncertain_config_t *cfg);
 
 #define auvid_node_take AUVID_SIZED(auvid_node_take)
 /** Takes a received frame. It does not read the time of arrival.

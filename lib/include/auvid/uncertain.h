@@ -33,7 +33,8 @@
  *     auvid_uncertain_defaults(&inputs);
  *     auvid_identifier_attach_uncertain(&id, &uncertain, &inputs, &thrusters);
  *
- * The commands (auvid_input_t.command) must be the thrusters' forces in newtons, as reported.
+ * The commands (auvid_input_t.command) must be the thrusters' forces in newtons, as reported, or
+ * fractions of their largest forces (auvid_uncertain_config_t.fractions).
  *
  * Regressor path only. Attach it once; a program without it does not contain it. It is not saved in
  * a checkpoint. Cost: a solution takes 12.4k units of work for Girona500 and 14.3k for an ROV with
@@ -85,17 +86,29 @@ typedef struct {
     auvid_real_t gravity_m; /**< centre of gravity ahead and aside [m], 0..1; default 0.01 */
     auvid_real_t nominal_lag_s; /**< no deviation, but the first-order lag of the propellers' speed
                                      [s], 0.01..1; default 0.15 */
+    bool fractions; /**< commands are fractions of the thruster's largest force in their direction,
+                         as on CAN; default: newtons */
 } auvid_uncertain_config_t;
+
+/** Scale of the priors above which the inputs are so much less exact than told that the estimate
+ * without uncertain inputs is better. auvid_identifier_estimate then returns that one, and nothing
+ * is identifiable. */
+#define AUVID_UNCERTAIN_CONTRADICTED AUVID_C(3.0)
 
 /** Time in which thrust sags by auvid_uncertain_config_t.sag [s]. */
 #define AUVID_UNCERTAIN_SAG_S AUVID_C(240.0)
 
 /** Columns of all equations together; numbers of their R factors; most in one equation. */
+#if AUVID_MAX_PARAMETERS >= 22 /* six degrees of freedom */
+#define AUVID_UNCERTAIN_COLUMNS (2 * AUVID_MAX_PARAMETERS + 2 * AUVID_MAX_THRUSTERS + 65)
+#define AUVID_UNCERTAIN_FACTOR (AUVID_UNCERTAIN_COLUMNS * AUVID_UNCERTAIN_COLUMNS / 11)
+#define AUVID_UNCERTAIN_OWN 24 /**< inputs that belong to one DoF, of all DoF together */
+#else
 #define AUVID_UNCERTAIN_COLUMNS (2 * AUVID_MAX_PARAMETERS + 2 * AUVID_MAX_THRUSTERS + 45)
 #define AUVID_UNCERTAIN_FACTOR (AUVID_UNCERTAIN_COLUMNS * AUVID_UNCERTAIN_COLUMNS / 8)
-#define AUVID_UNCERTAIN_ORDER (AUVID_MAX_THRUSTERS + AUVID_MAX_PARAMETERS / 2 + 15)
-/** Inputs that belong to one DoF, of all DoF together. */
 #define AUVID_UNCERTAIN_OWN 20
+#endif
+#define AUVID_UNCERTAIN_ORDER (AUVID_MAX_THRUSTERS + AUVID_MAX_PARAMETERS / 2 + 15)
 /** Order of the joint R factor. */
 #define AUVID_UNCERTAIN_JOINT (AUVID_UNCERTAIN_SHARED + AUVID_MAX_PARAMETERS + 1)
 
@@ -171,6 +184,7 @@ typedef struct auvid_uncertain {
                                                       if estimate.number > 0; 0: no column */
     auvid_real_t own[AUVID_UNCERTAIN_OWN];
     auvid_real_t scale;        /**< of all priors, as found, 0.5..2 */
+    bool contradicted;         /**< it would be above AUVID_UNCERTAIN_CONTRADICTED: no estimate */
     auvid_estimate_t estimate; /* read auvid_identifier_estimate */
 } auvid_uncertain_t;
 
@@ -232,6 +246,7 @@ typedef struct {
     auvid_cause_t cause[AUVID_CAUSE_COUNT]; /**< by auvid_cause_class_t */
     uint8_t order[AUVID_CAUSE_COUNT];       /**< the named classes, the largest share first */
     uint8_t named;                          /**< their number */
+    bool contradicted;                      /**< see auvid_uncertain_t; then no class is named */
     uint32_t differs; /**< bit i: the estimates of parameter i with and without uncertain inputs
                            differ by more than both half-widths */
 } auvid_causes_t;

@@ -148,6 +148,14 @@ static auvid_real_t adaptive_available_rows(const auvid_identifier_t *id, int j)
     return auvid_min(rows, (auvid_real_t)(m->sets * m->set_rows));
 }
 
+/* Is parameter i identifiable, if the inputs are as supplied? More motion does not check them. */
+static bool adaptive_is_identifiable(const auvid_estimate_t *e, int i)
+{
+    return (e->confidence.identifiable >> i & 1u) != 0 ||
+           e->confidence.note[i] == AUVID_NOTE_UNCHECKED ||
+           e->confidence.note[i] == AUVID_NOTE_IMPLAUSIBLE;
+}
+
 /* Classify parameter i as known, abandoned or missing. need: raised to the variance ratio of its
  * DoF if missing. */
 static void adaptive_assess_parameter(auvid_identifier_t *id, int i, auvid_real_t *need)
@@ -156,11 +164,10 @@ static void adaptive_assess_parameter(auvid_identifier_t *id, int i, auvid_real_
     const auvid_estimate_t *e = &id->estimate;
     int j = (int)identifier_vehicle(id)->parameter[i].dof;
     bool excitable = adaptive_amplitude(id, j) > AUVID_C(0.0);
-    bool known =
-        ((e->confidence.identifiable >> i & 1u) && !(excitable && (e->coupled >> j & 1))) ||
-        e->confidence.note[i] == AUVID_NOTE_SMALL ||
-        e->confidence.note[i] == AUVID_NOTE_THRUST_SCALE || /* excitation does not help */
-        e->confidence.note[i] == AUVID_NOTE_FIXED;
+    bool known = (adaptive_is_identifiable(e, i) && !(excitable && (e->coupled >> j & 1))) ||
+                 e->confidence.note[i] == AUVID_NOTE_SMALL ||
+                 e->confidence.note[i] == AUVID_NOTE_THRUST_SCALE || /* excitation does not help */
+                 e->confidence.note[i] == AUVID_NOTE_FIXED;
     auvid_real_t rows = (auvid_real_t)id->metric.result.dof_rows[j];
     a->missing &= ~(1u << i);
     a->abandoned &= ~((uint32_t)known << i);

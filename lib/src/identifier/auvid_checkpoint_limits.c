@@ -145,6 +145,7 @@ const auvid_checkpoint_limit_t auvid_checkpoint_limit[] = {
     BYTE(confidence, partner, partner, AUVID_MAX_PARAMETERS - 1),
     BYTE(confidence, sets, sets, AUVID_MAX_SETS),
     BYTE(confidence, lost, lost, 100),
+    FLAG(confidence, unchecked, unchecked),
 
     VALUE(estimate, pi, pi),
     WITHIN(estimate, covariance, covariance, AUVID_C(1e37)),

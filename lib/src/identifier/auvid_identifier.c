@@ -184,6 +184,7 @@ auvid_status_t auvid_identifier_init(auvid_identifier_t *id, const auvid_identif
         id->velocity = (uint8_t)cfg->velocity;
         id->dry_mass_kg = cfg->dry_mass_kg;
         id->uncertainty = cfg->uncertainty;
+        id->exact_inputs = cfg->exact_inputs;
         id->attached.listener = cfg->listener;
         id->attached.listener_context = cfg->listener_context;
         identifier_init_modules(id, cfg, &why);

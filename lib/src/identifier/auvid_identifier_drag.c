@@ -65,8 +65,8 @@ auvid_status_t auvid_estimate_drag(const auvid_estimate_t *estimate, const auvid
     }
     auvid_real_t max_speed = AUVID_DRAG_REACH * e->speed[dof][speed < AUVID_C(0.0)];
     bool credible = ((e->excited | e->coupled) >> dof & 1) != 0 && !e->not_converged && !feedback &&
-                    auvid_abs(speed) <= max_speed && (e->confidence.implausible & equation) == 0 &&
-                    s.value * speed < AUVID_C(0.0);
+                    !e->confidence.unchecked && auvid_abs(speed) <= max_speed &&
+                    (e->confidence.implausible & equation) == 0 && s.value * speed < AUVID_C(0.0);
     auvid_real_t sigma = auvid_sqrt(s.variance + s.thrust * s.thrust + s.dvl * s.dvl);
     auvid_real_t half = AUVID_CONFIDENCE_HALF_WIDTH * sigma;
     s.known = s.known && half < AUVID_LARGEST;

@@ -137,6 +137,7 @@ static void prior_publish(auvid_identifier_t *id, const auvid_prior_t *prior, bo
     const auvid_vehicle_t *vehicle = identifier_vehicle(id);
     int parameters = vehicle->parameters;
     e->confidence.uncertainty = id->uncertainty;
+    e->confidence.unchecked = !id->exact_inputs;
     e->number = 1;
     e->identified = prior->known;
     memcpy(e->pi, prior->pi, sizeof e->pi);

@@ -93,6 +93,7 @@ static void uncertain_judge(auvid_identifier_t *id, bool changed)
     if (changed) {
         auvid_uncertain_restart(u);
         u->estimate.number = 0;
+        u->contradicted = false;
     }
 }
 
@@ -136,6 +137,7 @@ static void uncertain_publish(auvid_identifier_t *id)
         e->pi[i] = known ? u->pi[i] : e->pi[i];
     }
     uncertain_widen_scales(&job->result.uncertainty, u->scale);
+    job->result.unchecked = false;
     auvid_confidence_revise(job, e->pi);
     auvid_confidence_limits(job, id->search.lower, id->search.upper, false);
     for (int i = 0; i < job->n; ++i) {
@@ -157,8 +159,13 @@ static auvid_status_t uncertain_solve(auvid_identifier_t *id, uint32_t *budget)
 
 static void uncertain_end(auvid_identifier_t *id)
 {
-    uncertain_of(id)->work.solving = false;
-    uncertain_publish(id);
+    auvid_uncertain_t *u = uncertain_of(id);
+    u->work.solving = false;
+    if (u->contradicted) {
+        u->estimate.number = 0;
+    } else {
+        uncertain_publish(id);
+    }
     auvid_identifier_announce(id);
 }
 

@@ -138,10 +138,14 @@ auvid_status_t auvid_uncertain_causes(const auvid_uncertain_t *u, auvid_causes_t
     if (u->work.solving) {
         return AUVID_PENDING;
     }
-    if (u->estimate.number == 0) {
+    if (u->estimate.number == 0 && !u->contradicted) {
         return AUVID_ERR_NO_DATA;
     }
     memset(causes, 0, sizeof *causes);
+    causes->contradicted = u->contradicted;
+    if (u->contradicted) {
+        return AUVID_OK;
+    }
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
         const auvid_uncertain_equation_t *e = &u->equation[j];
         bool delayed = e->own > 0 && u->code[e->column_at] == INPUT_DELAY;

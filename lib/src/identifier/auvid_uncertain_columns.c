@@ -170,13 +170,13 @@ static auvid_real_t uncertain_mean(auvid_real_t begin, auvid_real_t middle, auvi
     return (begin + AUVID_C(4.0) * middle + end) / AUVID_C(6.0);
 }
 
-/* Advance a propeller by a cell with constant command; keep = exp(-cell / (2 lag)). */
-static uncertain_thrust_t uncertain_advance(auvid_uncertain_t *u, int i, auvid_real_t command,
+/* Advance a propeller by a cell with constant supplied force; keep = exp(-cell / (2 lag)). */
+static uncertain_thrust_t uncertain_advance(auvid_uncertain_t *u, int i, auvid_real_t force,
                                             bool first, auvid_real_t keep, auvid_real_t cell_s)
 {
     auvid_real_t *speed = &u->recorded.speed[i], *lagged = &u->recorded.lagged[i];
-    auvid_real_t lag_s = u->cfg.nominal_lag_s, to = auvid_sqrt(auvid_abs(command));
-    to = command < AUVID_C(0.0) ? -to : to;
+    auvid_real_t lag_s = u->cfg.nominal_lag_s, to = auvid_sqrt(auvid_abs(force));
+    to = force < AUVID_C(0.0) ? -to : to;
     if (first) {
         *speed = *lagged = to;
     }
@@ -201,6 +201,14 @@ static auvid_real_t uncertain_decay(auvid_real_t x)
         y *= y;
     }
     return y;
+}
+
+/* Returns the supplied force of a thruster [N]. */
+static auvid_real_t uncertain_force(const auvid_uncertain_t *u, int i, auvid_real_t command)
+{
+    const auvid_thruster_t *t = &u->allocation->cfg.thruster[i];
+    auvid_real_t largest = command > AUVID_C(0.0) ? t->max_N : -t->min_N;
+    return u->cfg.fractions ? command * largest : command;
 }
 
 /* Add a thruster to the thrust columns of all equations: value[code] times its entry. */
@@ -235,7 +243,8 @@ static void uncertain_thrust_columns(auvid_uncertain_t *u, const auvid_metric_t 
     for (int i = 0; i < u->allocation->cfg.thrusters; ++i) {
         const auvid_thruster_t *t = &u->allocation->cfg.thruster[i];
         auvid_real_t max_N = auvid_max(t->max_N, -t->min_N), inflow = AUVID_C(0.0);
-        uncertain_thrust_t f = uncertain_advance(u, i, cell->command[i], first, keep, cell_s);
+        auvid_real_t force = uncertain_force(u, i, cell->command[i]);
+        uncertain_thrust_t f = uncertain_advance(u, i, force, first, keep, cell_s);
         auvid_real_t size = auvid_abs(f.force), width = DEAD_BAND_WIDTH * max_N;
         for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
             inflow += t->wrench[j] * cell->nu[j];

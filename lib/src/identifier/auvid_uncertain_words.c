@@ -97,6 +97,12 @@ auvid_status_t auvid_causes_sentence(const auvid_causes_t *causes, const auvid_v
     }
     auvid_words_t w = {.text = text, .size = size};
     text[0] = '\0';
+    if (which == 0 && causes->contradicted) {
+        auvid_words_append(&w,
+                           "thrust, time stamps or sensors are far less exact than told; measure "
+                           "them, or tell larger uncertainties");
+        return AUVID_OK;
+    }
     if (which < causes->named && which < AUVID_CAUSE_COUNT) {
         causes_append(&w, &causes->cause[causes->order[which] % AUVID_CAUSE_COUNT]);
         return AUVID_OK;

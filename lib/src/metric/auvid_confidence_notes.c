@@ -219,8 +219,8 @@ static auvid_real_t confidence_wrench_norm(const auvid_confidence_job_t *c, int 
 /* Returns true if the note says that the parameter is known. */
 static bool confidence_is_known(const auvid_confidence_t *c, int p)
 {
-    return c->note[p] == AUVID_NOTE_NONE || c->note[p] == AUVID_NOTE_IMPLAUSIBLE ||
-           c->note[p] == AUVID_NOTE_THRUST_SCALE;
+    return c->note[p] == AUVID_NOTE_NONE || c->note[p] == AUVID_NOTE_UNCHECKED ||
+           c->note[p] == AUVID_NOTE_IMPLAUSIBLE || c->note[p] == AUVID_NOTE_THRUST_SCALE;
 }
 
 void auvid_confidence_discredit(auvid_confidence_job_t *c, int j)
@@ -311,9 +311,11 @@ void auvid_confidence_conclude(auvid_confidence_job_t *c, int i, const auvid_fin
         /* an optimum explains more than the mean of the wrench does, unless bounds or model errors
          * keep the search away from it */
         bool plausible = unexplained <= force;
-        to->identifiable |= 1u << p;
+        to->identifiable |= (uint32_t)!to->unchecked << p;
         to->implausible |= (uint32_t)!plausible << p;
-        to->note[p] = plausible ? AUVID_NOTE_NONE : AUVID_NOTE_IMPLAUSIBLE;
+        to->note[p] = !plausible      ? AUVID_NOTE_IMPLAUSIBLE
+                      : to->unchecked ? AUVID_NOTE_UNCHECKED
+                                      : AUVID_NOTE_NONE;
     } else if (auvid_abs(c->pi[p]) + half <= confidence_small_value(c, p)) {
         to->note[p] = AUVID_NOTE_SMALL;
     } else if (known && AUVID_HALF_WIDTH * relative + bias <= allowed) {

@@ -38,6 +38,8 @@ const char *auvid_note_str(auvid_note_t note)
         return "known up to the thrust scale";
     case AUVID_NOTE_FEEDBACK:
         return "closed loop: the wrench is feedback";
+    case AUVID_NOTE_UNCHECKED:
+        return "not checked for errors of thrust and sensors";
     case AUVID_NOTE_COUNT:
     default:
         return "unknown note";
@@ -218,6 +220,7 @@ static bool confidence_is_same_sentence(const auvid_confidence_t *c, const auvid
         return false;
     }
     return c->note[i] == AUVID_NOTE_NOT_CONVERGED || c->note[i] == AUVID_NOTE_FEEDBACK ||
+           c->note[i] == AUVID_NOTE_UNCHECKED ||
            (confidence_is_unexplained(c, i) && confidence_is_unexplained(c, k) &&
             vehicle->parameter[k].dof == vehicle->parameter[i].dof) ||
            (c->note[i] == AUVID_NOTE_COMBINATION && c->partner[i] == k && c->partner[k] == i) ||
@@ -228,7 +231,7 @@ static bool confidence_is_same_sentence(const auvid_confidence_t *c, const auvid
 /* Returns true if parameter i has a sentence and is the first parameter with that sentence. One
  * sentence covers: a DoF that was not excited, or that is not explained; a pair; all that depend on
  * a parameter at its bound; the equation of an impossible estimate; a search that has not
- * converged; a closed loop.
+ * converged; a closed loop; inputs that were not checked.
  * @param wrong only equations that are not explained, or impossible; else only the others */
 static bool confidence_has_sentence(const auvid_confidence_t *c, const auvid_vehicle_t *vehicle,
                                     uint32_t free, bool wrong, int i)
@@ -238,7 +241,7 @@ static bool confidence_has_sentence(const auvid_confidence_t *c, const auvid_veh
         1u << AUVID_NOTE_NOT_EXCITED | 1u << AUVID_NOTE_COMBINATION | 1u << AUVID_NOTE_NOISE |
         1u << AUVID_NOTE_UNCERTAIN | 1u << AUVID_NOTE_AT_BOUND | 1u << AUVID_NOTE_BESIDE_BOUND |
         1u << AUVID_NOTE_NOT_CONVERGED | 1u << AUVID_NOTE_DISCREDITED |
-        1u << AUVID_NOTE_THRUST_SCALE | 1u << AUVID_NOTE_FEEDBACK;
+        1u << AUVID_NOTE_THRUST_SCALE | 1u << AUVID_NOTE_FEEDBACK | 1u << AUVID_NOTE_UNCHECKED;
     bool is_wrong =
         c != NULL && (c->note[i] == AUVID_NOTE_DISCREDITED || confidence_is_unexplained(c, i));
     if (wrong != is_wrong || (free != 0 && !(free >> i & 1u)) ||
@@ -277,6 +280,11 @@ static void confidence_append_sentence(auvid_words_t *w, const auvid_confidence_
     if (note == AUVID_NOTE_FEEDBACK) {
         auvid_words_append(w, "closed loop: the wrench is feedback of a controller; excite the "
                               "vehicle, or drive it in open loop");
+        return;
+    }
+    if (note == AUVID_NOTE_UNCHECKED) {
+        auvid_words_append(
+            w, "thrust and sensors were taken as exact; uncertain inputs must check them");
         return;
     }
     auvid_words_append_dof(w, parameter->dof);

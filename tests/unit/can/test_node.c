@@ -49,6 +49,7 @@ static void prepare(uint64_t seed)
     vehicle.sim.seed = seed;
     TEST_ASSERT_TRUE(vehicle_sim_init(&vehicle_sim, &vehicle));
     auvid_identifier_defaults(&identifier, &auvid_girona500);
+    identifier.exact_inputs = true;
     auvid_actuation_defaults(&acting);
     (void)auvid_excitation_plan(&acting.excitation, amplitude, 30, SETS, seed);
     identifier.search.seed = seed;
@@ -189,9 +190,9 @@ static void abort_run(void)
 static void identify(void)
 {
     uint32_t limit = SETS * SET_TICKS + 6000;
-    while (run.ticks < limit && (node.id.metric.sets.recorded < SETS ||
-                                 node.id.work.phase != AUVID_WORK_IDLE ||
-                                 node.id.work.searches == 0)) {
+    while (run.ticks < limit &&
+           (node.id.metric.sets.recorded < SETS || node.id.work.phase != AUVID_WORK_IDLE ||
+            node.id.work.searches == 0)) {
         tick();
     }
     TEST_ASSERT_TRUE(run.ticks < limit);
@@ -279,6 +280,31 @@ static void test_times_of_arrival_change_no_bit(void)
     TEST_ASSERT_EQUAL_MEMORY(&other.id.nav, &node.id.nav, sizeof node.id.nav);
     TEST_ASSERT_EQUAL_MEMORY(&other.id.recorder, &node.id.recorder, sizeof node.id.recorder);
     TEST_ASSERT_EQUAL_MEMORY(other.receiver, node.receiver, sizeof node.receiver);
+}
+
+/* Without uncertain inputs, or the word that there are none, nothing is identifiable. */
+static void test_uncertain_inputs_read_the_thrust_of_the_bus(void)
+{
+    static auvid_uncertain_t uncertain;
+    auvid_uncertain_config_t inputs;
+    auvid_uncertain_defaults(&inputs);
+    identifier.exact_inputs = false;
+    begin(true);
+    TEST_ASSERT_EQUAL(AUVID_ERR_NULL, auvid_node_attach_uncertain(NULL, &uncertain, &inputs));
+    TEST_ASSERT_EQUAL(AUVID_ERR_NULL, auvid_node_attach_uncertain(&node, &uncertain, NULL));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_node_attach_uncertain(&node, &uncertain, &inputs));
+    identify();
+    const auvid_estimate_t *with = auvid_identifier_estimate(&node.id);
+    TEST_ASSERT_EQUAL_PTR(&uncertain.estimate, with);
+    TEST_ASSERT_TRUE(node.id.estimate.confidence.unchecked);
+    TEST_ASSERT_EQUAL_HEX32(0, node.id.estimate.confidence.identifiable);
+    TEST_ASSERT_EQUAL(AUVID_NOTE_UNCHECKED, node.id.estimate.confidence.note[AUVID_G500_M_U]);
+    TEST_ASSERT_FALSE(with->confidence.unchecked);
+    for (int i = AUVID_G500_M_U; i <= AUVID_G500_M_R; ++i) {
+        double truth = vehicle_sim.sim.cfg.parameter[i];
+        TEST_ASSERT_DOUBLE_WITHIN(0.05 * truth, truth, (double)with->pi[i]);
+        TEST_ASSERT_TRUE((with->confidence.identifiable >> i & 1u) != 0);
+    }
 }
 
 /* ---- thruster commands ---- */
@@ -633,6 +659,7 @@ SAME(AUVID_CAN_NOTE_NOT_CONVERGED, AUVID_NOTE_NOT_CONVERGED);
 SAME(AUVID_CAN_NOTE_DISCREDITED, AUVID_NOTE_DISCREDITED);
 SAME(AUVID_CAN_NOTE_THRUST_SCALE, AUVID_NOTE_THRUST_SCALE);
 SAME(AUVID_CAN_NOTE_FEEDBACK, AUVID_NOTE_FEEDBACK);
+SAME(AUVID_CAN_NOTE_UNCHECKED, AUVID_NOTE_UNCHECKED);
 
 static void test_the_configuration_may_be_inside_the_node(void)
 {
@@ -678,6 +705,7 @@ int main(void)
 {
     UNITY_BEGIN();
     RUN_TEST(test_identification_through_frames_is_as_accurate_as_without);
+    RUN_TEST(test_uncertain_inputs_read_the_thrust_of_the_bus);
     RUN_TEST(test_the_same_frames_give_the_same_bits);
     RUN_TEST(test_times_of_arrival_change_no_bit);
     RUN_TEST(test_a_passive_node_never_commands);

@@ -32,6 +32,7 @@ void setUp(void)
     vehicle.no_arm = true;
     TEST_ASSERT_TRUE(vehicle_sim_init(&vehicle_sim, &vehicle));
     auvid_identifier_defaults(&identifier, &auvid_girona500);
+    identifier.exact_inputs = true;
     thrusters = auvid_allocation_girona500;
     passive = false;
     auvid_actuation_defaults(&acting);

@@ -33,6 +33,7 @@ void setUp(void)
     memset(&body, 0, sizeof body);
     sim_rng_seed(&body.rng, 7, 1);
     auvid_identifier_defaults(&cfg, &auvid_girona500);
+    cfg.exact_inputs = true;
     cfg.metric.free = 1u << AUVID_G500_M_U | 1u << AUVID_G500_X_U | 1u << AUVID_G500_X_UU;
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&id, &cfg));
 }

@@ -111,6 +111,15 @@ static void test_more_columns_than_there_is_room_for_are_refused(void)
     TEST_ASSERT_EQUAL(AUVID_ERR_SIZE, attach());
 }
 
+#if AUVID_MAX_THRUSTERS >= 8
+static void test_eight_thrusters_fit(void)
+{
+    TEST_ASSERT_EQUAL(AUVID_OK,
+                      auvid_allocation_init(&chain.allocation, &auvid_allocation_bluerov2_heavy));
+    TEST_ASSERT_EQUAL(AUVID_OK, attach());
+}
+#endif
+
 static void test_a_model_of_the_residual_path_is_refused(void)
 {
     static auvid_vehicle_t vehicle;
@@ -194,6 +203,24 @@ static void test_with_inputs_less_exact_than_told_little_is_identifiable(void)
     TEST_ASSERT_TRUE(usual > 25 && large < 5);
 }
 
+static void test_inputs_far_less_exact_than_told_give_no_estimate(void)
+{
+    auvid_causes_t causes;
+    char text[160];
+    identify("thrust_backward", 0.7);
+    TEST_ASSERT_TRUE(run.uncertain.contradicted);
+    const auvid_estimate_t *plain = auvid_identifier_estimate(&run.id);
+    TEST_ASSERT_EQUAL_PTR(&run.id.estimate, plain);
+    TEST_ASSERT_EQUAL_HEX32(0, plain->confidence.identifiable);
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_uncertain_causes(&run.uncertain, &causes));
+    TEST_ASSERT_TRUE(causes.contradicted);
+    TEST_ASSERT_EQUAL(AUVID_OK,
+                      auvid_causes_sentence(&causes, &auvid_girona500, 0, text, sizeof text));
+    TEST_ASSERT_NOT_NULL(strstr(text, "far less exact than told"));
+    TEST_ASSERT_EQUAL(AUVID_FINISHED,
+                      auvid_causes_sentence(&causes, &auvid_girona500, 1, text, sizeof text));
+}
+
 /* Sag is counted from an hour ago, not from the beginning of the dive. */
 static void test_a_long_dive_keeps_its_flags(void)
 {
@@ -221,6 +248,15 @@ static void test_the_estimate_without_uncertain_inputs_stays_available(void)
     const auvid_estimate_t *with = auvid_identifier_estimate(&run.id);
     TEST_ASSERT_EQUAL_PTR(&run.uncertain.estimate, with);
     TEST_ASSERT_EQUAL_UINT32(plain->number, with->number);
+    TEST_ASSERT_TRUE(plain->confidence.unchecked);
+    TEST_ASSERT_EQUAL_HEX32(0, plain->confidence.identifiable);
+    auvid_drag_t force;
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_estimate_drag(plain, &auvid_girona500, AUVID_SURGE,
+                                                    AUVID_C(0.6) * plain->speed[0][0], &force));
+    TEST_ASSERT_FALSE(force.identifiable);
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_estimate_drag(with, &auvid_girona500, AUVID_SURGE,
+                                                    AUVID_C(0.6) * with->speed[0][0], &force));
+    TEST_ASSERT_TRUE(force.identifiable);
     double drag = fabs((double)plain->pi[SIM_X_UU] / record.truth.si[SIM_X_UU] - 1.0);
     TEST_ASSERT_TRUE(drag > 2.0 * fabs(error(SIM_X_UU)));
 }
@@ -248,9 +284,13 @@ int main(void)
     RUN_TEST(test_a_prior_out_of_range_is_refused);
     RUN_TEST(test_thrusters_that_are_not_initialised_are_refused);
     RUN_TEST(test_more_columns_than_there_is_room_for_are_refused);
+#if AUVID_MAX_THRUSTERS >= 8
+    RUN_TEST(test_eight_thrusters_fit);
+#endif
     RUN_TEST(test_a_model_of_the_residual_path_is_refused);
     RUN_TEST(test_each_mismatch_is_found_and_leaves_the_parameters_right);
     RUN_TEST(test_with_inputs_less_exact_than_told_little_is_identifiable);
+    RUN_TEST(test_inputs_far_less_exact_than_told_give_no_estimate);
     RUN_TEST(test_a_long_dive_keeps_its_flags);
     RUN_TEST(test_the_estimate_without_uncertain_inputs_stays_available);
     RUN_TEST(test_a_passive_vehicle_in_open_loop_has_uncertain_inputs);
