@@ -24,8 +24,9 @@ check "a log is identified" exits 0 fit train.csv --plain --json --validate test
 cp out fit.json
 check "its JSON has the documented keys" is fit.json '
 assert list(d) == ["version", "status", "seed", "model", "parameters",
-                   "wrong_inputs", "missing", "not_modelled", "assumed", "drag", "delay_s", "r2_force", "r2_validation",
-                   "r2_interval", "change_test", "cell_s", "evaluations", "budget"], list(d)
+                   "wrong_inputs", "missing", "not_modelled", "assumed", "drag",
+                   "delay_s", "r2_force", "r2_validation", "r2_interval",
+                   "change_test", "cell_s", "evaluations", "budget"], list(d)
 assert all(set(p) == {"name", "unit", "estimate", "sigma", "sigma_told", "thrust_error",
                           "dvl_error", "identifiable", "note"}
            for p in d["parameters"])
@@ -39,7 +40,8 @@ assert all(abs(p["estimate"] - TRUTH[n]) < 4 * p["sigma_told"] for n, p in P.ite
     {n: (P[n]["estimate"] - TRUTH[n]) / P[n]["sigma_told"] for n in P}
 assert len(d["missing"]) == 1 and d["missing"][0].startswith("heave: W-B is known to ")
 assert d["change_test"] is None'
-check "with the thrust calibrated to 1 % every parameter is identifiable" exits 0 fit train.csv --plain \
+check "with the thrust calibrated to 1 % every parameter is identifiable" \
+    exits 0 fit train.csv --plain \
     --json --thrust-scale 0.01
 check "  all are" is out '
 assert all(p["identifiable"] for p in d["parameters"]) and d["missing"] == []
@@ -129,7 +131,8 @@ cp out whole.json
 last=$(tail -n 1 train.csv)
 for keep in 1 20 $((${#last} - 3)) "${#last}"; do # the last one is complete, but has no line end
     { cat whole.csv && printf '%s' "${last:0:keep}"; } >cut.csv
-    check "cut after $keep characters of its last line: used up to there" exits 0 fit cut.csv --plain --json
+    check "cut after $keep characters of its last line: used up to there" \
+    exits 0 fit cut.csv --plain --json
     check "  like the log without that line" cmp out whole.json
     check "  with a warning" grep -Eqx \
         'auvid: warning: cut.csv:[0-9]+: the last line .*truncated: it is ignored' err
@@ -199,7 +202,8 @@ for n in TRUTH:
     assert n == "W-B" or P[n]["note"] == ("no input column" if left_out else ""), n
 assert d["missing"][0].startswith("yaw: unactuated") and len(d["missing"]) == 2'
 change 'drop("Y_N")' <train.csv >no_sway.csv
-check "its motion does not harm the others" exits 0 fit no_sway.csv --plain --json --validate test.csv
+check "its motion does not harm the others" \
+    exits 0 fit no_sway.csv --plain --json --validate test.csv
 check "  which are within 10 %, masses within 2 %" is out '
 for n in TRUTH:
     assert (P[n]["estimate"] is None) == (n in ("m_v", "Y_v", "Y_vv")), n
@@ -244,7 +248,8 @@ check "  200 N per unit, with these units in the report" is out '
 assert all(abs(200 * P[n]["estimate"] / TRUTH[n] - 1) < (0.02 if n[0] == "m" else 0.1)
            for n in TRUTH)
 assert P["m_u"]["unit"] == "cmd s2/m" and P["W-B"]["unit"] == "cmd"'
-check "thrusters of commands" refuses '--thrusters needs forces' fit commands.csv --thrusters girona500
+check "thrusters of commands" refuses '--thrusters needs forces' \
+    fit commands.csv --thrusters girona500
 check "training and test log must have the same kind of inputs" refuses 'test.csv:1:1: .*kind' \
     fit commands.csv --validate test.csv
 
@@ -261,12 +266,14 @@ check "  and says so" is out 'assert [n for n in P if "at_bound" in P[n]] == ["m
 check "  names the bound and is not identifiable" is out '
 assert "heave: m_w is at its upper bound of 500 kg: widen it" in d["missing"], d["missing"]
 assert not P["m_w"]["identifiable"] and P["m_w"]["sigma"] is None'
-check "another parameter that depends on a bound" exits 0 fit train.csv --plain --json --bounds=-400,700
+check "another parameter that depends on a bound" \
+    exits 0 fit train.csv --plain --json --bounds=-400,700
 check "  is named with the bound" is out '
 assert "sway: Y_vv at its bound also changes Y_v" in d["missing"], d["missing"]
 assert P["Y_v"]["note"] == "depends on Y_vv, at its bound" and not P["Y_v"]["identifiable"]
 assert error("Y_v") > 0.15 and P["m_v"]["identifiable"] and error("m_v") < 0.02'
-check "with commands the message names the bound" exits 0 fit commands.csv --plain --json --bounds=-500,3
+check "with commands the message names the bound" \
+    exits 0 fit commands.csv --plain --json --bounds=-500,3
 check "  in units of command" is out '
 assert "heave: m_w is at its upper bound of 3 cmd s2/m: widen it" in d["missing"], d["missing"]'
 check "--bounds may be two words" exits 0 fit train.csv --plain --json --bounds -500,500
@@ -297,7 +304,8 @@ assert all(off[n] < 0.03 * T[n] for n in list(T)[:6]), off'
 check "  another log is predicted" is out \
     'assert min(d["r2_validation"][k] for k in "uvwr") > 0.99, d["r2_validation"]'
 cp out bluerov2.json
-check "fossen is the same model without the settings of a fast vehicle" exits 0 fit rov.csv --plain --json \
+check "fossen is the same model without the settings of a fast vehicle" \
+    exits 0 fit rov.csv --plain --json \
     --model fossen
 check "  masses within 4 %" is out "$ROV"'
 assert d["model"] == "Fossen, 6 DoF" and list(P) == list(T)
@@ -325,7 +333,8 @@ assert d["missing"] == [
 check "  within narrower bounds it converges" exits 0 fit far.csv --plain --json --model fossen \
     --bounds=-10,10
 change 'drop("K_Nm")' <rov.csv >no_roll.csv
-check "without its moment roll is not identified" exits 0 fit no_roll.csv --plain --json --model bluerov2
+check "without its moment roll is not identified" \
+    exits 0 fit no_roll.csv --plain --json --model bluerov2
 check "  which is said" is out '
 assert P["K_pp"]["note"] == "no input column" and P["K_pp"]["estimate"] is None
 assert P["M_qq"]["estimate"] is not None and d["delay_s"]["K"] is None'

@@ -48,9 +48,15 @@ static void read_sensors(auvid_input_t *in)
     }
 }
 
-static void thrust_now(auvid_real_t *wrench)
+static void thrust_now(auvid_real_t *force_N)
 {
-    memcpy(wrench, pilot_wrench, sizeof pilot_wrench);
+    static auvid_allocation_t thrusters;
+    auvid_allocation_result_t result;
+    if (auvid_allocation_init(&thrusters, &auvid_allocation_girona500) < 0 ||
+        auvid_allocation_solve(&thrusters, pilot_wrench, &result) < 0) {
+        fault("thrust");
+    }
+    memcpy(force_N, result.force_N, sizeof result.force_N);
 }
 
 static void add_to_controller(const auvid_real_t *wrench)
@@ -123,6 +129,13 @@ static int check_own_estimate(void)
 static sim_config_t world;
 static sim_t sim;
 
+static void begin_world(void)
+{
+    sim_init(&sim, &world);
+    memset(pilot_wrench, 0, sizeof pilot_wrench);
+    auvid_allocation_init(&allocation, &auvid_allocation_girona500);
+}
+
 static void tick(void)
 {
     double wrench[6];
@@ -155,8 +168,7 @@ static bool pilot(const auvid_real_t *amplitude)
 {
     auvid_excitation_config_t sequence;
     auvid_excitation_t stick;
-    sim_init(&sim, &world);
-    memset(pilot_wrench, 0, sizeof pilot_wrench);
+    begin_world();
     auvid_excitation_defaults(&sequence);
     auvid_excitation_plan(&sequence, amplitude, 30, 4, 1);
     auvid_excitation_init(&stick, &sequence);
@@ -181,10 +193,10 @@ static int passive(void)
     if (!pilot(amplitude)) {
         return 1;
     }
-    first = last;
+    first = id.estimate;
     restart_at = 3100;
     control_init();
-    if (!pilot(amplitude) || memcmp(first.pi, last.pi, sizeof first.pi) != 0) {
+    if (!pilot(amplitude) || memcmp(first.pi, id.estimate.pi, sizeof first.pi) != 0) {
         fault("another estimate after a restart");
     }
     return check_estimate();
@@ -234,8 +246,7 @@ static int surface(void)
     auvid_actuation_defaults(&acting);
     auvid_excitation_plan(&acting.excitation, amplitude, 30, 2, 1);
     acting.guard.surface = true;
-    sim_init(&sim, &world);
-    memset(pilot_wrench, 0, sizeof pilot_wrench);
+    begin_world();
     if (auvid_identifier_init(&id, &cfg) < 0 ||
         auvid_identifier_attach_actuation(&id, &actuation, &acting, NULL) < 0) {
         return 1;
@@ -265,8 +276,8 @@ static int exciting(bool adaptive)
     static auvid_identifier_config_t cfg;
     bool begun = false;
     auvid_identifier_defaults(&cfg, &auvid_girona500);
-    sim_init(&sim, &world);
-    memset(pilot_wrench, 0, sizeof pilot_wrench);
+    cfg.exact_inputs = true;
+    begin_world();
     if (auvid_identifier_init(&id, &cfg) < 0 || !plan() || (adaptive && !plan_adaptive())) {
         return 1;
     }

@@ -101,8 +101,7 @@ int report_identifiable(const auvid_estimate_t *estimate);
 /** Writes a short note on parameter i; empty: none. */
 void report_note(const result_t *result, int i, char *text, size_t size);
 
-/** Writes sentence number `which` on what is wrong with the inputs. Returns false after the last one.
- */
+/** Writes sentence number `which` on what is wrong with the inputs. Returns false after them. */
 bool report_cause(const result_t *result, unsigned which, char *text, size_t size);
 
 /** Writes sentence number `which` on what is missing. Returns false after the last one. */

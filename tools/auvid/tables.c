@@ -176,7 +176,8 @@ static void drag_table(const result_t *result)
     }
 }
 
-/* What is wrong with the inputs, what is missing for a complete estimate, what to do about it, and what no motion shows. */
+/* What is wrong with the inputs, what is missing for a complete estimate, what to do about it, and
+ * what no motion shows. */
 static void missing_list(const result_t *result)
 {
     char text[WORDS];

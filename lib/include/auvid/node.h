@@ -157,8 +157,8 @@ auvid_status_t auvid_node_attach_actuation(auvid_node_t *node, auvid_actuation_t
 
 #define auvid_node_attach_uncertain AUVID_SIZED(auvid_node_attach_uncertain)
 /** Attaches uncertain inputs (uncertain.h), with the thrusters of the node. Without them, and
- * without auvid_identifier_config_t.exact_inputs, nothing is reported as identifiable. Call it once,
- * after auvid_node_init and before the first tick. After an error the node is as before.
+ * without auvid_identifier_config_t.exact_inputs, nothing is reported as identifiable. Call it
+ * once, after auvid_node_init and before the first tick. After an error the node is as before.
  * @param storage, cfg see auvid_identifier_attach_uncertain; cfg->fractions is not read
  * @return as auvid_identifier_attach_uncertain. */
 auvid_status_t auvid_node_attach_uncertain(auvid_node_t *node, auvid_uncertain_t *storage,

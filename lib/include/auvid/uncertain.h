@@ -133,7 +133,7 @@ typedef struct {
     uint32_t since_gap;
     uint16_t pending; /* bit 2 j + band: to be rotated */
     uint8_t successive[AUVID_DOF_COUNT];
-    uint8_t begun_before; /* rows under construction that began before the restart */
+    uint8_t begun_before; /* rows under construction that began before begin_us */
     bool takes_rows;
 } auvid_uncertain_rows_t;
 
