@@ -38,10 +38,8 @@ static const char demo_fit_help[] =
     "                     default 0.005\n"
     "  --delay S          standard deviation of the delay from supplied thrust to motion [s],\n"
     "                     used where the data do not determine the delay; default 0.1\n"
-    "  --plain            no errors of thrust and sensors are estimated (uncertain inputs); only "
-    "the\n"
-    "                     two scales and the delay are uncertain. demo: of a field vehicle; else\n"
-    "                     its inputs are exact\n"
+    "  --plain            estimate no errors of thrust and sensors (uncertain inputs), except the\n"
+    "                     above\n"
     "\n";
 static const char demo_help[] =
     "options of demo\n"

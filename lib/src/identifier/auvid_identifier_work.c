@@ -299,7 +299,7 @@ static void identifier_begin_confidence(auvid_identifier_t *id)
     id->work.searching = false;
     auvid_confidence_begin(&id->confidence, &id->metric, id->work.candidate, id->dry_mass_kg,
                            &id->uncertainty);
-    id->confidence.result.unchecked = !id->exact_inputs;
+    id->confidence.result.unchecked = !id->exact_inputs || id->attached.uncertain != NULL;
     auvid_confidence_limits(&id->confidence, id->search.lower, id->search.upper,
                             id->work.not_converged && !auvid_metric_stores_rows(&id->metric));
     id->work.phase = AUVID_WORK_CONFIDENCE;

@@ -274,6 +274,8 @@ static void test_a_passive_vehicle_in_open_loop_has_uncertain_inputs(void)
     TEST_ASSERT_EQUAL_UINT32(1, chain.estimates);
     TEST_ASSERT_EQUAL_PTR(&storage.estimate, auvid_identifier_estimate(&chain.id));
     TEST_ASSERT_FALSE(storage.excited);
+    TEST_ASSERT_TRUE(cfg.id.exact_inputs); /* not read: the inputs are checked */
+    TEST_ASSERT_TRUE(chain.id.estimate.confidence.unchecked);
 }
 
 int main(void)
