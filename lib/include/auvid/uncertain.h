@@ -34,7 +34,8 @@
  *     auvid_identifier_attach_uncertain(&id, &uncertain, &inputs, &thrusters);
  *
  * The commands (auvid_input_t.command) must be the thrusters' forces in newtons, as reported, or
- * fractions of their largest forces (auvid_uncertain_config_t.fractions).
+ * fractions of their largest forces (auvid_uncertain_config_t.fractions). If they do not make the
+ * wrench, there is no estimate with uncertain inputs.
  *
  * Regressor path only. Attach it once; a program without it does not contain it. It is not saved in
  * a checkpoint. Cost: a solution takes 12.4k units of work for Girona500 and 14.3k for an ROV with
@@ -130,6 +131,7 @@ typedef struct {
     auvid_real_t lagged[AUVID_MAX_THRUSTERS];      /* behind it twice */
     uint64_t begin_us;                             /* of the first cell; 0: none */
     auvid_real_t elapsed;                          /* since then, over AUVID_UNCERTAIN_SAG_S */
+    auvid_real_t wrench, difference; /* squares of the wrench; of the thrusters' less the wrench */
     uint32_t since_gap;
     uint16_t pending; /* bit 2 j + band: to be rotated */
     uint8_t successive[AUVID_DOF_COUNT];
@@ -247,6 +249,8 @@ typedef struct {
     uint8_t order[AUVID_CAUSE_COUNT];       /**< the named classes, the largest share first */
     uint8_t named;                          /**< their number */
     bool contradicted;                      /**< see auvid_uncertain_t; then no class is named */
+    bool thrust_differs;                    /**< likewise: the thrusters' forces (command) do not
+                                                 make the wrench */
     uint32_t differs; /**< bit i: the estimates of parameter i with and without uncertain inputs
                            differ by more than both half-widths */
 } auvid_causes_t;

@@ -161,7 +161,7 @@ static void uncertain_end(auvid_identifier_t *id)
 {
     auvid_uncertain_t *u = uncertain_of(id);
     u->work.solving = false;
-    if (u->contradicted) {
+    if (u->contradicted || auvid_uncertain_thrust_differs(u)) {
         u->estimate.number = 0;
     } else {
         uncertain_publish(id);

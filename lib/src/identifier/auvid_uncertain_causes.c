@@ -138,12 +138,14 @@ auvid_status_t auvid_uncertain_causes(const auvid_uncertain_t *u, auvid_causes_t
     if (u->work.solving) {
         return AUVID_PENDING;
     }
-    if (u->estimate.number == 0 && !u->contradicted) {
+    bool differs = auvid_uncertain_thrust_differs(u);
+    if (u->estimate.number == 0 && !u->contradicted && !differs) {
         return AUVID_ERR_NO_DATA;
     }
     memset(causes, 0, sizeof *causes);
-    causes->contradicted = u->contradicted;
-    if (u->contradicted) {
+    causes->thrust_differs = differs;
+    causes->contradicted = u->contradicted && !differs;
+    if (u->contradicted || differs) {
         return AUVID_OK;
     }
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {

@@ -235,6 +235,23 @@ static void uncertain_add_thruster(const auvid_uncertain_t *u, int i, const auvi
     }
 }
 
+/* Compare the thrusters' forces with the wrench that was recorded. */
+static void uncertain_compare(auvid_uncertain_t *u, const auvid_metric_t *m,
+                              const auvid_sample_t *cell)
+{
+    const auvid_allocation_config_t *cfg = &u->allocation->cfg;
+    for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
+        auvid_real_t difference = -cell->tau[j], max = m->cfg.tau_max[j];
+        for (int i = 0; i < cfg->thrusters; ++i) {
+            difference += cfg->thruster[i].wrench[j] * uncertain_force(u, i, cell->command[i]);
+        }
+        if (u->equation[j].order > 0 && max > AUVID_C(0.0)) {
+            u->recorded.wrench += cell->tau[j] / max * (cell->tau[j] / max);
+            u->recorded.difference += difference / max * (difference / max);
+        }
+    }
+}
+
 static void uncertain_thrust_columns(auvid_uncertain_t *u, const auvid_metric_t *m,
                                      const auvid_sample_t *cell, bool first, auvid_real_t *channel)
 {
@@ -344,6 +361,7 @@ void auvid_uncertain_channels(auvid_uncertain_t *u, const auvid_metric_t *m,
             }
         }
     }
+    uncertain_compare(u, m, cell);
     uncertain_thrust_columns(u, m, cell, first, channel);
     if (u->cfg.current > AUVID_C(0.0)) {
         uncertain_current_columns(u, m, cell, channel);

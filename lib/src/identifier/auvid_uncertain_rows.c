@@ -19,6 +19,7 @@ void auvid_uncertain_restart(auvid_uncertain_t *u)
     memset(u->rows, 0, sizeof u->rows);
     u->recorded.begin_us = 0;
     u->recorded.pending = 0;
+    u->recorded.wrench = u->recorded.difference = AUVID_C(0.0);
     memset(u->recorded.successive, 0, sizeof u->recorded.successive);
 }
 
@@ -59,7 +60,7 @@ static void uncertain_cell(void *context, const auvid_metric_t *m, const auvid_s
     }
     if (u->recorded.begin_us == 0) { /* after a restart, or that of the program */
         u->recorded.begin_us = cell->t_us;
-        u->recorded.begun_before = first ? 0u : AUVID_MAX_OVERLAP;
+        u->recorded.begun_before = (uint8_t)(first ? 0 : AUVID_MAX_OVERLAP);
     }
     /* in units of 1024 us: 50 days fit */
     uint32_t elapsed = (uint32_t)((cell->t_us - u->recorded.begin_us) >> 10);

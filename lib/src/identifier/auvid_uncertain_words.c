@@ -97,6 +97,12 @@ auvid_status_t auvid_causes_sentence(const auvid_causes_t *causes, const auvid_v
     }
     auvid_words_t w = {.text = text, .size = size};
     text[0] = '\0';
+    if (which == 0 && causes->thrust_differs) {
+        auvid_words_append(&w,
+                           "the thrusters' forces do not make the wrench; check commands, their "
+                           "unit and the allocation");
+        return AUVID_OK;
+    }
     if (which == 0 && causes->contradicted) {
         auvid_words_append(&w,
                            "thrust, time stamps or sensors are far less exact than told; measure "

@@ -261,9 +261,39 @@ static void test_the_estimate_without_uncertain_inputs_stays_available(void)
     TEST_ASSERT_TRUE(drag > 2.0 * fabs(error(SIM_X_UU)));
 }
 
+/* Before a step: the thrusters' forces that make the wrench. */
+static void supply_forces(struct chain *c, auvid_input_t *in)
+{
+    auvid_allocation_result_t result;
+    TEST_ASSERT_TRUE(auvid_allocation_solve(&c->allocation, in->applied.wrench, &result) >= 0);
+    memcpy(in->applied.command, result.force_N, sizeof result.force_N);
+}
+
+static void test_forces_that_do_not_make_the_wrench_give_no_estimate(void)
+{
+    auvid_causes_t causes;
+    char text[160];
+    chain_set_driver(&cfg); /* without commands: all are zero */
+    TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &cfg));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_allocation_init(&chain.allocation, &cfg.thrusters));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_attach_uncertain(&chain.id, &storage, &inputs,
+                                                                  &chain.allocation));
+    while (chain.estimates == 0 && chain.tick < 5000) {
+        chain_tick(&chain);
+    }
+    TEST_ASSERT_EQUAL_UINT32(1, chain.estimates);
+    TEST_ASSERT_EQUAL_PTR(&chain.id.estimate, auvid_identifier_estimate(&chain.id));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_uncertain_causes(&storage, &causes));
+    TEST_ASSERT_TRUE(causes.thrust_differs);
+    TEST_ASSERT_EQUAL(AUVID_OK,
+                      auvid_causes_sentence(&causes, &auvid_girona500, 0, text, sizeof text));
+    TEST_ASSERT_NOT_NULL(strstr(text, "do not make the wrench"));
+}
+
 static void test_a_passive_vehicle_in_open_loop_has_uncertain_inputs(void)
 {
     chain_set_driver(&cfg);
+    cfg.before = supply_forces;
     TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &cfg));
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_allocation_init(&chain.allocation, &cfg.thrusters));
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_attach_uncertain(&chain.id, &storage, &inputs,
@@ -276,6 +306,31 @@ static void test_a_passive_vehicle_in_open_loop_has_uncertain_inputs(void)
     TEST_ASSERT_FALSE(storage.excited);
     TEST_ASSERT_TRUE(cfg.id.exact_inputs); /* not read: the inputs are checked */
     TEST_ASSERT_TRUE(chain.id.estimate.confidence.unchecked);
+}
+
+static void test_a_dof_that_is_not_excited_changes_no_other(void)
+{
+    static const auvid_real_t amplitude[AUVID_DOF_COUNT] = {100, 100, 0, 0, 0, 40};
+    chain_set_driver(&cfg);
+    cfg.before = supply_forces;
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_excitation_plan(&cfg.driver, amplitude, CHAIN_SET_S, 4, 1));
+    TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &cfg));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_allocation_init(&chain.allocation, &cfg.thrusters));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_attach_uncertain(&chain.id, &storage, &inputs,
+                                                                  &chain.allocation));
+    while (chain.estimates < 3 && chain.tick < 10000) {
+        chain_tick(&chain);
+    }
+    TEST_ASSERT_EQUAL_UINT32(3, chain.estimates);
+    TEST_ASSERT_EQUAL(0, chain.id.estimate.excited >> AUVID_HEAVE & 1);
+    const auvid_estimate_t *e = auvid_identifier_estimate(&chain.id);
+    TEST_ASSERT_EQUAL_PTR(&storage.estimate, e);
+    for (int i = AUVID_G500_M_U; i <= AUVID_G500_M_R; ++i) {
+        double truth = cfg.sim.parameter[i];
+        if (i != AUVID_G500_M_W) {
+            TEST_ASSERT_DOUBLE_WITHIN(0.1 * truth, truth, (double)e->pi[i]);
+        }
+    }
 }
 
 int main(void)
@@ -295,6 +350,8 @@ int main(void)
     RUN_TEST(test_inputs_far_less_exact_than_told_give_no_estimate);
     RUN_TEST(test_a_long_dive_keeps_its_flags);
     RUN_TEST(test_the_estimate_without_uncertain_inputs_stays_available);
+    RUN_TEST(test_forces_that_do_not_make_the_wrench_give_no_estimate);
     RUN_TEST(test_a_passive_vehicle_in_open_loop_has_uncertain_inputs);
+    RUN_TEST(test_a_dof_that_is_not_excited_changes_no_other);
     return UNITY_END();
 }
