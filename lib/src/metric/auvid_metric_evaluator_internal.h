@@ -35,8 +35,8 @@ AUVID_INLINE auvid_equation_t auvid_metric_equation(const auvid_metric_t *m, int
                               .at = at};
 }
 
-/** Returns the parameter of each column in the rows of DoF j's equation. In the merged sets the order
- * may differ: auvid_equation_t.index. */
+/** Returns the parameter of each column in the rows of DoF j's equation. The order in the merged
+ * sets may differ: auvid_equation_t.index. */
 AUVID_INLINE const uint8_t *auvid_metric_row_parameters(const auvid_metric_t *m, int j)
 {
     return m->layout.index + m->layout.channel_at[j];
