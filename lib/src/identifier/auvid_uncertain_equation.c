@@ -18,7 +18,7 @@ int auvid_uncertain_joint_column(const uncertain_t *u, const auvid_metric_t *m, 
         return JOINT_ORDER - 1;
     }
     return k < e->inputs ? u->code[e->column_at + k]
-                         : PARAMETERS_AT + auvid_metric_equation(m, j).index[k - e->inputs];
+                         : PARAMETERS_AT + auvid_uncertain_index(m, j)[k - e->inputs];
 }
 
 /* Sum over the bands of the product of two columns. */
@@ -62,7 +62,7 @@ static void uncertain_prepare_values(uncertain_t *u, const auvid_metric_t *m, in
 {
     auvid_uncertain_part_t *p = &u->work.part;
     const auvid_uncertain_equation_t *e = &u->equation[j];
-    const uint8_t *index = auvid_metric_equation(m, j).index;
+    const uint8_t *index = auvid_uncertain_index(m, j);
     p->drag_at[0] = p->drag_at[1] = e->order;
     for (int k = 0; k < e->order; ++k) {
         p->value[k] = k < e->own         ? u->own[e->own_at + k]
@@ -115,21 +115,21 @@ static void uncertain_prepare_slopes(uncertain_t *u, const auvid_metric_t *m, in
 {
     auvid_uncertain_part_t *p = &u->work.part;
     const auvid_uncertain_equation_t *e = &u->equation[j];
-    auvid_equation_t equation = auvid_metric_equation(m, j);
+    const uint8_t *index = auvid_uncertain_index(m, j);
     auvid_real_t lambda = j < AUVID_ROLL ? AUVID_C(1.0) : AUVID_C(0.5), mass = AUVID_C(0.0);
     auvid_real_t a[AUVID_MAX_PARAMETERS];
     auvid_real_t zz = uncertain_product(u, j, e->order - 1, e->order - 1, weight);
     auvid_confidence_acceleration_row(m->cfg.vehicle, j, &p->regressor, a);
     memset(&p->regressor, 0, sizeof p->regressor); /* the factor is there from now on */
-    for (int k = 0; k < equation.count; ++k) {
-        mass += a[equation.index[k]] * u->pi[equation.index[k]];
+    for (int k = 0; k < m->layout.count[j]; ++k) {
+        mass += a[index[k]] * u->pi[index[k]];
     }
     auvid_clear(u->work.side[j], JOINT_ORDER);
     for (int k = 0; k < e->order - 1; ++k) {
         auvid_real_t side = AUVID_C(0.0), share = AUVID_C(1.0) - lambda;
         if (k >= e->inputs) {
             share = lambda;
-            side = mass > AUVID_C(0.0) ? a[equation.index[k - e->inputs]] / mass : AUVID_C(0.0);
+            side = mass > AUVID_C(0.0) ? a[index[k - e->inputs]] / mass : AUVID_C(0.0);
             p->slope[k] = share * side;
         } else if (auvid_uncertain_of_thrust(u->code[e->column_at + k])) {
             side = zz > AUVID_C(0.0) ? uncertain_product(u, j, k, e->order - 1, weight) / zz

@@ -59,6 +59,13 @@ void auvid_uncertain_begin(auvid_uncertain_t *u);
 auvid_status_t auvid_uncertain_solve(auvid_uncertain_t *u, const auvid_metric_t *m,
                                      uint32_t *budget);
 
+/** Returns the parameter of each of DoF j's columns, in the order of its rows. (That of the merged
+ * sets differs for a DoF that is not excited.) */
+static inline const uint8_t *auvid_uncertain_index(const auvid_metric_t *m, int j)
+{
+    return m->layout.index + m->layout.channel_at[j];
+}
+
 /** Column of the joint factor of column k of DoF j, k >= own. */
 int auvid_uncertain_joint_column(const auvid_uncertain_t *u, const auvid_metric_t *m, int j, int k);
 
