@@ -76,6 +76,9 @@ static const char field_help[] =
     "  --perfect-inputs   set --thrust-scale, --dvl-scale and --delay to zero;\n"
     "                     no input is uncertain\n"
     "  --plain            without uncertain inputs; the two scales and the delay remain\n"
+    "  --reference        give the reference of lawnmower or station to the identifier, whose\n"
+    "                     instruments use it in closed loop\n"
+    "  --alternate A      let their set points alternate by A metres and A / 2 radians each way\n"
     "  --shifts           for each run: how far does each class of causes alone move the\n"
     "                     estimate? Ten times as long\n"
     "\n";

@@ -30,6 +30,8 @@ typedef struct {
     bool perfect_inputs; /**< every uncertainty is zero */
     bool shifts;         /**< rank the classes of causes (field_causes.h) */
     bool plain;          /**< no uncertain inputs (uncertain.h) */
+    bool reference;      /**< give the reference of the driver (uncertain.h) */
+    double alternate_m;  /**< see field_config_t */
     const char *mismatch[FIELD_MISMATCHES]; /**< NAME=SIZE, as given */
     int mismatches;
     field_vehicle_t vehicle;

@@ -69,6 +69,14 @@ int options_field_take(reader_t *r, options_t *options)
         f->chosen = "--plain";
         return take_flag(r, &f->plain);
     }
+    if (strcmp(r->name, "--reference") == 0) {
+        f->chosen = "--reference";
+        return take_flag(r, &f->reference);
+    }
+    if (strcmp(r->name, "--alternate") == 0) {
+        f->chosen = "--alternate";
+        return take_number(r, 10.0, &f->alternate_m);
+    }
     if (strcmp(r->name, "--shifts") == 0) {
         f->chosen = "--shifts";
         return take_flag(r, &f->shifts);

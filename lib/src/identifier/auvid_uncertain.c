@@ -145,7 +145,7 @@ static void uncertain_publish(auvid_identifier_t *id)
                                           uncertain_partner(e, vehicle, p));
     }
     if (!u->excited) {
-        auvid_confidence_close_loop(job, &id->metric);
+        auvid_confidence_close_loop(job, &id->metric, u->work.strong);
     }
     e->confidence = job->result;
 }

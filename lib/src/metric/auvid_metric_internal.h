@@ -117,6 +117,13 @@ static inline uint32_t auvid_metric_cell_us(const auvid_metric_t *m)
  * to 0. */
 void auvid_metric_set_velocity_us(auvid_metric_t *m, uint32_t velocity_us);
 
+/** Returns the parameter of each column of DoF j's rows. (The merged sets have another order where
+ * the DoF is not excited.) */
+static inline const uint8_t *auvid_metric_row_index(const auvid_metric_t *m, int j)
+{
+    return m->layout.index + m->layout.channel_at[j];
+}
+
 /** Order of DoF j's R factor: its parameters and the wrench at each delay; 0: not modelled. */
 static inline int auvid_metric_order(const auvid_metric_t *m, int j)
 {
