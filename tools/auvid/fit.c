@@ -34,7 +34,8 @@ typedef struct {
     auvid_identifier_t id;
     auvid_validation_t prediction;
     auvid_change_detector_t change;
-    literal_t literal; /* if chosen */
+    literal_t literal;            /* if chosen */
+    replay_reference_t reference; /* if the log has one */
 } fitted_t;
 
 /* A fit: logs, options and models. */
@@ -43,6 +44,7 @@ typedef struct {
     csv_log_t train, test;
     size_t gaps; /* number of gaps in the training log */
     replay_t replay;
+    bool reference; /* the log has columns ref_* */
     auvid_real_t tau_max[AUVID_DOF_COUNT];
     uint32_t cell_us;                         /* length of the cells; 0: not chosen yet */
     uint32_t free;                            /* bit i: parameter i is identified */
@@ -200,6 +202,7 @@ static void find_excited(job_t *job)
         }
     }
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
+        job->reference = job->reference || (log->has[CSV_REFERENCE + j] && !job->options->literal);
         bool used = (job->replay.dofs >> j & 1u) != 0;
         job->tau_max[j] = used ? (auvid_real_t)largest[j] : AUVID_C(1.0);
     }
@@ -332,8 +335,16 @@ static bool record(const job_t *job, const auvid_vehicle_t *vehicle, fitted_t *f
     }
     (void)auvid_identifier_attach_prediction(&fitted->id, &fitted->prediction);
     (void)auvid_identifier_attach_change_test(&fitted->id, &fitted->change);
+    if (job->reference) {
+        status = replay_attach(&job->replay, &fitted->reference, &fitted->id);
+        if (status < 0) {
+            (void)report_error("%s: ref_*: %s", job->train.path, auvid_status_str(status));
+            return false;
+        }
+    }
     if (!literal) {
-        replay_identify(&job->train, &job->replay, &fitted->id);
+        replay_identify(&job->train, &job->replay, &fitted->id,
+                        job->reference ? &fitted->reference.instruments : NULL);
     } else if (!replay_literal(job, &fitted->literal, &fitted->id)) {
         (void)report_error("fit: not enough memory");
         return false;
@@ -425,6 +436,9 @@ static void print_heading(const job_t *job, const auvid_identifier_t *id)
 static void gather(const job_t *job, const auvid_identifier_t *id, result_t *result)
 {
     report_gather(result, id, job->options->seed);
+    if (job->reference && auvid_identifier_estimate(id) != NULL) {
+        result->estimate = *auvid_identifier_estimate(id);
+    }
     result->in_commands = job->replay.kind == INPUT_COMMAND;
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
         bool excited = (id->estimate.excited >> j & 1u) != 0;

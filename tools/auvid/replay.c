@@ -41,14 +41,61 @@ static void read_instant(const csv_log_t *log, const replay_t *replay, size_t i,
     }
 }
 
-void replay_identify(const csv_log_t *log, const replay_t *replay, auvid_identifier_t *id)
+auvid_status_t replay_attach(const replay_t *replay, replay_reference_t *reference,
+                             auvid_identifier_t *id)
+{
+    static const auvid_uncertain_config_t exact = {.nominal_lag_s = AUVID_C(0.01)};
+    auvid_allocation_config_t cfg;
+    auvid_allocation_defaults(&cfg);
+    for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
+        if ((replay->dofs >> j & 1u) != 0) {
+            auvid_thruster_t *input = &cfg.thruster[cfg.thrusters++];
+            input->wrench[j] = AUVID_C(1.0);
+            input->max_N = id->metric.cfg.tau_max[j];
+            input->min_N = -input->max_N;
+            cfg.dofs = (uint8_t)(cfg.dofs | 1u << j);
+        }
+    }
+    auvid_status_t status = auvid_allocation_init(&reference->allocation, &cfg);
+    if (status >= 0) {
+        status = auvid_identifier_attach_uncertain(id, &reference->uncertain, &exact,
+                                                   &reference->allocation);
+    }
+    return status < 0 ? status : auvid_identifier_attach_instruments(id, &reference->instruments);
+}
+
+/* Gives row i's reference, and works. */
+static void refer(const csv_log_t *log, size_t i, uint64_t t_us, auvid_identifier_t *id,
+                  auvid_instruments_t *instruments)
+{
+    auvid_real_t reference[AUVID_DOF_COUNT];
+    for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
+        reference[j] = (auvid_real_t)log->row[i].value[CSV_REFERENCE + j];
+    }
+    (void)auvid_instruments_reference(instruments, t_us, reference);
+    while (auvid_identifier_work(id, AUVID_DEFAULT_BUDGET) == AUVID_PENDING) {
+    }
+}
+
+void replay_identify(const csv_log_t *log, const replay_t *replay, auvid_identifier_t *id,
+                     auvid_instruments_t *instruments)
 {
     double turns[3] = {0.0};
     for (size_t i = 0; i < log->rows; ++i) {
         instant_t now;
         read_instant(log, replay, i, turns, &now);
+        auvid_real_t command[AUVID_MAX_COMMANDS] = {0};
+        for (int j = 0, k = 0; j < AUVID_DOF_COUNT; ++j) { /* as replay_attach */
+            if ((replay->dofs >> j & 1u) != 0) {
+                command[k++] = now.wrench[j];
+            }
+        }
+        if (instruments != NULL) {
+            refer(log, i, now.t_us, id, instruments);
+        }
         (void)auvid_identifier_motion(id, now.t_us, now.attitude, now.nu);
-        (void)auvid_identifier_applied(id, now.t_us, now.wrench, NULL);
+        (void)auvid_identifier_applied(id, now.t_us, now.wrench,
+                                       instruments != NULL ? command : NULL);
     }
     (void)auvid_identifier_close(id);
 }

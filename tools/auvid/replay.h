@@ -6,6 +6,7 @@
 #define PROGRAM_REPLAY_H
 
 #include "auvid/identifier.h"
+#include "auvid/uncertain.h"
 #include "csv.h"
 
 /** Kind of the inputs of a log. */
@@ -23,8 +24,21 @@ int replay_inputs(input_kind_t kind);
 /** Time of a row [us]; the first row is at one second. */
 uint64_t replay_time_us(const csv_log_t *log, size_t row);
 
-/** Feeds all rows to the identifier. */
-void replay_identify(const csv_log_t *log, const replay_t *replay, auvid_identifier_t *id);
+/** The inputs of a log as thrusters, each of one DoF: attaches them, without errors, and instruments
+ * (uncertain.h). */
+typedef struct {
+    auvid_allocation_t allocation;
+    auvid_uncertain_t uncertain;
+    auvid_instruments_t instruments;
+} replay_reference_t;
+auvid_status_t replay_attach(const replay_t *replay, replay_reference_t *reference,
+                             auvid_identifier_t *id);
+
+/** Feeds all rows to the identifier.
+ * @param instruments which receive the reference; the identifier then works during the log, because
+ * only an estimate shows feedback. NULL: none */
+void replay_identify(const csv_log_t *log, const replay_t *replay, auvid_identifier_t *id,
+                     auvid_instruments_t *instruments);
 
 /** A cell of the record. */
 typedef struct {
