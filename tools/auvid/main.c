@@ -133,8 +133,8 @@ static const char columns_help[] =
     "q_radps r_radps; inputs X_N Y_N Z_N K_Nm M_Nm N_Nm, or commands cmd_surge cmd_sway cmd_heave\n"
     "cmd_roll cmd_pitch cmd_yaw. An input needs its velocity or rate; other missing columns count\n"
     "as zero. Angles are in radians. A degree of freedom whose input does not vary is ignored.\n"
-    "ref_surge ref_sway ref_heave ref_roll ref_pitch ref_yaw: velocity or rate of the controller's\n"
-    "reference along its own axes, which identifies a vehicle in closed loop.\n"
+    "ref_surge ref_sway ref_heave ref_roll ref_pitch ref_yaw: velocity or rate of the\n"
+    "reference of a controller along its own axes, which identifies a vehicle in closed loop.\n"
     "\n";
 static const char exit_help[] =
     "exit status: 0 identified; 1 not converged, or nothing to identify; 2 bad usage or data\n";

@@ -24,8 +24,8 @@ int replay_inputs(input_kind_t kind);
 /** Time of a row [us]; the first row is at one second. */
 uint64_t replay_time_us(const csv_log_t *log, size_t row);
 
-/** The inputs of a log as thrusters, each of one DoF: attaches them, without errors, and instruments
- * (uncertain.h). */
+/** The inputs of a log as thrusters, each of one DoF: attaches them, without errors, and
+ * instruments (uncertain.h). */
 typedef struct {
     auvid_allocation_t allocation;
     auvid_uncertain_t uncertain;
