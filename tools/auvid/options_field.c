@@ -111,6 +111,11 @@ int options_field_check(options_t *options)
     if (options->vehicle != &vehicle_girona500) {
         return report_error("demo: the vehicles of --field are girona500 and rov20");
     }
+    bool controlled = f->driver == FIELD_LAWNMOWER || f->driver == FIELD_STATION;
+    if (!controlled && (f->reference || f->alternate_m > 0.0)) {
+        return report_error("demo: %s needs --driver lawnmower or station",
+                            f->reference ? "--reference" : "--alternate");
+    }
     if (options->sets > 0 && f->driver != FIELD_EXCITED) {
         return report_error("demo: --sets needs --driver excited");
     }
