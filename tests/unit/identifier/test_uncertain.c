@@ -240,6 +240,17 @@ static void test_a_passive_vehicle_in_open_loop_has_uncertain_inputs(void)
     TEST_ASSERT_FALSE(storage.excited);
 }
 
+/* A lawnmower does not excite heave; its rows are taken nevertheless. */
+static void test_rows_of_a_dof_that_is_not_excited_belong_to_its_parameters(void)
+{
+    field_run_defaults(&field);
+    field_defaults(&field.field, FIELD_ROV20, FIELD_LAWNMOWER, 5);
+    field_draw(&field.field, 0.0);
+    TEST_ASSERT_TRUE(field_run(&run, &field, &record));
+    TEST_ASSERT_DOUBLE_WITHIN(0.3, 0.0, error(SIM_M_U)); /* it was 13 */
+    TEST_ASSERT_DOUBLE_WITHIN(0.3, 0.0, error(SIM_X_UU));
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -254,5 +265,6 @@ int main(void)
     RUN_TEST(test_a_long_dive_keeps_its_flags);
     RUN_TEST(test_the_estimate_without_uncertain_inputs_stays_available);
     RUN_TEST(test_a_passive_vehicle_in_open_loop_has_uncertain_inputs);
+    RUN_TEST(test_rows_of_a_dof_that_is_not_excited_belong_to_its_parameters);
     return UNITY_END();
 }
