@@ -120,6 +120,18 @@ exits 0 demo --field 1 --runs 2 --seed 3 --sets 4 --json
 check "seeds are consecutive: runs may be divided among processes" holds out '
 assert d["each"] == json.load(open("four"))["each"][2:]'
 
+# ---- the reference of a controller ----
+loop="demo --field 0 --driver lawnmower --alternate 0.5 --runs 4 --json"
+exits 0 $loop
+check "in closed loop nothing is flagged" holds out '
+assert sum(sum(run["flagged"]) for run in d["each"]) == 0'
+exits 0 $loop --reference
+check "with its reference more than half is, and right" holds out '
+assert sum(sum(run["flagged"]) for run in d["each"]) > 0.5 * 4 * 13
+assert sum(sum(run["wrong"]) for run in d["each"]) == 0'
+check "only a controller has a reference" refuses "needs --driver lawnmower or station" \
+    demo --field 0 --reference
+
 # ---- causes ----
 exits 0 demo --mismatch thrust_backward=0.1 --runs 4 --json
 check "weaker backward thrust is named, with a sentence" holds out '

@@ -385,6 +385,32 @@ assert d["cell_s"] in (0.2, 0.4, 0.8) and d["r2_force"]["X"] > 0.95, (d["cell_s"
 assert abs(P["m_u"]["estimate"] / 800 - 1) < 0.05 and P["m_u"]["identifiable"], P["m_u"]'
 check "  and the table says so" exits 0 fit ship.csv --plain
 check "  in one sentence" grep -q "cells  *0.[248] s instead of 0.1 s: the vehicle is slow" out
+python3 - >loop.csv <<'END'
+# A controller that follows a speed, against a strong disturbance.
+import random
+random.seed(3)
+print("t_s,u_mps,X_N,ref_surge")
+u = force = wanted = smooth = total = thrust = until = 0
+for k in range(50 * 1500):
+    t = k / 50
+    if k % 10 == 0:
+        if t >= until:
+            wanted, until = random.uniform(-1, 1), t + random.uniform(3, 15)
+        smooth += 0.2 * (wanted - smooth)
+        seen = random.gauss(u, 0.003)
+        total += 10 * (smooth - seen)
+        thrust = max(-300, min(300, 250 * (smooth - seen) + total))
+        print(f"{t:.2f},{seen:.4f},{thrust:.3f},{smooth:.4f}")
+    force += -force / 2 / 50 + 40 * random.gauss(0, 1) / 50**0.5
+    u += (thrust + force - 120 * u) / 250 / 50
+END
+sed 's/ref_surge/other/' loop.csv >unreferred.csv
+fix="--fix X_uu=0 --thrust-scale 0 --json"
+check "a vehicle in closed loop is identified by its reference" exits 0 fit loop.csv $fix
+check "  as it is" is out '
+assert abs(P["m_u"]["estimate"] / 250 - 1) < 0.1 and abs(P["X_u"]["estimate"] / -120 - 1) < 0.1, P'
+check "without it" exits 0 fit unreferred.csv $fix
+check "  its mass is too small" is out 'assert P["m_u"]["estimate"] < 0.8 * 250, P["m_u"]'
 check "a quick vehicle keeps its cells" is fit.json 'assert d["cell_s"] == 0.1'
 
 finish

@@ -12,9 +12,10 @@
 #define LARGEST_TIME 1e9 /* largest time since the first row [s] */
 
 const char *const csv_name[CSV_COLUMNS] = {
-    "t_s",       "phi_rad",  "theta_rad", "psi_rad",  "u_mps",     "v_mps",  "w_mps", "p_radps",
-    "q_radps",   "r_radps",  "X_N",       "Y_N",      "Z_N",       "K_Nm",   "M_Nm",  "N_Nm",
-    "cmd_surge", "cmd_sway", "cmd_heave", "cmd_roll", "cmd_pitch", "cmd_yaw"};
+    "t_s",     "phi_rad",   "theta_rad", "psi_rad",   "u_mps",     "v_mps",     "w_mps",
+    "p_radps", "q_radps",   "r_radps",   "X_N",       "Y_N",       "Z_N",       "K_Nm",
+    "M_Nm",    "N_Nm",      "cmd_surge", "cmd_sway",  "cmd_heave", "cmd_roll",  "cmd_pitch",
+    "cmd_yaw", "ref_surge", "ref_sway",  "ref_heave", "ref_roll",  "ref_pitch", "ref_yaw"};
 
 /* State of the reader. A field is the text between commas, without blanks and quotes. */
 typedef struct {

@@ -17,7 +17,8 @@ enum {
     CSV_NU = CSV_ATTITUDE + 3,
     CSV_WRENCH = CSV_NU + 6,
     CSV_COMMAND = CSV_WRENCH + 6,
-    CSV_COLUMNS = CSV_COMMAND + 6
+    CSV_REFERENCE = CSV_COMMAND + 6,
+    CSV_COLUMNS = CSV_REFERENCE + 6
 };
 
 /** Their names. */

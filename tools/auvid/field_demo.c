@@ -79,6 +79,7 @@ static int make_world(const options_t *options, const auvid_uncertainty_t *u, ui
     field_config_t *field = &cfg->field;
     int status = 0;
     field_defaults(field, f->vehicle, f->driver, seed);
+    field->alternate_m = f->alternate_m;
     if (f->driver == FIELD_EXCITED) {
         field->length_s = 30.0 * options->sets;
     } else if (f->hours > 0.0) {
@@ -122,6 +123,7 @@ static void begin(campaign_memory_t *m, const options_t *options)
     m->cfg.dvl_scale = options->dvl_scale;
     m->cfg.delay_s = options->delay_s;
     m->cfg.uncertain = !f->perfect_inputs && !options->plain;
+    m->cfg.reference = f->reference;
     m->cfg.sets = options->sets;
     m->cfg.budget = options->budget;
     m->cfg.field.vehicle = f->vehicle;

@@ -147,11 +147,19 @@ static bool attach(field_run_t *run, const field_run_config_t *config)
              0)) {
         return false;
     }
-    if (config->uncertain) {
+    if (config->uncertain || config->reference) {
         auvid_uncertain_config_t inputs;
         auvid_uncertain_defaults(&inputs);
+        if (!config->uncertain) {
+            auvid_real_t lag_s = config->delay_s < 0.0 || config->delay_s > 0.0
+                                     ? inputs.nominal_lag_s
+                                     : AUVID_C(0.01);
+            inputs = (auvid_uncertain_config_t){.nominal_lag_s = lag_s};
+        }
         return auvid_identifier_attach_uncertain(&run->id, &run->uncertain, &inputs,
-                                                 &run->allocation) >= 0;
+                                                 &run->allocation) >= 0 &&
+               (!config->reference ||
+                auvid_identifier_attach_instruments(&run->id, &run->instruments) >= 0);
     }
     return true;
 }
@@ -189,6 +197,11 @@ static void record_motion(field_run_t *run, const field_run_config_t *config,
             begin(id);
         }
         sense(&seen, &in);
+        if (config->reference) {
+            auvid_real_t reference[AUVID_DOF_COUNT];
+            copy(reference, seen.reference, AUVID_DOF_COUNT);
+            (void)auvid_instruments_reference(&run->instruments, in.t_us, reference);
+        }
         (void)auvid_identifier_step(id, &in, &out);
         count_alarms(out.events, 1e-6 * (double)in.t_us, record);
         (void)auvid_identifier_work(id, config->budget);

@@ -23,7 +23,9 @@ typedef struct {
     field_config_t field;
     /** Uncertainties of the identifier (auvid_uncertainty_t). Negative: the library's default. */
     double thrust_scale, dvl_scale, delay_s;
-    bool uncertain;               /**< with uncertain inputs (uncertain.h) */
+    bool uncertain; /**< with uncertain inputs (uncertain.h) */
+    bool reference; /**< with the reference of the driver (uncertain.h); without uncertain
+                         inputs these are exact */
     const auvid_vehicle_t *model; /**< NULL: as above; else the first parameters are Girona500's */
     uint32_t sets;   /**< excited: number of sets of 30 s; the plan is repeated as needed */
     uint32_t budget; /**< work units per tick */
@@ -71,6 +73,7 @@ typedef struct {
     auvid_allocation_t allocation;
     auvid_actuation_t actuation;
     auvid_uncertain_t uncertain;
+    auvid_instruments_t instruments;
     field_projection_t projection;
 } field_run_t;
 

@@ -34,8 +34,8 @@ typedef struct {
     auvid_identifier_t id;
     auvid_validation_t prediction;
     auvid_change_detector_t change;
-    auvid_uncertain_t uncertain; /* if the thrusters are known */
-    literal_t literal;           /* if chosen */
+    replay_inputs_t inputs; /* if the thrusters are known, or there is a reference */
+    literal_t literal;      /* if chosen */
 } fitted_t;
 
 /* A fit: logs, options and models. */
@@ -44,7 +44,6 @@ typedef struct {
     csv_log_t train, test;
     size_t gaps; /* number of gaps in the training log */
     replay_t replay;
-    auvid_allocation_t thrusters;
     auvid_real_t tau_max[AUVID_DOF_COUNT];
     uint32_t cell_us;                         /* length of the cells; 0: not chosen yet */
     uint32_t free;                            /* bit i: parameter i is identified */
@@ -178,15 +177,11 @@ static int find_inputs(job_t *job)
 static int take_thrusters(job_t *job)
 {
     const vehicle_t *vehicle = job->options->thrusters;
-    if (vehicle == NULL) {
-        return 0;
-    }
-    if (job->replay.kind == INPUT_COMMAND) {
+    if (vehicle != NULL && job->replay.kind == INPUT_COMMAND) {
         return report_error("fit: --thrusters needs forces and moments (X_N ..), not commands");
     }
-    auvid_status_t status = auvid_allocation_init(&job->thrusters, vehicle->allocation);
-    job->replay.thrusters = &job->thrusters;
-    return status < 0 ? report_error("fit: --thrusters: %s", auvid_status_str(status)) : 0;
+    job->replay.thrusters = vehicle != NULL ? vehicle->allocation : NULL;
+    return 0;
 }
 
 /* Finds the DoF that can be identified, and the largest values of their inputs. */
@@ -217,6 +212,7 @@ static void find_excited(job_t *job)
         }
     }
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
+        job->replay.reference |= log->has[CSV_REFERENCE + j] && !job->options->literal;
         bool used = (job->replay.dofs >> j & 1u) != 0;
         job->tau_max[j] = used ? (auvid_real_t)largest[j] : AUVID_C(1.0);
     }
@@ -351,18 +347,13 @@ static bool record(const job_t *job, const auvid_vehicle_t *vehicle, fitted_t *f
     }
     (void)auvid_identifier_attach_prediction(&fitted->id, &fitted->prediction);
     (void)auvid_identifier_attach_change_test(&fitted->id, &fitted->change);
-    if (job->replay.thrusters != NULL) {
-        auvid_uncertain_config_t inputs;
-        auvid_uncertain_defaults(&inputs);
-        status = auvid_identifier_attach_uncertain(&fitted->id, &fitted->uncertain, &inputs,
-                                                   job->replay.thrusters);
-    }
+    status = replay_attach(&job->replay, &fitted->inputs, &fitted->id);
     if (status < 0) {
         (void)report_error("fit: uncertain inputs: %s", auvid_status_str(status));
         return false;
     }
     if (!literal) {
-        replay_identify(&job->train, &job->replay, &fitted->id);
+        replay_identify(&job->train, &job->replay, &fitted->inputs, &fitted->id);
     } else if (!replay_literal(job, &fitted->literal, &fitted->id)) {
         (void)report_error("fit: not enough memory");
         return false;

@@ -77,6 +77,9 @@ static const char field_help[] =
     "  --hours H          length of each run; an excited vehicle repeats its plan\n"
     "  --perfect-inputs   set --thrust-scale, --dvl-scale and --delay to zero;\n"
     "                     no input is uncertain\n"
+    "  --reference        give the reference of lawnmower or station to the identifier, whose\n"
+    "                     instruments use it in closed loop\n"
+    "  --alternate A      let their set points alternate by A metres and A / 2 radians each way\n"
     "  --shifts           for each run: how far does each class of causes alone move the\n"
     "                     estimate? Ten times as long\n"
     "\n";
@@ -134,6 +137,8 @@ static const char columns_help[] =
     "q_radps r_radps; inputs X_N Y_N Z_N K_Nm M_Nm N_Nm, or commands cmd_surge cmd_sway cmd_heave\n"
     "cmd_roll cmd_pitch cmd_yaw. An input needs its velocity or rate; other missing columns count\n"
     "as zero. Angles are in radians. A degree of freedom whose input does not vary is ignored.\n"
+    "ref_surge ref_sway ref_heave ref_roll ref_pitch ref_yaw: velocity or rate of the\n"
+    "reference of a controller along its own axes, which identifies a vehicle in closed loop.\n"
     "\n";
 static const char exit_help[] =
     "exit status: 0 identified; 1 not converged, or nothing to identify; 2 bad usage or data\n";

@@ -29,6 +29,8 @@ typedef struct {
     bool perfect_thrust; /**< no mismatch of the thrust is drawn */
     bool perfect_inputs; /**< every uncertainty is zero */
     bool shifts;         /**< rank the classes of causes (field_causes.h) */
+    bool reference;      /**< give the reference of the driver (uncertain.h) */
+    double alternate_m;  /**< see field_config_t */
     const char *mismatch[FIELD_MISMATCHES]; /**< NAME=SIZE, as given */
     int mismatches;
     field_vehicle_t vehicle;

@@ -65,6 +65,14 @@ int options_field_take(reader_t *r, options_t *options)
         f->chosen = "--perfect-thrust";
         return take_flag(r, &f->perfect_thrust);
     }
+    if (strcmp(r->name, "--reference") == 0) {
+        f->chosen = "--reference";
+        return take_flag(r, &f->reference);
+    }
+    if (strcmp(r->name, "--alternate") == 0) {
+        f->chosen = "--alternate";
+        return take_number(r, 10.0, &f->alternate_m);
+    }
     if (strcmp(r->name, "--shifts") == 0) {
         f->chosen = "--shifts";
         return take_flag(r, &f->shifts);
@@ -99,6 +107,11 @@ int options_field_check(options_t *options)
     }
     if (options->vehicle != &vehicle_girona500) {
         return report_error("demo: the vehicles of --field are girona500 and rov20");
+    }
+    bool controlled = f->driver == FIELD_LAWNMOWER || f->driver == FIELD_STATION;
+    if (!controlled && (f->reference || f->alternate_m > 0.0)) {
+        return report_error("demo: %s needs --driver lawnmower or station",
+                            f->reference ? "--reference" : "--alternate");
     }
     if (options->sets > 0 && f->driver != FIELD_EXCITED) {
         return report_error("demo: --sets needs --driver excited");

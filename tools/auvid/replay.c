@@ -41,15 +41,74 @@ static void read_instant(const csv_log_t *log, const replay_t *replay, size_t i,
     }
 }
 
-void replay_identify(const csv_log_t *log, const replay_t *replay, auvid_identifier_t *id)
+/* Each DoF that is used as a thruster. */
+static void one_per_dof(const replay_t *replay, const auvid_identifier_t *id,
+                        auvid_allocation_config_t *cfg)
+{
+    auvid_allocation_defaults(cfg);
+    for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
+        if ((replay->dofs >> j & 1u) != 0) {
+            auvid_thruster_t *input = &cfg->thruster[cfg->thrusters++];
+            input->wrench[j] = AUVID_C(1.0);
+            input->max_N = id->metric.cfg.tau_max[j];
+            input->min_N = -input->max_N;
+            cfg->dofs = (uint8_t)(cfg->dofs | 1u << j);
+        }
+    }
+}
+
+auvid_status_t replay_attach(const replay_t *replay, replay_inputs_t *inputs,
+                             auvid_identifier_t *id)
+{
+    bool known = replay->thrusters != NULL;
+    auvid_uncertain_config_t cfg = {.nominal_lag_s = AUVID_C(0.01)}; /* no errors */
+    auvid_allocation_config_t thrusters;
+    if (!known && !replay->reference) {
+        return AUVID_OK;
+    }
+    if (known) {
+        thrusters = *replay->thrusters;
+        auvid_uncertain_defaults(&cfg);
+    } else {
+        one_per_dof(replay, id, &thrusters);
+    }
+    auvid_status_t status = auvid_allocation_init(&inputs->allocation, &thrusters);
+    if (status >= 0) {
+        status =
+            auvid_identifier_attach_uncertain(id, &inputs->uncertain, &cfg, &inputs->allocation);
+    }
+    if (status >= 0 && replay->reference) {
+        status = auvid_identifier_attach_instruments(id, &inputs->instruments);
+    }
+    return status;
+}
+
+/* Gives row i's reference, and works. */
+static void refer(const csv_log_t *log, size_t i, uint64_t t_us, auvid_identifier_t *id,
+                  auvid_instruments_t *instruments)
+{
+    auvid_real_t reference[AUVID_DOF_COUNT];
+    for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
+        reference[j] = (auvid_real_t)log->row[i].value[CSV_REFERENCE + j];
+    }
+    (void)auvid_instruments_reference(instruments, t_us, reference);
+    while (auvid_identifier_work(id, AUVID_DEFAULT_BUDGET) == AUVID_PENDING) {
+    }
+}
+
+void replay_identify(const csv_log_t *log, const replay_t *replay, replay_inputs_t *inputs,
+                     auvid_identifier_t *id)
 {
     double turns[3] = {0.0};
     for (size_t i = 0; i < log->rows; ++i) {
         instant_t now;
         auvid_allocation_result_t thrust = {0};
         read_instant(log, replay, i, turns, &now);
-        if (replay->thrusters != NULL) {
-            (void)auvid_allocation_solve(replay->thrusters, now.wrench, &thrust);
+        if (id->attached.uncertain != NULL) {
+            (void)auvid_allocation_solve(&inputs->allocation, now.wrench, &thrust);
+        }
+        if (replay->reference) {
+            refer(log, i, now.t_us, id, &inputs->instruments);
         }
         (void)auvid_identifier_motion(id, now.t_us, now.attitude, now.nu);
         (void)auvid_identifier_applied(id, now.t_us, now.wrench, thrust.force_N);

@@ -7,6 +7,7 @@
 
 #include "auvid/allocation.h"
 #include "auvid/identifier.h"
+#include "auvid/uncertain.h"
 #include "csv.h"
 
 /** Kind of the inputs of a log. */
@@ -15,8 +16,9 @@ typedef enum { INPUT_WRENCH, INPUT_COMMAND } input_kind_t;
 /** How to read a log. */
 typedef struct {
     input_kind_t kind;
-    uint8_t dofs; /**< bit j: the input of DoF j is used (its velocity exists) */
-    const auvid_allocation_t *thrusters; /**< NULL: not known */
+    uint8_t dofs;   /**< bit j: the input of DoF j is used (its velocity exists) */
+    bool reference; /**< the log has the reference of a controller (ref_*) */
+    const auvid_allocation_config_t *thrusters; /**< NULL: not known */
 } replay_t;
 
 /** First column of the inputs of a kind. */
@@ -25,9 +27,22 @@ int replay_inputs(input_kind_t kind);
 /** Time of a row [us]; the first row is at one second. */
 uint64_t replay_time_us(const csv_log_t *log, size_t row);
 
-/** Feeds all rows to the identifier, with the thrusters' forces that make the wrench, if they are
- * known. */
-void replay_identify(const csv_log_t *log, const replay_t *replay, auvid_identifier_t *id);
+/** Uncertain inputs of a log, and instruments (uncertain.h). */
+typedef struct {
+    auvid_allocation_t allocation;
+    auvid_uncertain_t uncertain;
+    auvid_instruments_t instruments;
+} replay_inputs_t;
+
+/** Attaches uncertain inputs if the thrusters are known, and instruments if there is a reference: of
+ * unknown thrusters without errors, each DoF as one of them. Returns the library's status. */
+auvid_status_t replay_attach(const replay_t *replay, replay_inputs_t *inputs,
+                             auvid_identifier_t *id);
+
+/** Feeds all rows to the identifier. With a reference it works during the log, because only an
+ * estimate shows feedback. */
+void replay_identify(const csv_log_t *log, const replay_t *replay, replay_inputs_t *inputs,
+                     auvid_identifier_t *id);
 
 /** A cell of the record. */
 typedef struct {

@@ -140,6 +140,7 @@ void field_step(field_t *field, const double *thruster_N, field_output_t *out)
     double command_N[SIM_THRUSTERS] = {0};
     memset(out, 0, sizeof *out);
     field_pilot_drive(field, thruster_N, command_N);
+    memcpy(out->reference, field->pilot.reference_nu, sizeof out->reference);
     field_thrust_command(field, command_N);
     if (!field->ballasted && 1e-6 * (double)field->t_us >= c->length_s / 2.0) {
         field->ballasted = true;

@@ -68,6 +68,9 @@ typedef struct {
     double length_s; /**< of the run [s], > 0: sag, battery and fouling reach their size at its end,
                           ballast is added halfway; default 240 (excited), 600 */
     double size[FIELD_MISMATCHES]; /**< of each mismatch, in its unit; 0: none */
+    double
+        alternate_m; /**< lawnmower, station: the reference alternates by this much to each side of
+                          its path [m], and half as much in heading [rad]; 0: not */
 } field_config_t;
 
 /** Output to the identifier in a tick of SIM_TICK_US. */
@@ -79,6 +82,8 @@ typedef struct {
                                                 the next one; correct: the start of the tick */
     double wrench[6];                      /**< the reported wrench [N, Nm] */
     double thruster_N[SIM_THRUSTERS];      /**< the reported thrust of each thruster [N] */
+    double reference[6];                   /**< velocity of the controllers' reference in its own
+                                                axes [m/s, rad/s]; other drivers: 0 */
 } field_output_t;
 
 /** The truth at the end of the tick. */
@@ -166,7 +171,11 @@ typedef struct {
     bool has_velocity;
     double sum[4]; /* integrals of the controllers [N, Nm] */
     double reference[2], reference_speed, reference_heading;
-    double from[2]; /* start of the leg */
+    double from[2];                 /* start of the leg */
+    double aside[4], aside_rate[4]; /* of the reference: ahead, to starboard, down, heading */
+    double aside_to[4], aside_s[4]; /* its target; end of its validity */
+    double reference_nu[6];         /* velocity of the reference, in its axes */
+    sim_rng_t aside_rng;
     int leg;
     double stick[4], stick_to[4], stick_s[4]; /* deflection; its target; end of its validity */
     bool deep;                                /* the pilot is correcting the depth */

@@ -28,6 +28,7 @@ enum { X, Y, Z, N, WANTED };
 #define LEG_M 18.0
 #define LANE_M 3.0
 #define LANES 6
+#define ALTERNATE_S 0.5
 /* Change between DVL samples above which the new one is rejected. */
 #define VELOCITY_JUMP_M_S 0.6
 
@@ -39,6 +40,7 @@ void field_pilot_init(field_t *field)
     memset(p, 0, sizeof *p);
     p->position[2] = field->truth.position[2];
     sim_rng_seed(&p->rng, field->cfg.seed, FIELD_STREAM_PILOT);
+    sim_rng_seed(&p->aside_rng, field->cfg.seed, FIELD_STREAM_ALTERNATE);
     for (int i = 0; i < WANTED; ++i) { /* T' (T T')^-1 */
         double square[6][6] = {{0}}, x[6] = {0};
         for (int k = 0; k < 6; ++k) {
@@ -141,28 +143,57 @@ static double pid(double *sum, double error, double error_rate, double m, double
     return fmax(-limit, fmin(limit, gain * error + damping * error_rate + *sum));
 }
 
-/* Holds the reference position, depth and heading. */
-static void hold(field_t *field, const double rate[2], double want[WANTED])
+/* Moves the reference about its path: to one side, then to the other, at random times. */
+static void alternate(field_t *field)
+{
+    field_pilot_t *p = &field->pilot;
+    double now = 1e-6 * (double)field->t_us;
+    for (int i = 0; i < WANTED && field->cfg.alternate_m > 0.0; ++i) {
+        double size = field->cfg.alternate_m * (i == N ? 0.5 : 1.0), most = 0.5 * size;
+        if (now >= p->aside_s[i]) {
+            p->aside_to[i] = p->aside_to[i] > 0.0 ? -size : size;
+            p->aside_s[i] = now + 3.0 + 9.0 * sim_rng_uniform(&p->aside_rng);
+        }
+        double wanted = fmax(-most, fmin(most, p->aside_to[i] - p->aside[i]));
+        p->aside_rate[i] += (wanted - p->aside_rate[i]) * TICK_S / ALTERNATE_S;
+        p->aside[i] += p->aside_rate[i] * TICK_S;
+    }
+}
+
+/* Holds the reference position, depth and heading.
+ * rate, turn: velocity of the reference, north and east; rate of its heading */
+static void hold(field_t *field, const double rate[2], double turn, double want[WANTED])
 {
     const field_sheet_t *sheet = field_sheet(field->cfg.vehicle);
     const double *mass = sheet->parameter + SIM_M_U, *limit = sheet->amplitude;
     field_pilot_t *p = &field->pilot;
-    double c = cos(p->euler[2]), s = sin(p->euler[2]), b = sheet->bandwidth;
-    double north = p->reference[0] - p->position[0], east = p->reference[1] - p->position[1];
-    double turn = remainder(p->reference_heading - p->euler[2], 2.0 * FIELD_PI);
-    double down = FIELD_START_M - p->position[2];
-    want[X] = pid(&p->sum[X], c * north + s * east, c * rate[0] + s * rate[1] - p->velocity[0],
+    double c = cos(p->reference_heading), s = sin(p->reference_heading), b = sheet->bandwidth;
+    const double *d = p->aside, *v = p->aside_rate;
+    alternate(field);
+    double north = p->reference[0] + c * d[X] - s * d[Y] - p->position[0];
+    double east = p->reference[1] + s * d[X] + c * d[Y] - p->position[1];
+    const double over[2] = {rate[0] + c * v[X] - s * v[Y] - turn * (s * d[X] + c * d[Y]),
+                            rate[1] + s * v[X] + c * v[Y] + turn * (c * d[X] - s * d[Y])};
+    double heading = p->reference_heading + d[N];
+    p->reference_nu[0] = cos(heading) * over[0] + sin(heading) * over[1];
+    p->reference_nu[1] = cos(heading) * over[1] - sin(heading) * over[0];
+    p->reference_nu[2] = v[Z];
+    p->reference_nu[5] = turn + v[N];
+    double off = remainder(heading - p->euler[2], 2.0 * FIELD_PI);
+    double down = FIELD_START_M + d[Z] - p->position[2];
+    c = cos(p->euler[2]), s = sin(p->euler[2]);
+    want[X] = pid(&p->sum[X], c * north + s * east, c * over[0] + s * over[1] - p->velocity[0],
                   mass[0], b, limit[0]);
-    want[Y] = pid(&p->sum[Y], c * east - s * north, c * rate[1] - s * rate[0] - p->velocity[1],
+    want[Y] = pid(&p->sum[Y], c * east - s * north, c * over[1] - s * over[0] - p->velocity[1],
                   mass[1], b, limit[1]);
-    want[Z] = pid(&p->sum[Z], down, -p->velocity[2], mass[2], b, limit[2]);
-    want[N] = pid(&p->sum[N], turn, -p->rates[2], mass[3], 2.0 * b, limit[5]);
+    want[Z] = pid(&p->sum[Z], down, v[Z] - p->velocity[2], mass[2], b, limit[2]);
+    want[N] = pid(&p->sum[N], off, v[N] - p->rates[2], mass[3], 2.0 * b, limit[5]);
 }
 
 static void station(field_t *field, double want[WANTED])
 {
     const double still[2] = {0};
-    hold(field, still, want);
+    hold(field, still, 0.0, want);
 }
 
 /* The reference moves along the leg, then to the next leg while the heading turns. */
@@ -185,12 +216,13 @@ static void lawnmower(field_t *field, double want[WANTED])
     p->reference[1] += rate[1] * TICK_S;
     double heading = across ? (back > 0.0 ? FIELD_PI : 0.0) : to;
     double turn = remainder(heading - p->reference_heading, 2.0 * FIELD_PI);
-    p->reference_heading += fmax(-0.3, fmin(0.3, turn)) * TICK_S;
+    turn = fmax(-0.3, fmin(0.3, turn));
+    p->reference_heading += turn * TICK_S;
     if (gone >= length) {
         ++p->leg;
         memcpy(p->from, p->reference, sizeof p->from);
     }
-    hold(field, rate, want);
+    hold(field, rate, turn, want);
 }
 
 void field_pilot_drive(field_t *field, const double *thruster_N, double command_N[SIM_THRUSTERS])

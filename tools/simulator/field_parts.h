@@ -86,6 +86,7 @@ enum {
     FIELD_STREAM_WAVES,
     FIELD_STREAM_DISTURBANCE,
     FIELD_STREAM_PILOT,
+    FIELD_STREAM_ALTERNATE,
     FIELD_STREAM_DRAW = 1000 /* plus the index of the kind */
 };
 

@@ -24,7 +24,8 @@
  *
  * The rows of a passive vehicle are taken until the first excitation, then only those of the
  * excitation. Passive rows give no flag in closed loop (AUVID_NOTE_FEEDBACK): a motion that is the
- * answer of a controller does not tell thrust from disturbance. Once some were taken, each search
+ * answer of a controller does not tell thrust from disturbance, but its reference does
+ * (instruments.h). Once some were taken, each search
  * is followed by a solution with uncertain inputs, without a search: auvid_identifier_estimate
  * then returns it. The estimate without uncertain inputs is identifier.estimate. After a change of
  * the vehicle the rows begin again. The rows hold about as much as the ring of sets.
@@ -151,6 +152,7 @@ typedef struct {
     auvid_real_t drag[2][AUVID_UNCERTAIN_ORDER];  /* part of each input that is linear, quadratic
                                                      drag */
     auvid_real_t own_side[8];                     /* see auvid_uncertain_solve.c */
+    auvid_real_t squares;                         /* of its residuals, over the noise */
     auvid_real_t scale[AUVID_METRIC_BANDS];       /* of its rows: 1 / noise */
     uint8_t drag_at[2];                           /* columns of drag; order: there is none */
     uint8_t sag_at;                               /* column of sag; order: there is none */
@@ -167,6 +169,7 @@ typedef struct {
     uint16_t row, spent;
     uint8_t phase, pass, dof;
     bool solving;
+    uint32_t strong; /* of the instruments, bit i: parameter i is strong; 0: rows not projected */
 } auvid_uncertain_solution_t;
 
 /** Uncertain inputs. The caller owns it; only the functions write. */
@@ -174,6 +177,8 @@ typedef struct auvid_uncertain {
     auvid_uncertain_config_t cfg;
     auvid_identifier_t *id;
     const auvid_allocation_t *allocation;
+    struct auvid_instruments *instruments;                                  /* NULL: none */
+    uint32_t (*strong)(struct auvid_uncertain *u, const auvid_metric_t *m); /* of these */
     auvid_uncertain_equation_t equation[AUVID_DOF_COUNT];
     uint8_t code[AUVID_UNCERTAIN_COLUMNS]; /* what each column is */
     auvid_real_t factor[AUVID_METRIC_BANDS][AUVID_UNCERTAIN_FACTOR];
@@ -274,6 +279,120 @@ auvid_status_t auvid_uncertain_causes(const auvid_uncertain_t *u, auvid_causes_t
  * AUVID_ERR_RANGE (size 0). */
 auvid_status_t auvid_causes_sentence(const auvid_causes_t *causes, const auvid_vehicle_t *vehicle,
                                      unsigned which, char *text, size_t size);
+
+/* ---- instruments ---- */
+
+/** Lags of the reference. Fewer are used if there is no room for the columns of all. */
+#define AUVID_INSTRUMENT_LAGS 5
+/** Columns of all equations together; most in one equation. */
+#define AUVID_INSTRUMENT_COLUMNS (6 * AUVID_MAX_PARAMETERS + 8)
+#define AUVID_INSTRUMENT_ORDER (AUVID_INSTRUMENT_LAGS * 6 + 1)
+/** Numbers of the projected rows. */
+#define AUVID_INSTRUMENT_FACTOR (4 * AUVID_UNCERTAIN_FACTOR)
+/** References that wait for the cell of their time. */
+#define AUVID_INSTRUMENT_PAST 32
+
+/** A reference. Private. */
+typedef struct {
+    uint64_t t_us;
+    auvid_real_t nu[AUVID_DOF_COUNT];
+} auvid_reference_t;
+
+/** Instruments of one DoF. Private. */
+typedef struct {
+    uint16_t factor_at; /* its rows of the factor of [Z C R z] */
+    uint16_t column_at; /* its columns */
+    uint8_t count;      /* their number; 0: none */
+    bool waits;         /* a row is to be rotated in */
+    auvid_real_t rows;  /* in the factor */
+    auvid_real_t wide[AUVID_UNCERTAIN_ORDER + AUVID_INSTRUMENT_ORDER]; /* that row */
+} auvid_instrument_t;
+
+/**
+ * Instruments: what a passive vehicle shows in closed loop, from the reference of its controller.
+ *
+ * In closed loop the thrust answers each disturbance, so least squares takes part of the
+ * disturbance for the vehicle (AUVID_NOTE_FEEDBACK: nothing is identifiable). What the autopilot
+ * was told, the reference, does not answer disturbances. Instrumental variables use only the part
+ * of motion and thrust that the reference explains. Per DoF j, with the rows of uncertain.h
+ *
+ *     z_j = R_j pi + C_j b + e_j,
+ *
+ * instruments Z_j are formed: the columns of the model, at the reference's velocity behind five
+ * first-order lags from 0.3 to 30 s, and a constant. They pass the same smoother. z, R and C are
+ * projected onto Z (two-stage least squares), and the solution of uncertain.h takes the projected
+ * rows, with its priors and scales, but e as an error of the thrust: projected motion has no noise.
+ * The size of e is that of the whole rows; it is larger where the projected ones disagree more
+ * (Sargan's test).
+ *
+ * Only if the wrench is feedback, before any excitation, and if a reference was given. A parameter
+ * is strong if the instruments explain its column beyond those of the DoF's other parameters: F of
+ * that regression >= 10. The others are not identifiable (AUVID_NOTE_FEEDBACK), nor is a constant
+ * force. If none is strong, the estimate is as without instruments. Read it from
+ * auvid_identifier_estimate.
+ *
+ * A reference that is itself computed from measurements is not one: it must be what would be the
+ * same in another dive with the same orders. A vehicle that keeps its place shows nothing; let the
+ * set points alternate by 0.5 m and 15 degrees each way, every 3 to 12 s.
+ *
+ *     static auvid_uncertain_t uncertain;
+ *     static auvid_instruments_t instruments;
+ *     auvid_identifier_attach_uncertain(&id, &uncertain, &inputs, &thrusters);
+ *     auvid_identifier_attach_instruments(&id, &instruments);
+ *     for each tick: auvid_instruments_reference(&instruments, now_us, reference);
+ *
+ * Where the inputs are exact, set all deviations of uncertain.h to 0: the estimate is then plain
+ * two-stage least squares.
+ *
+ * Regressor path only. A program without it does not contain it. It is not saved in a checkpoint.
+ * Cost, Girona500: 5 calls of the regressor and 1.2k multiplications in each cell, and 16k for each
+ * row, half of them at most in one cell. Memory: sizeof(auvid_instruments_t), 25 KiB with default
+ * sizes.
+ *
+ * Sources: Soederstroem and Stoica 1989, 8; Ljung 1999, 7.6 and 13.5; Shea 1997 (strength), Staiger
+ * and Stock 1997 (F of 10); Sargan 1958. None of it is in the paper.
+ *
+ * The caller owns it; only the functions write.
+ */
+typedef struct auvid_instruments {
+    auvid_uncertain_t *uncertain;
+    auvid_instrument_t of[AUVID_DOF_COUNT];
+    auvid_reference_t past[AUVID_INSTRUMENT_PAST];
+    uint64_t last_us; /* time of the last one given */
+    uint32_t given;   /* references */
+    uint32_t taken;   /* of them, by cells */
+    auvid_real_t lagged[AUVID_INSTRUMENT_LAGS][AUVID_DOF_COUNT];
+    auvid_real_t channel[AUVID_INSTRUMENT_COLUMNS]; /* of the last cell */
+    auvid_real_t accumulator[AUVID_MAX_OVERLAP][AUVID_INSTRUMENT_COLUMNS];
+    auvid_real_t factor[AUVID_INSTRUMENT_FACTOR];
+    uint32_t strong; /**< bit i: parameter i was strong at the last solution */
+    uint8_t lags;    /* in use */
+} auvid_instruments_t;
+
+#define auvid_identifier_attach_instruments AUVID_SIZED(auvid_identifier_attach_instruments)
+/** Attach the instruments, once, after auvid_identifier_attach_uncertain and before the first step
+ * or recorded wrench.
+ * @param storage written; must outlive the identifier
+ * @return AUVID_OK; AUVID_ERR_NULL; AUVID_ERR_STATE (not initialised); AUVID_ERR_DETACHED (there
+ * are no uncertain inputs); AUVID_ERR_ATTACHED (some are attached already); AUVID_ERR_STARTED (it
+ * has stepped, or recorded a wrench); AUVID_ERR_SIZE (more columns than there is room for, even
+ * with two lags). After an error nothing has changed. Cost: clears *storage. */
+auvid_status_t auvid_identifier_attach_instruments(auvid_identifier_t *id,
+                                                   auvid_instruments_t *storage);
+
+#define auvid_instruments_reference AUVID_SIZED(auvid_instruments_reference)
+/** Give the reference from t_us on. Call it in each tick, before auvid_identifier_step. References
+ * less than half a cell after the last one replace it. One that comes when cells of its time are
+ * complete, or 32 half cells before they are, acts late: weaker, not wrong.
+ * @param t_us of the tick [us], in the time of auvid_identifier_step
+ * @param velocity [AUVID_DOF_COUNT] of the reference, along its own axes [m/s, rad/s], in magnitude
+ * up to AUVID_RECORDER_LARGEST: of a set point that moves, or is filtered, its velocity; 0 where
+ * nothing is commanded
+ * @return AUVID_OK; AUVID_ERR_NULL; AUVID_ERR_STATE (not attached: all zeros);
+ * AUVID_ERR_NOT_FINITE; AUVID_ERR_RANGE; AUVID_ERR_TIME_BACK, AUVID_ERR_TIME_SAME (the time did not
+ * advance). One that is refused changes nothing. Cost: O(1). */
+auvid_status_t auvid_instruments_reference(auvid_instruments_t *instruments, uint64_t t_us,
+                                           const auvid_real_t *velocity);
 
 #ifdef __cplusplus
 }

@@ -6,9 +6,10 @@
  */
 #include "auvid_linalg_internal.h"
 
-void auvid_qr_update(auvid_real_t *factor, int n, int first, auvid_real_t *row)
+/* Rotate the row into rows first..end-1 of the factor. */
+static inline void linalg_rotate(auvid_real_t *factor, int n, int first, int end, auvid_real_t *row)
 {
-    for (int i = first; i < n; ++i) {
+    for (int i = first; i < end; ++i) {
         auvid_real_t *r = factor + auvid_qr_row(n, i);
         if (auvid_is_zero(row[i])) {
             continue;
@@ -26,6 +27,16 @@ void auvid_qr_update(auvid_real_t *factor, int n, int first, auvid_real_t *row)
             row[j] = c * row[j] - s * old;
         }
     }
+}
+
+void auvid_qr_update(auvid_real_t *factor, int n, int first, auvid_real_t *row)
+{
+    linalg_rotate(factor, n, first, n, row);
+}
+
+void auvid_qr_update_top(auvid_real_t *factor, int n, int rows, auvid_real_t *row)
+{
+    linalg_rotate(factor, n, 0, rows, row);
 }
 
 auvid_real_t auvid_qr_column_norm(const auvid_real_t *factor, int n, int i)

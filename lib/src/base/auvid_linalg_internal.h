@@ -26,6 +26,9 @@ static inline int auvid_qr_row(int n, int i)
  * one square root for each column. */
 void auvid_qr_update(auvid_real_t *factor, int n, int first, auvid_real_t *row);
 
+/** The same for a factor of which only the first `rows` rows are stored. */
+void auvid_qr_update_top(auvid_real_t *factor, int n, int rows, auvid_real_t *row);
+
 /** Returns the norm of column i of R. It equals the norm of column i of all rows rotated in. */
 auvid_real_t auvid_qr_column_norm(const auvid_real_t *factor, int n, int i);
 

@@ -122,6 +122,16 @@ static void uncertain_widen_scales(auvid_uncertainty_t *scales, auvid_real_t fac
     scales->dvl_scale = auvid_min(by * scales->dvl_scale, ONE);
 }
 
+/* Is no input uncertain? Then none was checked. */
+static bool uncertain_is_exact(const auvid_uncertain_t *u)
+{
+    bool exact = true;
+    for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
+        exact = exact && u->equation[j].inputs == 0;
+    }
+    return exact;
+}
+
 /* Assess the solution, and write the estimate. */
 static void uncertain_publish(auvid_identifier_t *id)
 {
@@ -137,7 +147,7 @@ static void uncertain_publish(auvid_identifier_t *id)
         e->pi[i] = known ? u->pi[i] : e->pi[i];
     }
     uncertain_widen_scales(&job->result.uncertainty, u->scale);
-    job->result.unchecked = false;
+    job->result.unchecked = uncertain_is_exact(u) && !id->exact_inputs;
     auvid_confidence_revise(job, e->pi);
     auvid_confidence_limits(job, id->search.lower, id->search.upper, false);
     for (int i = 0; i < job->n; ++i) {
@@ -147,7 +157,7 @@ static void uncertain_publish(auvid_identifier_t *id)
                                           uncertain_partner(e, vehicle, p));
     }
     if (!u->excited) {
-        auvid_confidence_close_loop(job, &id->metric);
+        auvid_confidence_close_loop(job, &id->metric, u->work.strong);
     }
     e->confidence = job->result;
 }

@@ -6,7 +6,8 @@
 
 #include "auvid_uncertain_parts_internal.h"
 
-#define SMOOTHED AUVID_C(2.6)           /* see auvid_confidence.c */
+#define SMOOTHED AUVID_UNCERTAIN_SMOOTHED
+#define PROJECTED_NOISE AUVID_C(1.4)    /* of projected rows: disturbances are slow */
 #define LARGEST_BAND_RATIO AUVID_C(1e3) /* of the weights of the bands */
 
 typedef auvid_uncertain_t uncertain_t;
@@ -39,10 +40,17 @@ static auvid_real_t uncertain_product(const uncertain_t *u, int j, int k, int l,
     return sum;
 }
 
+static const auvid_real_t uncertain_both[AUVID_METRIC_BANDS] = {AUVID_C(1.0), AUVID_C(1.0)};
+
+auvid_real_t auvid_uncertain_product(const uncertain_t *u, int j, int k, int l)
+{
+    return uncertain_product(u, j, k, l, uncertain_both);
+}
+
 /* Parts of column k that are linear and quadratic drag. */
 static void uncertain_project(uncertain_t *u, int j, int k)
 {
-    static const auvid_real_t both[AUVID_METRIC_BANDS] = {AUVID_C(1.0), AUVID_C(1.0)};
+    const auvid_real_t *both = uncertain_both;
     auvid_uncertain_part_t *p = &u->work.part;
     int l = p->drag_at[0], q = p->drag_at[1], none = u->equation[j].order;
     auvid_real_t ll = l == none ? AUVID_C(1.0) : uncertain_product(u, j, l, l, both);
@@ -97,16 +105,40 @@ static void uncertain_prepare_values(uncertain_t *u, const auvid_metric_t *m, in
     }
 }
 
-/* Residual of row i of one band, at the last pass. */
-static auvid_real_t uncertain_residual(const uncertain_t *u, int j, int band, int i)
+/* Row i of one band. */
+static const auvid_real_t *uncertain_row(const uncertain_t *u, int j, int band, int i)
 {
     const auvid_uncertain_equation_t *e = &u->equation[j];
-    const auvid_real_t *r = u->factor[band] + e->factor_at + auvid_qr_row(e->order, i);
+    return u->factor[band] + e->factor_at + auvid_qr_row(e->order, i) - i;
+}
+
+/* Residual of a row that is zero before column `first`, at the last pass. */
+static auvid_real_t uncertain_residual(const uncertain_t *u, int j, const auvid_real_t *r,
+                                       int first)
+{
     auvid_real_t sum = AUVID_C(0.0);
-    for (int k = i; k < e->order; ++k) {
-        sum += r[k - i] * u->work.part.residual[k];
+    for (int k = first; k < u->equation[j].order; ++k) {
+        sum += r[k] * u->work.part.residual[k];
     }
     return sum;
+}
+
+/* Set the weight of the projected rows. Where they disagree among themselves by more than the noise
+ * of the whole rows, the model is wrong, and they are less certain (Sargan 1958). */
+static void uncertain_weigh_projected(uncertain_t *u, const auvid_metric_t *m, int j,
+                                      auvid_real_t noise)
+{
+    auvid_uncertain_part_t *p = &u->work.part;
+    int count = u->instruments->of[j].count, free = count - auvid_metric_equation(m, j).count;
+    auvid_real_t squares = AUVID_C(0.0);
+    for (int i = 0; i < count; ++i) {
+        auvid_real_t e = uncertain_residual(u, j, auvid_instruments_row(u->instruments, j, i), 0);
+        squares += e * e;
+    }
+    auvid_real_t expected = PROJECTED_NOISE * noise * noise;
+    auvid_real_t variance = auvid_max(expected, squares / (auvid_real_t)free);
+    p->scale[0] = AUVID_C(1.0) / auvid_sqrt(variance);
+    p->squares = squares / variance;
 }
 
 /* What the residual adds to each column, and the same for the joint solution (side). */
@@ -116,7 +148,9 @@ static void uncertain_prepare_slopes(uncertain_t *u, const auvid_metric_t *m, in
     auvid_uncertain_part_t *p = &u->work.part;
     const auvid_uncertain_equation_t *e = &u->equation[j];
     const uint8_t *index = auvid_metric_row_parameters(m, j);
-    auvid_real_t lambda = j < AUVID_ROLL ? AUVID_C(1.0) : AUVID_C(0.5), mass = AUVID_C(0.0);
+    auvid_real_t mass = AUVID_C(0.0), lambda = u->work.strong != 0 ? AUVID_C(0.0)
+                                               : j < AUVID_ROLL    ? AUVID_C(1.0)
+                                                                   : AUVID_C(0.5);
     auvid_real_t a[AUVID_MAX_PARAMETERS];
     auvid_real_t zz = uncertain_product(u, j, e->order - 1, e->order - 1, weight);
     auvid_confidence_acceleration_row(m->cfg.vehicle, j, &p->regressor, a);
@@ -137,7 +171,7 @@ static void uncertain_prepare_slopes(uncertain_t *u, const auvid_metric_t *m, in
             side -= k == p->sag_at ? u->work.sag_from : AUVID_C(0.0);
             p->slope[k] = -share * side;
         }
-        side *= u->rows[j] / SMOOTHED;
+        side *= p->squares;
         if (k < e->own) {
             p->own_side[k] = side;
         } else {
@@ -171,7 +205,7 @@ void auvid_uncertain_prepare(uncertain_t *u, const auvid_metric_t *m, int j)
     uncertain_prepare_values(u, m, j);
     for (int band = 0; band < AUVID_METRIC_BANDS; ++band) {
         for (int i = 0; i < u->equation[j].order; ++i) {
-            auvid_real_t e = uncertain_residual(u, j, band, i);
+            auvid_real_t e = uncertain_residual(u, j, uncertain_row(u, j, band, i), i);
             squares[band] += e * e;
         }
     }
@@ -185,6 +219,11 @@ void auvid_uncertain_prepare(uncertain_t *u, const auvid_metric_t *m, int j)
     for (int band = 0; band < AUVID_METRIC_BANDS; ++band) {
         p->scale[band] = auvid_sqrt(weight[band]) / auvid_max(noise, least);
     }
+    p->squares = u->rows[j] / SMOOTHED;
+    if (u->work.strong != 0) {
+        auvid_real_t mean = (squares[0] + squares[1]) / u->rows[j];
+        uncertain_weigh_projected(u, m, j, auvid_max(auvid_sqrt(SMOOTHED * mean), least));
+    }
     uncertain_prepare_slopes(u, m, j, weight);
 }
 
@@ -192,15 +231,18 @@ void auvid_uncertain_add_row(uncertain_t *u, int j, int band, int i)
 {
     auvid_uncertain_part_t *p = &u->work.part;
     const auvid_uncertain_equation_t *e = &u->equation[j];
-    const auvid_real_t *r = u->factor[band] + e->factor_at + auvid_qr_row(e->order, i) - i;
-    auvid_real_t row[AUVID_UNCERTAIN_ORDER], residual = uncertain_residual(u, j, band, i);
+    bool projected = u->work.strong != 0;
+    const auvid_real_t *r =
+        projected ? auvid_instruments_row(u->instruments, j, i) : uncertain_row(u, j, band, i);
+    int first = projected ? 0 : i;
+    auvid_real_t row[AUVID_UNCERTAIN_ORDER], residual = uncertain_residual(u, j, r, first);
     auvid_real_t target = residual, scale = p->scale[band];
     for (int k = 0; k < e->order - 1; ++k) {
-        row[k] = (k >= i ? r[k] : AUVID_C(0.0)) + p->slope[k] * residual;
+        row[k] = (k >= first ? r[k] : AUVID_C(0.0)) + p->slope[k] * residual;
         row[k] -= k == p->sag_at ? u->work.sag_from * r[e->order - 1] : AUVID_C(0.0);
         for (int d = 0; d < 2 && k < e->inputs; ++d) {
             int at = p->drag_at[d];
-            row[k] -= at < e->order && at >= i ? p->drag[d][k] * r[at] : AUVID_C(0.0);
+            row[k] -= at < e->order && at >= first ? p->drag[d][k] * r[at] : AUVID_C(0.0);
         }
         target += row[k] * p->value[k];
         row[k] *= scale;

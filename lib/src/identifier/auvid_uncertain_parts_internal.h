@@ -84,10 +84,14 @@ auvid_real_t auvid_uncertain_deviation(const auvid_uncertain_t *u, int j, int ow
 /** Does the solution read DoF j's factors in several steps? Then they must not change. */
 bool auvid_uncertain_reads(const auvid_uncertain_t *u, int j);
 
+/** Fewest rows for a solution; factor of the noise of smoothed rows, see auvid_confidence.c. */
+#define AUVID_UNCERTAIN_LEAST_ROWS AUVID_C(40.0)
+#define AUVID_UNCERTAIN_SMOOTHED AUVID_C(2.6)
+
 /** Has DoF j enough rows for a solution? */
 static inline bool auvid_uncertain_has_rows(const auvid_uncertain_t *u, int j)
 {
-    return u->rows[j] >= AUVID_C(40.0);
+    return u->rows[j] >= AUVID_UNCERTAIN_LEAST_ROWS;
 }
 
 /** Do the thrusters' forces not make the wrench? */
@@ -95,6 +99,16 @@ static inline bool auvid_uncertain_thrust_differs(const auvid_uncertain_t *u)
 {
     return u->recorded.difference > AUVID_C(0.25) * u->recorded.wrench;
 }
+
+/** Row i of DoF j, projected onto the instruments. */
+static inline const auvid_real_t *auvid_instruments_row(const auvid_instruments_t *n, int j, int i)
+{
+    int count = n->of[j].count, order = count + n->uncertain->equation[j].order;
+    return n->factor + n->of[j].factor_at + auvid_qr_row(order, i) + count - i;
+}
+
+/** Returns the sum over both bands of the product of columns k and l of DoF j. */
+auvid_real_t auvid_uncertain_product(const auvid_uncertain_t *u, int j, int k, int l);
 
 extern const struct auvid_metric_extra auvid_uncertain_extra;
 

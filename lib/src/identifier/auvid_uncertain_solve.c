@@ -8,7 +8,8 @@
  *     min sum_j ||(e + X~ theta_0 - X~ theta) / s||^2 + sum_k (b_k / sigma_k)^2
  *
  * (Gauss-Newton.) lambda = 1: the noise moves the vehicle; 0: it is an error of the thrust. It is 1
- * for forces, and 1/2 for moments, which are small differences of the thrusters' forces.
+ * for forces, and 1/2 for moments, which are small differences of the thrusters' forces. It is 0
+ * for rows projected onto instruments (auvid_instruments.c): their motion is without noise.
  *
  * Columns c of the hull's inputs become c - D a, a = (D'D)^-1 D'c, D the columns of the DoF's drag
  * in unweighted bands. So pi contains the best drag for the motion that was seen.
@@ -30,6 +31,7 @@
 #include <string.h>
 
 #include "auvid_uncertain_parts_internal.h"
+#include "../metric/auvid_metric_feedback_internal.h"
 
 #define COVARIANCE_FACTOR AUVID_C(1.43)
 #define SIDE_VARIANCE AUVID_C(0.05)
@@ -190,6 +192,9 @@ void auvid_uncertain_begin(auvid_uncertain_t *u)
     u->work.solving = true;
     u->work.sag_from = auvid_max(u->recorded.elapsed - LONGEST_SAG, AUVID_C(0.0));
     u->work.dof = uncertain_next_dof(u, 0);
+    if (u->instruments != NULL && !u->excited && auvid_metric_has_feedback(&u->id->metric)) {
+        u->work.strong = u->strong(u, &u->id->metric);
+    }
 }
 
 bool auvid_uncertain_reads(const auvid_uncertain_t *u, int j)
@@ -226,6 +231,10 @@ static uint32_t uncertain_step(uncertain_t *u, const auvid_metric_t *m)
         auvid_uncertain_prepare(u, m, j);
         return 1;
     case SOLVE_ROWS:
+        if (u->work.strong != 0) {
+            auvid_uncertain_add_row(u, j, 0, (int)i);
+            return u->instruments->of[j].count;
+        }
         auvid_uncertain_add_row(u, j, (int)i / e->order, (int)i % e->order);
         return 2u * e->order;
     case SOLVE_OWN:

@@ -318,7 +318,7 @@ static void confidence_step(job_t *c)
             }
         }
         if (i == c->n - 1) {
-            auvid_confidence_close_loop(c, c->metric);
+            auvid_confidence_close_loop(c, c->metric, 0);
         }
         break;
     }

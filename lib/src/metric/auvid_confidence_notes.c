@@ -337,7 +337,8 @@ void auvid_confidence_conclude(auvid_confidence_job_t *c, int i, const auvid_fin
     }
 }
 
-void auvid_confidence_close_loop(auvid_confidence_job_t *c, const auvid_metric_t *m)
+void auvid_confidence_close_loop(auvid_confidence_job_t *c, const auvid_metric_t *m,
+                                 uint32_t strong)
 {
     static const uint32_t kept = 1u << AUVID_NOTE_FIXED | 1u << AUVID_NOTE_NOT_EXCITED |
                                  1u << AUVID_NOTE_AT_BOUND | 1u << AUVID_NOTE_BESIDE_BOUND |
@@ -345,10 +346,10 @@ void auvid_confidence_close_loop(auvid_confidence_job_t *c, const auvid_metric_t
     bool feedback = auvid_metric_has_feedback(m);
     for (int k = 0; feedback && k < c->n; ++k) {
         int p = c->parameter_of[k];
-        if (!(kept >> c->result.note[p] & 1u)) {
+        if (!(kept >> c->result.note[p] & 1u) && (strong >> p & 1u) == 0) {
             c->result.note[p] = AUVID_NOTE_FEEDBACK;
             c->result.partner[p] = 0;
         }
-        c->result.identifiable = 0;
+        c->result.identifiable &= strong;
     }
 }

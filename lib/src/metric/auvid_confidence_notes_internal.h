@@ -72,8 +72,9 @@ void auvid_confidence_conclude(auvid_confidence_job_t *c, int i, const auvid_fin
  * */
 void auvid_confidence_discredit(auvid_confidence_job_t *c, int j);
 
-/** After all notes: in closed loop nothing is identifiable. */
-void auvid_confidence_close_loop(auvid_confidence_job_t *c, const auvid_metric_t *m);
+/** After all notes: in closed loop only these parameters can be identifiable. */
+void auvid_confidence_close_loop(auvid_confidence_job_t *c, const auvid_metric_t *m,
+                                 uint32_t strong);
 
 /** Returns the norm of parameter i's column in DoF j's merged R factor; 0: it has none. */
 auvid_real_t auvid_confidence_column(const auvid_confidence_job_t *c, int j, int i);
