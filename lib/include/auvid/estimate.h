@@ -74,7 +74,8 @@ typedef enum {
                                  uncertainty of the thrust scale makes the half-width too large */
     AUVID_NOTE_FEEDBACK,  /**< closed loop: the wrench answers the motion, so motion by the thrust
                               cannot be told from motion by a disturbance. Its sigma does not hold.
-                              Then no parameter is identifiable */
+                              Then no parameter is identifiable, except by the reference of the
+                              controller (auvid_instruments_t) */
     AUVID_NOTE_UNCHECKED, /**< identifiable if thrust and sensors are exact. They were not examined
                                for errors: see auvid_confidence_t.unchecked */
     AUVID_NOTE_COUNT

@@ -43,6 +43,7 @@ static void begin(uint64_t seed)
     cfg.metric.free = 1u << M | 1u << X;
     cfg.metric.set_rows = 240;
     cfg.uncertainty = (auvid_uncertainty_t){0};
+    cfg.exact_inputs = true;
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&id, &cfg));
     auvid_allocation_defaults(&allocation);
     allocation.thrusters = 1;
