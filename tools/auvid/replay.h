@@ -34,8 +34,8 @@ typedef struct {
     auvid_instruments_t instruments;
 } replay_inputs_t;
 
-/** Attaches uncertain inputs if the thrusters are known, and instruments if there is a reference: of
- * unknown thrusters without errors, each DoF as one of them. Returns the library's status. */
+/** Attaches uncertain inputs if the thrusters are known, and instruments if there is a reference:
+ * of unknown thrusters without errors, each DoF as one of them. Returns the library's status. */
 auvid_status_t replay_attach(const replay_t *replay, replay_inputs_t *inputs,
                              auvid_identifier_t *id);
 
