@@ -83,32 +83,32 @@ auvid_status_t replay_attach(const replay_t *replay, replay_inputs_t *inputs,
     return status;
 }
 
-/* Gives row i's reference, and works. */
-static void refer(const csv_log_t *log, size_t i, uint64_t t_us, auvid_identifier_t *id,
-                  auvid_instruments_t *instruments)
+/* Gives row i's reference. */
+static void refer(const csv_log_t *log, size_t i, uint64_t t_us, auvid_instruments_t *instruments)
 {
     auvid_real_t reference[AUVID_DOF_COUNT];
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
         reference[j] = (auvid_real_t)log->row[i].value[CSV_REFERENCE + j];
     }
     (void)auvid_instruments_reference(instruments, t_us, reference);
-    while (auvid_identifier_work(id, AUVID_DEFAULT_BUDGET) == AUVID_PENDING) {
-    }
 }
 
 void replay_identify(const csv_log_t *log, const replay_t *replay, replay_inputs_t *inputs,
                      auvid_identifier_t *id)
 {
+    bool uncertain = id->attached.uncertain != NULL;
     double turns[3] = {0.0};
     for (size_t i = 0; i < log->rows; ++i) {
         instant_t now;
         auvid_allocation_result_t thrust = {0};
         read_instant(log, replay, i, turns, &now);
-        if (id->attached.uncertain != NULL) {
+        if (uncertain) {
             (void)auvid_allocation_solve(&inputs->allocation, now.wrench, &thrust);
+            while (auvid_identifier_work(id, AUVID_DEFAULT_BUDGET) == AUVID_PENDING) {
+            }
         }
         if (replay->reference) {
-            refer(log, i, now.t_us, id, &inputs->instruments);
+            refer(log, i, now.t_us, &inputs->instruments);
         }
         (void)auvid_identifier_motion(id, now.t_us, now.attitude, now.nu);
         (void)auvid_identifier_applied(id, now.t_us, now.wrench, thrust.force_N);

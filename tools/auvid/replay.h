@@ -39,7 +39,7 @@ typedef struct {
 auvid_status_t replay_attach(const replay_t *replay, replay_inputs_t *inputs,
                              auvid_identifier_t *id);
 
-/** Feeds all rows to the identifier. With a reference it works during the log, because only an
+/** Feeds all rows to the identifier. With uncertain inputs it works during the log, because only an
  * estimate shows feedback. */
 void replay_identify(const csv_log_t *log, const replay_t *replay, replay_inputs_t *inputs,
                      auvid_identifier_t *id);
