@@ -12,7 +12,7 @@ shift
 work=$top/build/firmware/bench
 rm -rf "$work"
 mkdir -p "$work"
-build/auvid node --bus memory --excite --sets 8 --log "$work/bus.log" >"$work/node.txt"
+build/auvid node --bus memory --plain --excite --sets 8 --log "$work/bus.log" >"$work/node.txt"
 
 # count BOARD-LEVEL IMAGE: runs it in a separate folder.
 count() {

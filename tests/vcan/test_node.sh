@@ -64,7 +64,7 @@ lock_step() {
         >heard 2>heard.err &
     local cantools=$!
     within 60 grep -q ready heard.err
-    whole_run bus "$SETS" 1 --excite
+    whole_run bus "$SETS" 1 '--excite --plain'
     [ "$status" = 0 ]
     kill -TERM "$cantools"
     wait "$cantools"
@@ -81,12 +81,12 @@ cantools_decodes() {
 }
 
 memory_alike() {
-    "$AUVID" node --bus memory --excite --sets "$SETS" --json >memory.json
+    "$AUVID" node --bus memory --plain --excite --sets "$SETS" --json >memory.json
     diff <(estimates memory.json) heard
 }
 
 replay() {
-    "$AUVID" replay bus.log --sets "$SETS" >replay.out
+    "$AUVID" replay bus.log --plain --sets "$SETS" >replay.out
     tail -n 1 replay.out
     grep -q " $(grep -Ec ' 40[CD]#' bus.log) as in the log, 0 different" replay.out
 }

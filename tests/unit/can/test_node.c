@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "auvid/node.h"
+#include "by_residual.h"
 #include "chain.h"
 #include "dropper.h"
 #include "vehicle_sim.h"
@@ -282,17 +283,58 @@ static void test_times_of_arrival_change_no_bit(void)
     TEST_ASSERT_EQUAL_MEMORY(other.receiver, node.receiver, sizeof node.receiver);
 }
 
+static auvid_uncertain_t uncertain;
+static auvid_uncertain_config_t inputs;
+
+static auvid_status_t attach_uncertain(void)
+{
+    return auvid_node_attach_uncertain(&node, &uncertain, &inputs);
+}
+
+static void test_uncertain_inputs_that_do_not_fit_are_refused(void)
+{
+    auvid_uncertain_defaults(&inputs);
+    memset(&node, 0, sizeof node);
+    TEST_ASSERT_EQUAL(AUVID_ERR_STATE, attach_uncertain());
+    TEST_ASSERT_EQUAL(AUVID_ERR_NULL, auvid_node_attach_uncertain(NULL, &uncertain, &inputs));
+    TEST_ASSERT_EQUAL(AUVID_ERR_NULL, auvid_node_attach_uncertain(&node, &uncertain, NULL));
+    begin(false);
+    inputs.backward = -1;
+    TEST_ASSERT_EQUAL(AUVID_ERR_RANGE, attach_uncertain());
+    inputs.backward = (auvid_real_t)NAN;
+    TEST_ASSERT_EQUAL(AUVID_ERR_NOT_FINITE, attach_uncertain());
+    auvid_uncertain_defaults(&inputs);
+    TEST_ASSERT_EQUAL(AUVID_OK, attach_uncertain());
+    TEST_ASSERT_EQUAL(AUVID_ERR_ATTACHED, attach_uncertain());
+    begin(false);
+    go(100);
+    TEST_ASSERT_EQUAL(AUVID_ERR_STARTED, attach_uncertain());
+
+    auvid_allocation_config_t everywhere = auvid_allocation_girona500;
+    everywhere.thrusters = AUVID_CAN_THRUSTERS;
+    for (int i = 0; i < AUVID_CAN_THRUSTERS; ++i) {
+        everywhere.thruster[i] = auvid_allocation_girona500.thruster[0];
+        for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
+            everywhere.thruster[i].wrench[j] = 1; /* more columns than there is room for */
+        }
+    }
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_node_init(&node, &config, &everywhere, &identifier));
+    TEST_ASSERT_EQUAL(AUVID_ERR_SIZE, attach_uncertain());
+
+    static auvid_vehicle_t vehicle;
+    static auvid_row_t rows[180];
+    by_residual_surge(&identifier, &vehicle, rows, 2);
+    begin(false);
+    TEST_ASSERT_EQUAL(AUVID_ERR_MODEL, attach_uncertain());
+}
+
 /* Without uncertain inputs, or the word that there are none, nothing is identifiable. */
 static void test_uncertain_inputs_read_the_thrust_of_the_bus(void)
 {
-    static auvid_uncertain_t uncertain;
-    auvid_uncertain_config_t inputs;
     auvid_uncertain_defaults(&inputs);
     identifier.exact_inputs = false;
     begin(true);
-    TEST_ASSERT_EQUAL(AUVID_ERR_NULL, auvid_node_attach_uncertain(NULL, &uncertain, &inputs));
-    TEST_ASSERT_EQUAL(AUVID_ERR_NULL, auvid_node_attach_uncertain(&node, &uncertain, NULL));
-    TEST_ASSERT_EQUAL(AUVID_OK, auvid_node_attach_uncertain(&node, &uncertain, &inputs));
+    TEST_ASSERT_EQUAL(AUVID_OK, attach_uncertain());
     identify();
     const auvid_estimate_t *with = auvid_identifier_estimate(&node.id);
     TEST_ASSERT_EQUAL_PTR(&uncertain.estimate, with);
@@ -705,6 +747,7 @@ int main(void)
 {
     UNITY_BEGIN();
     RUN_TEST(test_identification_through_frames_is_as_accurate_as_without);
+    RUN_TEST(test_uncertain_inputs_that_do_not_fit_are_refused);
     RUN_TEST(test_uncertain_inputs_read_the_thrust_of_the_bus);
     RUN_TEST(test_the_same_frames_give_the_same_bits);
     RUN_TEST(test_times_of_arrival_change_no_bit);
