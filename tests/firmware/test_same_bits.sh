@@ -18,7 +18,8 @@ frames() {
     awk '{ print $3 }' "$1"
 }
 
-build/auvid node --bus memory --plain --excite --sets 8 --json --log "$work/bus.log" >"$work/node.json" ||
+build/auvid node --bus memory --plain --excite --sets 8 --json --log "$work/bus.log" \
+    >"$work/node.json" ||
     { echo "not ok the log could not be recorded"; exit 1; }
 # The node's messages: lib/can/README.md. 40F is health, 045 tick_done.
 frames "$work/bus.log" | grep -E '^(042|043|409|40A|40B|40C|40D|40E|41[0-2])#' >"$work/reference"

@@ -11,7 +11,8 @@ rm -rf "$work"
 mkdir -p "$work/late" "$work/lost"
 
 # Twelve seconds of a run; the arm frame comes after one second.
-build/auvid node --bus memory --plain --excite --sets 1 --log "$work/all.log" >"$work/node.txt" || true
+build/auvid node --bus memory --plain --excite --sets 1 --log "$work/all.log" \
+    >"$work/node.txt" || true
 awk '{ t = substr($1, 2) + 0; begin = NR == 1 ? t : begin } t < begin + 12' "$work/all.log" \
     >"$work/late/bus.log"
 awk '{ t = substr($1, 2) + 0; begin = NR == 1 ? t : begin } t < begin + 6 || t > begin + 6.5' \

@@ -169,7 +169,7 @@ static const struct auvid_metric_extra instruments_extra = {
  * overwritten. */
 static auvid_real_t instruments_left(auvid_real_t g[][INSTRUMENTS_OWN], int n)
 {
-    auvid_real_t square[INSTRUMENTS_OWN];
+    auvid_real_t square[INSTRUMENTS_OWN] = {AUVID_C(0.0)};
     for (int i = 0; i < n; ++i) {
         square[i] = g[i][i];
     }

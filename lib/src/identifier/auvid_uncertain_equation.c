@@ -6,7 +6,6 @@
 
 #include "auvid_uncertain_parts_internal.h"
 
-#define SMOOTHED AUVID_UNCERTAIN_SMOOTHED
 #define PROJECTED_NOISE AUVID_C(1.4)    /* of projected rows: disturbances are slow */
 #define LARGEST_BAND_RATIO AUVID_C(1e3) /* of the weights of the bands */
 
@@ -213,16 +212,17 @@ void auvid_uncertain_prepare(uncertain_t *u, const auvid_metric_t *m, int j)
     ratio = auvid_clamp(ratio, AUVID_C(1.0) / LARGEST_BAND_RATIO, LARGEST_BAND_RATIO);
     weight[0] = auvid_sqrt(ratio);
     weight[1] = AUVID_C(1.0) / weight[0];
-    auvid_real_t noise =
-        auvid_sqrt(SMOOTHED * (weight[0] * squares[0] + weight[1] * squares[1]) / u->rows[j]);
+    auvid_real_t noise = auvid_sqrt(AUVID_UNCERTAIN_SMOOTHED *
+                                    (weight[0] * squares[0] + weight[1] * squares[1]) / u->rows[j]);
     auvid_real_t least = AUVID_C(1e-5) * m->cfg.tau_max[j];
     for (int band = 0; band < AUVID_METRIC_BANDS; ++band) {
         p->scale[band] = auvid_sqrt(weight[band]) / auvid_max(noise, least);
     }
-    p->squares = u->rows[j] / SMOOTHED;
+    p->squares = u->rows[j] / AUVID_UNCERTAIN_SMOOTHED;
     if (u->work.strong != 0) {
         auvid_real_t mean = (squares[0] + squares[1]) / u->rows[j];
-        uncertain_weigh_projected(u, m, j, auvid_max(auvid_sqrt(SMOOTHED * mean), least));
+        uncertain_weigh_projected(u, m, j,
+                                  auvid_max(auvid_sqrt(AUVID_UNCERTAIN_SMOOTHED * mean), least));
     }
     uncertain_prepare_slopes(u, m, j, weight);
 }
