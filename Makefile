@@ -115,7 +115,7 @@ objects = $(patsubst %.c,build/$(1)/%.o,$(2))
 TESTED = $(call objects,$(1),$(LIB) $(SIMULATOR) $(WORLD) $(SUPPORT)) build/$(1)/unity.o
 # Under the sanitizers these take a minute, and others run the same code: the long form only.
 SLOW_SANITIZED := $(addprefix build/sanitized/tests/unit/identifier/,\
-    test_adaptive test_uncertain_causes test_width)
+    test_adaptive test_uncertain test_uncertain_causes test_width)
 TEST_PROGRAMS := $(filter-out $(SLOW_SANITIZED),$(foreach way,release sanitized double,\
         $(UNIT:tests/unit/%.c=build/$(way)/tests/unit/%))) \
     $(REFERENCE:%.cpp=build/release/%) \
