@@ -137,8 +137,8 @@ typedef struct {
                                         velocity that the DoF's equation reads [%]; 0 for DoF that
                                         are not excited */
     bool unchecked; /**< thrust and sensors were taken as exact, but for `uncertainty`, without
-                         auvid_identifier_config_t.exact_inputs. Then no parameter and no drag force
-                         is identifiable */
+                         auvid_identifier_config_t.exact_inputs, or beside uncertain inputs. Then no
+                         parameter and no drag force is identifiable */
     uint8_t reserved[AUVID_GAP(sizeof(auvid_real_t), 2 * AUVID_MAX_PARAMETERS + 8)];
 } auvid_confidence_t;
 

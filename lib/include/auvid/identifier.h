@@ -87,8 +87,8 @@ typedef struct auvid_identifier_config {
                                           the DVL, 0.1 s of the delay; 0: known exactly */
     bool exact_inputs; /**< thrust and sensors have no errors but `uncertainty`. In the field they
                             have: attach uncertain inputs (uncertain.h) instead. With neither,
-                            nothing is identifiable (AUVID_NOTE_UNCHECKED). Default false; not read
-                            where uncertain inputs are attached */
+                            nothing is identifiable (AUVID_NOTE_UNCHECKED). Default false; where
+                            uncertain inputs are attached, read only if all of them are exact */
     const auvid_listener_t *listener; /**< default NULL: none */
     void *listener_context;           /**< its context */
 } auvid_identifier_config_t;

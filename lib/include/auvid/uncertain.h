@@ -25,9 +25,9 @@
  * The rows of a passive vehicle are taken until the first excitation, then only those of the
  * excitation. Passive rows give no flag in closed loop (AUVID_NOTE_FEEDBACK): a motion that is the
  * answer of a controller does not tell thrust from disturbance, but its reference does
- * (instruments.h). Once some were taken, each search
- * is followed by a solution with uncertain inputs, without a search: auvid_identifier_estimate
- * then returns it. The estimate without uncertain inputs is identifier.estimate. After a change of
+ * (auvid_instruments_t, below). Once some were taken, each search is followed by a solution with
+ * uncertain inputs, without a search: auvid_identifier_estimate then returns it. The estimate
+ * without uncertain inputs is identifier.estimate; nothing in it is identifiable. After a change of
  * the vehicle the rows begin again. The rows hold about as much as the ring of sets.
  *
  *     static auvid_uncertain_t uncertain;
