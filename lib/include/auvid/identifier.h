@@ -245,21 +245,29 @@ typedef enum {
     AUVID_WORK_PREDICT,     /**< compares the prediction of the last estimate with the new set */
     AUVID_WORK_COMPARE,     /**< the same with the last accepted estimate */
     AUVID_WORK_CHANGE_TEST, /**< tests new sets against older ones */
-    AUVID_WORK_MERGE,       /**< merges the sets, and begins a search */
+    AUVID_WORK_MERGE,       /**< merges the sets; regressor path: finds the minimum within the
+                                 bounds; begins a search */
     AUVID_WORK_ASK,         /**< asks the optimizer for a point */
     AUVID_WORK_COST,        /**< evaluates its cost */
     AUVID_WORK_MEASURE,     /**< measures the residuals of the result */
-    AUVID_WORK_LINEARISE,   /**< residual path: differentiates the residuals; regressor path: finds
-                                 the minimum within the bounds */
+    AUVID_WORK_LINEARISE,   /**< residual path: differentiates the residuals; regressor path: solves
+                                 with uncertain inputs (uncertain.h) */
     AUVID_WORK_CONFIDENCE,  /**< computes standard errors and findings */
     AUVID_WORK_PHASE_COUNT
 } auvid_work_phase_t;
+
+/** The minimum of a cost within the bounds. Private. */
+typedef struct {
+    auvid_real_t cost;
+    auvid_real_t allowed; /* excess of a search that has found it */
+} auvid_minimum_t;
 
 /** The optimization under way. Private where it says nothing else. */
 typedef struct {
     auvid_real_t candidate[AUVID_MAX_PARAMETERS]; /* all parameters of the point under evaluation */
     auvid_real_t delay_s;                         /* its delay, if the search includes it */
     auvid_real_t cost;                            /* of the search's result */
+    auvid_minimum_t minimum;                      /* regressor path */
     auvid_optimizer_work_t searched;              /* of the search that has ended */
     uint32_t active;                              /* parameters in the present search */
     uint32_t sets;       /* completed when the current sets were taken up */
@@ -267,7 +275,7 @@ typedef struct {
     uint32_t last_units; /**< used by the last call of work */
     uint32_t max_units;  /**< most units used by any call of work so far */
     uint8_t phase;       /**< auvid_work_phase_t */
-    uint8_t spent;       /* >= 1: all is merged; units spent of the search's start cost */
+    uint8_t spent;       /* 0: merges; 1: finds the minimum; then units of the start cost + 2 */
     uint8_t untested;    /* completed sets still to be validated before the merge */
     bool set_pending, searching, not_converged;
     bool cold_start;                            /* search without the last estimate */

@@ -166,9 +166,11 @@ typedef struct {
     auvid_uncertain_part_t part;
     auvid_real_t squares, known; /* for the scale of the priors */
     auvid_real_t sag_from;       /* where its time is 0, over AUVID_UNCERTAIN_SAG_S */
+    auvid_real_t weight;         /* of the squares in the search's cost */
+    auvid_optimizer_work_t searched;
     uint16_t row, spent;
     uint8_t phase, pass, dof;
-    bool solving;
+    bool solving, not_converged;
     uint32_t strong; /* of the instruments, bit i: parameter i is strong; 0: rows not projected */
 } auvid_uncertain_solution_t;
 

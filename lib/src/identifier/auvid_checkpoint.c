@@ -71,7 +71,7 @@ static uint32_t checkpoint_parts(const auvid_identifier_t *id)
     } else if (id->work.searching) {
         bool global = id->optimizer.state < AUVID_OPTIMIZER_START;
         parts |= global ? PART_GLOBAL : PART_LOCAL;
-    } else if (id->work.phase == AUVID_WORK_LINEARISE) {
+    } else if (id->work.phase == AUVID_WORK_MERGE && id->work.spent == WORK_OPTIMUM) {
         parts |= PART_OPTIMUM;
     }
     return parts;

@@ -193,7 +193,8 @@ const auvid_checkpoint_limit_t auvid_checkpoint_limit[] = {
     VALUE(optimizer, scale, scale),
     EVALUATIONS(optimizer, work),
     WHOLE(optimizer, uint8_t, state, state, AUVID_OPTIMIZER_FRESH, AUVID_OPTIMIZER_STATE_COUNT - 1),
-    FLAG(optimizer, asked, asked),
+    COST(optimizer, least, allowed),
+    FLAG(optimizer, asked, certified),
 
     VALUE(crs, theta, theta),
     COST(crs, cost, cost),
@@ -224,7 +225,7 @@ const auvid_checkpoint_limit_t auvid_checkpoint_limit[] = {
     BYTE(identifier, work.parameter_of, work.parameter_of, AUVID_MAX_PARAMETERS - 1),
     VALUE(identifier, work.candidate, work.candidate),
     DELAY(identifier, work.delay_s, work.delay_s),
-    COST(identifier, work.cost, work.cost),
+    COST(identifier, work.cost, work.minimum),
     BYTE(identifier, work.untested, work.untested, AUVID_MAX_SETS),
     FLAG(identifier, work.set_pending, work.cold_start),
     FLAG(identifier, started, started),

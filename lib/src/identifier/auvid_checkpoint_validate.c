@@ -411,9 +411,9 @@ static bool checkpoint_search_matches_phase(const subject_t *s)
     uint32_t work = s->view->parts & (PART_GLOBAL | PART_LOCAL | PART_CONFIDENCE | PART_OPTIMUM);
     bool residual = auvid_metric_stores_rows(&s->id->metric), searching = WORD(work.searching) != 0;
     bool measures = phase == AUVID_WORK_MEASURE; /* again, if a set has entered the ring */
-    bool linearises = phase == AUVID_WORK_LINEARISE;
+    bool finds_optimum = phase == AUVID_WORK_MERGE && WORD(work.spent) == WORK_OPTIMUM;
     bool must = phase == AUVID_WORK_ASK || phase == AUVID_WORK_COST ||
-                (residual && (measures || linearises));
+                (residual && (measures || phase == AUVID_WORK_LINEARISE));
     if (phase >= AUVID_WORK_ASK && WORD(work.active) == 0) {
         return false;
     }
@@ -424,8 +424,8 @@ static bool checkpoint_search_matches_phase(const subject_t *s)
     if (phase == AUVID_WORK_CONFIDENCE) {
         return work == PART_CONFIDENCE && checkpoint_check_job(s);
     }
-    if (linearises && !residual) {
-        return work == PART_OPTIMUM && checkpoint_check_optimum(s);
+    if (finds_optimum) {
+        return !residual && work == PART_OPTIMUM && checkpoint_check_optimum(s);
     }
     return !must && work == 0;
 }
@@ -433,7 +433,7 @@ static bool checkpoint_search_matches_phase(const subject_t *s)
 static bool checkpoint_check_identifier(const subject_t *s)
 {
     uint32_t parts = s->view->parts;
-    return parts < 2u * (PART_END - 1u) && WORD(work.spent) <= SEARCH_START_COST + 1u &&
+    return parts < 2u * (PART_END - 1u) && WORD(work.spent) <= WORK_LAST_SPENT + 1u &&
            ((parts & PART_RESIDUAL) != 0) == auvid_metric_stores_rows(&s->id->metric) &&
            ((parts & PART_SIMULATED) == 0 || checkpoint_check_prediction(s)) &&
            (WORD(work.active) & ~auvid_metric_free_of(&s->id->metric, UINT8_MAX)) == 0 &&

@@ -15,6 +15,9 @@ void auvid_identifier_set_scale(auvid_identifier_t *id, const auvid_allocation_t
 /** Units that the start of a search costs: it draws a population. */
 enum { SEARCH_START_COST = 100 };
 
+/** Values of work.spent. */
+enum { WORK_OPTIMUM = 1, WORK_START, WORK_LAST_SPENT = WORK_START + SEARCH_START_COST - 1 };
+
 /** The model; NULL before init. */
 static inline const auvid_vehicle_t *identifier_vehicle(const auvid_identifier_t *id)
 {
@@ -67,15 +70,16 @@ typedef struct auvid_change_functions {
 
 /** What the identifier calls of the uncertain inputs, if they are attached. */
 typedef struct auvid_uncertain_functions {
-    /** After an estimate without them. @return true: a solution with them has begun; `phase`
-     * continues it, and ends with auvid_identifier_announce */
+    /** After a search without them. @return true: a solution with them has begun */
     bool (*begin)(auvid_identifier_t *id);
-    bool (*is_solving)(const auvid_identifier_t *id);
+    /** Continues it. @return AUVID_OK: it is complete; AUVID_PENDING */
+    auvid_status_t (*solve)(auvid_identifier_t *id, uint32_t *budget);
+    /** The estimate without them is published: publishes the one with them, if they are solved. */
+    void (*publish)(auvid_identifier_t *id);
     /** Returns the estimate with uncertain inputs; NULL: there is none. */
     const auvid_estimate_t *(*estimate)(const auvid_identifier_t *id);
     /** The estimate without them is accepted; or the vehicle has changed. */
     void (*judge)(auvid_identifier_t *id, bool changed);
-    auvid_work_phase_row_t phase;
 } auvid_uncertain_functions_t;
 
 static inline void identifier_judge_uncertain(auvid_identifier_t *id, bool changed)
@@ -84,9 +88,6 @@ static inline void identifier_judge_uncertain(auvid_identifier_t *id, bool chang
         id->attached.uncertain_functions->judge(id, changed);
     }
 }
-
-/** The estimate is complete: report it, and end the work on these sets. */
-void auvid_identifier_announce(auvid_identifier_t *id);
 
 /** Largest speed of a DoF in the ring's sets in which it was excited [m/s, rad/s].
  * @param k 2 j: forward in DoF j; 2 j + 1: backward */
@@ -119,13 +120,27 @@ void auvid_identifier_begin_tests(auvid_identifier_t *id);
  * AUVID_ERR_STATE; AUVID_ERR_ATTACHED; AUVID_ERR_STARTED */
 auvid_status_t auvid_identifier_check_attach(const auvid_identifier_t *id, const void *attached);
 
-/** Regressor path: begin to find the minimum cost within the bounds, from the result in
- * `candidate`. This overwrites the optimizer. */
-void auvid_identifier_begin_optimum(auvid_identifier_t *id);
+/** Regressor path: begin to find the minimum cost of the parameters in work.active within the
+ * bounds, from pi. This overwrites the optimizer, and sets work.parameter_of. */
+void auvid_identifier_begin_optimum(auvid_identifier_t *id, const auvid_real_t *pi);
 
-/** Continue the work begun by auvid_identifier_begin_optimum. Sets not_converged if the result's
- * cost exceeds the minimum by more than a thousandth. @return AUVID_OK; AUVID_PENDING */
+/** Continue the work begun by auvid_identifier_begin_optimum.
+ * @return AUVID_OK: it is in work.candidate and work.minimum; AUVID_PENDING */
 auvid_status_t auvid_identifier_optimum(auvid_identifier_t *id, uint32_t *budget);
+
+/** Returns the minimum found in id->optimum, and writes its parameters to pi, by their number in
+ * the model. `constant`: further cost. */
+auvid_minimum_t auvid_identifier_take_optimum(const auvid_identifier_t *id, auvid_real_t constant,
+                                              auvid_real_t *pi);
+
+/** Begin a search of the parameters in work.active. This sets work.parameter_of.
+ * @param scale units of the steps, by the parameters' number in the model
+ * @param last a known point; NULL: none
+ * @param minimum of the cost, at pi; NULL: not known */
+auvid_status_t auvid_identifier_begin_search(auvid_identifier_t *id, const auvid_real_t *scale,
+                                             const auvid_real_t *last,
+                                             const auvid_minimum_t *minimum,
+                                             const auvid_real_t *pi);
 
 /** What the identifier calls of the simulation of velocity, if something is attached. */
 typedef struct auvid_simulate_functions {

@@ -1,7 +1,7 @@
 /*
- * The identifier: convergence of the search. The cost of the regressor path is convex, and the
- * merged R factor gives its minimum within the bounds. A search that ends above the minimum has not
- * converged, whatever its own criterion says.
+ * The identifier: the minimum of the regressor path. Its cost is convex, and the merged R factor
+ * gives the minimum within the bounds. The search confirms it (auvid_optimizer_certify). A search
+ * that ends elsewhere has not converged, whatever its own criterion says.
  */
 #include "../search/auvid_bounded_ls_internal.h"
 #include "auvid_identifier_internal.h"
@@ -13,20 +13,34 @@
 #define EXCESS_OF_MINIMUM AUVID_C(1e-3)
 #define EXCESS_OF_ZERO AUVID_C(1e-8)
 
-void auvid_identifier_begin_optimum(auvid_identifier_t *id)
+void auvid_identifier_begin_optimum(auvid_identifier_t *id, const auvid_real_t *pi)
 {
     auvid_bounded_ls_t *ls = &id->optimum;
     int n = 0;
-    for (int i = 0; i < identifier_vehicle(id)->parameters; ++i) {
-        n += (int)(id->work.active >> i & 1u);
+    for (int p = 0; p < identifier_vehicle(id)->parameters; ++p) {
+        if ((id->work.active >> p & 1u) != 0) {
+            id->work.parameter_of[n++] = (uint8_t)p;
+        }
     }
     auvid_bounded_ls_begin(ls, n);
     for (int i = 0; i < n; ++i) {
         int p = id->work.parameter_of[i];
         ls->lower[i] = id->search.lower[p];
         ls->upper[i] = id->search.upper[p];
-        ls->x[i] = id->work.candidate[p];
+        ls->x[i] = auvid_clamp(pi[p], ls->lower[i], ls->upper[i]);
     }
+}
+
+auvid_minimum_t auvid_identifier_take_optimum(const auvid_identifier_t *id, auvid_real_t constant,
+                                              auvid_real_t *pi)
+{
+    const auvid_bounded_ls_t *ls = &id->optimum;
+    for (int i = 0; i < ls->n; ++i) {
+        pi[id->work.parameter_of[i]] = ls->x[i];
+    }
+    return (auvid_minimum_t){.cost = ls->cost,
+                             .allowed = EXCESS_OF_MINIMUM * (ls->cost + constant) +
+                                        EXCESS_OF_ZERO * ls->zero};
 }
 
 /* Each row, and each step, costs n (n + 24) / 40 units. */
@@ -44,7 +58,7 @@ auvid_status_t auvid_identifier_optimum(auvid_identifier_t *id, uint32_t *budget
         ls->spent = 0;
         if (ls->dof == AUVID_DOF_COUNT) {
             status = auvid_bounded_ls_step(ls, m->result.constant);
-        } else if (auvid_metric_joint_row(m, ls->dof, ls->row, id->work.active, id->work.candidate,
+        } else if (auvid_metric_joint_row(m, ls->dof, ls->row, id->work.active, m->cfg.fixed,
                                           row)) {
             ++ls->row;
             auvid_bounded_ls_add(ls, row);
@@ -53,10 +67,9 @@ auvid_status_t auvid_identifier_optimum(auvid_identifier_t *id, uint32_t *budget
             ls->row = 0;
         }
     }
-    if (status != AUVID_PENDING) {
-        auvid_real_t allowed =
-            EXCESS_OF_MINIMUM * (ls->cost + m->result.constant) + EXCESS_OF_ZERO * ls->zero;
-        id->work.not_converged |= !(ls->start - ls->cost <= allowed);
+    if (status == AUVID_PENDING) {
+        return AUVID_PENDING;
     }
-    return status == AUVID_PENDING ? AUVID_PENDING : AUVID_OK;
+    id->work.minimum = auvid_identifier_take_optimum(id, m->result.constant, id->work.candidate);
+    return AUVID_OK;
 }

@@ -8,8 +8,8 @@
  * From the validation to the estimate the ring is held (auvid_metric_hold): a search uses the sets
  * that it began with, however slow it is. A set that enters the ring meanwhile replaces the oldest;
  * then the phases that read the ring restart with the remaining sets. The validation, if it is
- * attached, is in auvid_identifier_validate.c; LINEARISE for the regressor path in
- * auvid_identifier_optimum.c.
+ * attached, is in auvid_identifier_validate.c; the minimum of the regressor path, part of MERGE, in
+ * auvid_identifier_optimum.c; its LINEARISE, with uncertain inputs, in auvid_uncertain_solve.c.
  */
 #include <string.h>
 
@@ -43,39 +43,56 @@ static bool identifier_searches_delay(const auvid_identifier_t *id)
     return auvid_metric_stores_rows(&id->metric) && id->metric.cfg.estimate_delay;
 }
 
-static auvid_status_t identifier_begin_search(auvid_identifier_t *id)
+auvid_status_t auvid_identifier_begin_search(auvid_identifier_t *id, const auvid_real_t *scale,
+                                             const auvid_real_t *last,
+                                             const auvid_minimum_t *minimum, const auvid_real_t *pi)
 {
     auvid_search_config_t *search = &id->optimizer.cfg;
-    auvid_real_t scale[AUVID_MAX_PARAMETERS], last[AUVID_MAX_PARAMETERS];
-    id->work.active = auvid_metric_searched(&id->metric);
+    auvid_real_t step[AUVID_MAX_PARAMETERS], known[AUVID_MAX_PARAMETERS];
     *search = id->search;
     search->seed += id->work.searches;
     auvid_identifier_select(search, id->work.active, id->work.parameter_of);
-    auvid_metric_scale(&id->metric, scale);
-    for (int i = 0; i < search->n; ++i) { /* in place: the i-th is the i-th or a later one */
+    for (int i = 0; i < search->n; ++i) {
         auvid_real_t half = AUVID_C(0.5) * (search->upper[i] - search->lower[i]);
         int p = id->work.parameter_of[i];
-        scale[i] = auvid_min(scale[p], half);
-        last[i] = id->estimate.pi[p];
+        step[i] = auvid_min(scale[p], half);
+        known[i] = last != NULL ? last[p] : AUVID_C(0.0);
     }
     if (identifier_searches_delay(id)) {
         int n = search->n++;
-        search->lower[n] = scale[n] = AUVID_C(0.0);
+        search->lower[n] = step[n] = AUVID_C(0.0);
         search->upper[n] = auvid_metric_longest_delay(&id->metric);
         search->good[n] = id->metric.cfg.delay_s[0];
-        last[n] = auvid_identifier_common_delay(&id->estimate);
+        known[n] = auvid_identifier_common_delay(&id->estimate);
     }
     auvid_status_t status =
-        auvid_optimizer_init(&id->optimizer, search, search->scale_by_bounds ? NULL : scale);
-    if (status < 0) {
-        return status;
+        auvid_optimizer_init(&id->optimizer, search, search->scale_by_bounds ? NULL : step);
+    if (status >= 0 && last != NULL) {
+        (void)auvid_optimizer_add_point(&id->optimizer, known);
     }
-    ++id->work.searches;
-    if (id->estimate.number > 0 && !id->work.cold_start) {
-        (void)auvid_optimizer_add_point(&id->optimizer, last);
+    for (int i = 0; status >= 0 && minimum != NULL && i < id->optimizer.cfg.n; ++i) {
+        known[i] = pi[id->work.parameter_of[i]];
     }
-    id->work.cold_start = false;
-    return AUVID_OK;
+    if (status >= 0 && minimum != NULL && !id->search.paper) {
+        (void)auvid_optimizer_certify(&id->optimizer, known, minimum->cost, minimum->allowed);
+    }
+    return status;
+}
+
+static auvid_status_t identifier_begin_sets_search(auvid_identifier_t *id)
+{
+    bool linear = !auvid_metric_stores_rows(&id->metric);
+    bool warm = id->estimate.number > 0 && !id->work.cold_start;
+    auvid_real_t scale[AUVID_MAX_PARAMETERS];
+    auvid_metric_scale(&id->metric, scale);
+    auvid_status_t status =
+        auvid_identifier_begin_search(id, scale, warm ? id->estimate.pi : NULL,
+                                      linear ? &id->work.minimum : NULL, id->work.candidate);
+    if (status >= 0) {
+        ++id->work.searches;
+        id->work.cold_start = false;
+    }
+    return status;
 }
 
 /* All parameters of the model from those of the optimizer; the others have their fixed value. */
@@ -143,14 +160,9 @@ static void identifier_publish_estimate(auvid_identifier_t *id)
     e->confidence = id->confidence.result;
     memcpy(e->covariance, id->confidence.covariance, sizeof e->covariance);
     e->accepted = false;
-    const auvid_uncertain_functions_t *uncertain = id->attached.uncertain_functions;
-    if (uncertain == NULL || !uncertain->begin(id)) {
-        auvid_identifier_announce(id);
+    if (id->attached.uncertain_functions != NULL) {
+        id->attached.uncertain_functions->publish(id);
     }
-}
-
-void auvid_identifier_announce(auvid_identifier_t *id)
-{
     id->events |= AUVID_EVENT_ESTIMATE;
     identifier_rest(id);
     if (auvid_metric_lengthen(&id->metric)) {
@@ -208,16 +220,37 @@ static void identifier_begin_sets(auvid_identifier_t *id)
 
 /* ---- the phases ---- */
 
-/* Merge, then spend the start cost of a search, then begin it. */
+/* The sets are merged: on the regressor path, find the minimum next. */
+static void identifier_end_sets(auvid_identifier_t *id)
+{
+    id->work.active = auvid_metric_searched(&id->metric);
+    id->work.spent = WORK_START;
+    if (!auvid_metric_stores_rows(&id->metric)) {
+        memcpy(id->work.candidate, id->metric.cfg.fixed, sizeof id->work.candidate);
+        auvid_identifier_begin_optimum(id, id->estimate.pi);
+        id->work.spent = WORK_OPTIMUM;
+    }
+}
+
+/* Merge, find the minimum, spend the start cost of a search, then begin it. */
 static auvid_status_t identifier_merge(auvid_identifier_t *id, uint32_t *budget)
 {
+    auvid_status_t status = AUVID_OK;
     if (id->work.spent == 0) {
-        auvid_status_t status = auvid_metric_merge(&id->metric, budget);
-        id->work.spent = status == AUVID_OK;
-        return status == AUVID_OK ? AUVID_PENDING : status;
+        status = auvid_metric_merge(&id->metric, budget);
+        if (status == AUVID_OK) {
+            identifier_end_sets(id);
+            status = AUVID_PENDING;
+        }
+        return status;
+    }
+    if (id->work.spent == WORK_OPTIMUM) {
+        id->work.spent =
+            auvid_identifier_optimum(id, budget) == AUVID_OK ? WORK_START : WORK_OPTIMUM;
+        return AUVID_PENDING;
     }
     --*budget;
-    return id->work.spent++ == SEARCH_START_COST ? identifier_begin_search(id) : AUVID_PENDING;
+    return id->work.spent++ == WORK_LAST_SPENT ? identifier_begin_sets_search(id) : AUVID_PENDING;
 }
 
 static void identifier_end_merge(auvid_identifier_t *id)
@@ -246,6 +279,15 @@ static void identifier_solve_coupled(auvid_identifier_t *id)
     }
 }
 
+/* Is the search's result the minimum, as far as that is known? */
+static bool identifier_found_minimum(const auvid_identifier_t *id)
+{
+    const auvid_minimum_t *minimum = &id->work.minimum;
+    return auvid_metric_stores_rows(&id->metric)
+               ? id->work.cost < AUVID_COST_FAILED
+               : id->work.cost - minimum->cost <= minimum->allowed;
+}
+
 static AUVID_NOINLINE auvid_status_t identifier_ask(auvid_identifier_t *id, uint32_t *budget)
 {
     auvid_real_t theta[AUVID_MAX_PARAMETERS];
@@ -256,7 +298,7 @@ static AUVID_NOINLINE auvid_status_t identifier_ask(auvid_identifier_t *id, uint
     } else if (status != AUVID_PENDING) {
         identifier_expand(id, auvid_optimizer_best(&id->optimizer, &id->work.cost));
         id->work.searched = id->optimizer.work;
-        id->work.not_converged = status != AUVID_FINISHED || !(id->work.cost < AUVID_COST_FAILED);
+        id->work.not_converged = status != AUVID_FINISHED || !identifier_found_minimum(id);
         identifier_solve_coupled(id);
         identifier_begin_measure(id);
         status = AUVID_PENDING;
@@ -276,24 +318,6 @@ static void identifier_end_cost(auvid_identifier_t *id)
     id->work.phase = AUVID_WORK_ASK;
 }
 
-static void identifier_begin_linearise(auvid_identifier_t *id)
-{
-    if (auvid_metric_stores_rows(&id->metric)) {
-        auvid_metric_linearise_begin(&id->metric, id->work.candidate, id->work.delay_s,
-                                     id->metric.cfg.sets);
-    } else {
-        id->work.searching = false;
-        auvid_identifier_begin_optimum(id);
-    }
-    id->work.phase = AUVID_WORK_LINEARISE;
-}
-
-static auvid_status_t identifier_linearise(auvid_identifier_t *id, uint32_t *budget)
-{
-    return auvid_metric_stores_rows(&id->metric) ? auvid_metric_linearise(&id->metric, budget)
-                                                 : auvid_identifier_optimum(id, budget);
-}
-
 static void identifier_begin_confidence(auvid_identifier_t *id)
 {
     id->work.searching = false;
@@ -303,6 +327,28 @@ static void identifier_begin_confidence(auvid_identifier_t *id)
     auvid_confidence_limits(&id->confidence, id->search.lower, id->search.upper,
                             id->work.not_converged && !auvid_metric_stores_rows(&id->metric));
     id->work.phase = AUVID_WORK_CONFIDENCE;
+}
+
+static void identifier_begin_linearise(auvid_identifier_t *id)
+{
+    const auvid_uncertain_functions_t *uncertain = id->attached.uncertain_functions;
+    id->work.phase = AUVID_WORK_LINEARISE;
+    if (auvid_metric_stores_rows(&id->metric)) {
+        auvid_metric_linearise_begin(&id->metric, id->work.candidate, id->work.delay_s,
+                                     id->metric.cfg.sets);
+        return;
+    }
+    id->work.searching = false;
+    if (uncertain == NULL || !uncertain->begin(id)) {
+        identifier_begin_confidence(id);
+    }
+}
+
+static auvid_status_t identifier_linearise(auvid_identifier_t *id, uint32_t *budget)
+{
+    return auvid_metric_stores_rows(&id->metric)
+               ? auvid_metric_linearise(&id->metric, budget)
+               : id->attached.uncertain_functions->solve(id, budget);
 }
 
 static auvid_status_t identifier_confidence(auvid_identifier_t *id, uint32_t *budget)
@@ -326,10 +372,6 @@ static const auvid_work_phase_row_t identifier_phases[AUVID_WORK_PHASE_COUNT] = 
 static const auvid_work_phase_row_t *identifier_phase(const auvid_identifier_t *id)
 {
     uint32_t phase = id->work.phase, test = phase - AUVID_WORK_PREPARE;
-    const auvid_uncertain_functions_t *uncertain = id->attached.uncertain_functions;
-    if (uncertain != NULL && phase == AUVID_WORK_CONFIDENCE && uncertain->is_solving(id)) {
-        return &uncertain->phase;
-    }
     return test <= AUVID_WORK_CHANGE_TEST - AUVID_WORK_PREPARE &&
                    id->attached.change_functions != NULL
                ? &id->attached.change_functions->phases[test]

@@ -75,11 +75,6 @@ static bool uncertain_begin(auvid_identifier_t *id)
     return ready;
 }
 
-static bool uncertain_is_solving(const auvid_identifier_t *id)
-{
-    return uncertain_of(id)->work.solving;
-}
-
 static const auvid_estimate_t *uncertain_estimate(const auvid_identifier_t *id)
 {
     const auvid_estimate_t *e = &uncertain_of(id)->estimate;
@@ -133,13 +128,16 @@ static bool uncertain_is_exact(const auvid_uncertain_t *u)
 }
 
 /* Assess the solution, and write the estimate. */
-static void uncertain_publish(auvid_identifier_t *id)
+static void uncertain_assess(auvid_identifier_t *id)
 {
     auvid_uncertain_t *u = uncertain_of(id);
     auvid_confidence_job_t *job = &id->confidence;
     const auvid_vehicle_t *vehicle = id->metric.cfg.vehicle;
     auvid_estimate_t *e = &u->estimate;
     *e = id->estimate;
+    e->evaluations_crs = u->work.searched.crs;
+    e->evaluations_line = u->work.searched.line_search;
+    e->not_converged = u->work.not_converged;
     memcpy(e->covariance, u->work.part.factor,
            (size_t)AUVID_QR_FACTOR(vehicle->parameters) * sizeof e->covariance[0]);
     for (int i = 0; i < vehicle->parameters; ++i) {
@@ -149,7 +147,7 @@ static void uncertain_publish(auvid_identifier_t *id)
     uncertain_widen_scales(&job->result.uncertainty, u->scale);
     job->result.unchecked = uncertain_is_exact(u) && !id->exact_inputs;
     auvid_confidence_revise(job, e->pi);
-    auvid_confidence_limits(job, id->search.lower, id->search.upper, false);
+    auvid_confidence_limits(job, id->search.lower, id->search.upper, e->not_converged);
     for (int i = 0; i < job->n; ++i) {
         int p = job->parameter_of[i];
         auvid_real_t sigma = auvid_sqrt(auvid_estimate_covariance(e, vehicle, p, p));
@@ -167,24 +165,20 @@ static auvid_status_t uncertain_solve(auvid_identifier_t *id, uint32_t *budget)
     return auvid_uncertain_solve(uncertain_of(id), &id->metric, budget);
 }
 
-static void uncertain_end(auvid_identifier_t *id)
+static void uncertain_publish(auvid_identifier_t *id)
 {
     auvid_uncertain_t *u = uncertain_of(id);
+    bool solved = u->work.solving && !u->contradicted && !auvid_uncertain_thrust_differs(u);
     u->work.solving = false;
-    if (u->contradicted || auvid_uncertain_thrust_differs(u)) {
-        u->estimate.number = 0;
+    if (solved) {
+        uncertain_assess(id);
     } else {
-        uncertain_publish(id);
+        u->estimate.number = 0;
     }
-    auvid_identifier_announce(id);
 }
 
 static const auvid_uncertain_functions_t uncertain_table = {
-    uncertain_begin,
-    uncertain_is_solving,
-    uncertain_estimate,
-    uncertain_judge,
-    {NULL, uncertain_solve, uncertain_end, NULL}};
+    uncertain_begin, uncertain_solve, uncertain_publish, uncertain_estimate, uncertain_judge};
 
 auvid_status_t auvid_identifier_attach_uncertain(auvid_identifier_t *id, auvid_uncertain_t *storage,
                                                  const auvid_uncertain_config_t *cfg,

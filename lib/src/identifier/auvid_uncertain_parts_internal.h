@@ -77,6 +77,26 @@ void auvid_uncertain_keep_own(auvid_uncertain_t *u, const auvid_metric_t *m, int
 /** Rotate row i of the DoF's factor, an own input's no more, into the joint factor. */
 void auvid_uncertain_transfer(auvid_uncertain_t *u, const auvid_metric_t *m, int j, int i);
 
+/** Row i of the joint factor, by column, from column i on. */
+static inline const auvid_real_t *auvid_uncertain_joint_row(const auvid_uncertain_t *u, int i)
+{
+    return u->work.joint + auvid_qr_row(JOINT_ORDER, i) - i;
+}
+
+/** Solve for shared inputs and parameters, or for the inputs beside known parameters; then for the
+ * own inputs of each DoF. */
+void auvid_uncertain_finish(auvid_uncertain_t *u, const auvid_metric_t *m, bool known);
+
+/** Find the minimum of what is left within the bounds: row i of it, or after the last one a change
+ * of the active set. @return is it found? */
+bool auvid_uncertain_find_optimum(auvid_uncertain_t *u, const auvid_metric_t *m, int i);
+
+/** Begin the search, with this minimum. */
+void auvid_uncertain_begin_search(auvid_uncertain_t *u);
+
+/** Evaluate a point. @return has the search ended? Then its result is kept. */
+bool auvid_uncertain_search(auvid_uncertain_t *u, const auvid_metric_t *m);
+
 /** Returns the standard deviation, after a solution, of the sum of DoF j's own input `own` and of a
  * shared input; negative: none. */
 auvid_real_t auvid_uncertain_deviation(const auvid_uncertain_t *u, int j, int own, int shared);

@@ -24,12 +24,17 @@
  * derivative of the solution by lambda_j: P X_j' times the change of X~_j's columns,
  * e'e / s^2 = rows / 2.6.
  *
+ * After the last pass the rows of the parameters in the joint factor are what is left when the
+ * uncertain inputs are eliminated, and the optimizer searches their cost within the bounds. It is
+ * convex: the search gets its minimum, with a certificate.
+ *
  * After each pass the priors get the common scale c with the largest likelihood (MacKay 1992) of
  * the shared inputs, as if three of them had been seen to be right,
  *     c^2 = (3 + sum_k (b_k / sigma_k)^2) / (3 + sum_k (1 - P_kk / (c sigma_k)^2)).
  */
 #include <string.h>
 
+#include "auvid_identifier_internal.h"
 #include "auvid_uncertain_parts_internal.h"
 #include "../metric/auvid_metric_feedback_internal.h"
 
@@ -48,6 +53,9 @@ enum {
     SOLVE_SHARED,
     SOLVE_FINISH,
     SOLVE_SCALE,
+    SOLVE_OPTIMUM,
+    SOLVE_START,
+    SOLVE_SEARCH,
     SOLVE_SIDES,
     SOLVE_SIGMA,
     SOLVE_DONE
@@ -62,18 +70,9 @@ static void uncertain_add_shared_prior(uncertain_t *u, const auvid_metric_t *m, 
     auvid_qr_update(u->work.joint, JOINT_ORDER, code, row);
 }
 
-/* Solve for shared inputs and parameters, then for the own inputs of each DoF. */
-static void uncertain_finish(uncertain_t *u, const auvid_metric_t *m)
+/* Keep shared inputs and parameters, and solve for the own inputs of each DoF. */
+static void uncertain_keep(uncertain_t *u, const auvid_metric_t *m, const auvid_real_t *x)
 {
-    auvid_real_t x[JOINT_ORDER];
-    for (int i = 0; i < JOINT_ORDER - 1; ++i) {
-        x[i] = u->work.joint[auvid_qr_row(JOINT_ORDER, i) + JOINT_ORDER - 1 - i];
-    }
-    x[JOINT_ORDER - 1] = AUVID_C(-1.0);
-    (void)auvid_qr_solve(u->work.joint, JOINT_ORDER, JOINT_ORDER - 1, AUVID_C(1e-6), x);
-    if (!auvid_all_finite(x, JOINT_ORDER)) {
-        return;
-    }
     memcpy(u->shared, x, sizeof u->shared);
     memcpy(u->pi, x + PARAMETERS_AT, sizeof u->pi);
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
@@ -87,6 +86,25 @@ static void uncertain_finish(uncertain_t *u, const auvid_metric_t *m)
             }
             u->own[e->own_at + i] = auvid_abs(r[i]) > AUVID_C(0.0) ? -sum / r[i] : AUVID_C(0.0);
         }
+    }
+}
+
+void auvid_uncertain_finish(uncertain_t *u, const auvid_metric_t *m, bool known)
+{
+    auvid_real_t x[JOINT_ORDER];
+    const int n = known ? PARAMETERS_AT : JOINT_ORDER - 1;
+    memcpy(x + PARAMETERS_AT, u->pi, sizeof u->pi);
+    x[JOINT_ORDER - 1] = AUVID_C(-1.0);
+    for (int i = 0; i < n; ++i) {
+        const auvid_real_t *r = auvid_uncertain_joint_row(u, i);
+        x[i] = r[JOINT_ORDER - 1];
+        for (int k = n; k < JOINT_ORDER - 1; ++k) {
+            x[i] -= r[k] * x[k];
+        }
+    }
+    (void)auvid_qr_solve(u->work.joint, JOINT_ORDER, n, AUVID_C(1e-6), x);
+    if (auvid_all_finite(x, JOINT_ORDER)) {
+        uncertain_keep(u, m, x);
     }
 }
 
@@ -183,7 +201,7 @@ static uint8_t uncertain_next_dof(const uncertain_t *u, int j)
 void auvid_uncertain_begin(auvid_uncertain_t *u)
 {
     if (u->estimate.number == 0) {
-        memcpy(u->pi, u->id->estimate.pi, sizeof u->pi);
+        memcpy(u->pi, u->id->work.candidate, sizeof u->pi);
         auvid_clear(u->shared, AUVID_UNCERTAIN_SHARED);
         auvid_clear(u->own, AUVID_UNCERTAIN_OWN);
         u->scale = AUVID_C(1.0);
@@ -209,6 +227,8 @@ static uint32_t uncertain_price(const uncertain_t *u)
     switch (u->work.phase) {
     case SOLVE_PREPARE:
         return order * order / 8u;
+    case SOLVE_START:
+        return SEARCH_START_COST;
     case SOLVE_TRANSFER:
     case SOLVE_FINISH:
     case SOLVE_SCALE:
@@ -251,11 +271,19 @@ static uint32_t uncertain_step(uncertain_t *u, const auvid_metric_t *m)
         uncertain_add_shared_prior(u, m, (int)i);
         return AUVID_UNCERTAIN_SHARED;
     case SOLVE_FINISH:
-        uncertain_finish(u, m);
+        auvid_uncertain_finish(u, m, false);
         return 1;
     case SOLVE_SCALE:
         uncertain_scale(u, m, (int)i);
         return AUVID_UNCERTAIN_SHARED;
+    case SOLVE_OPTIMUM:
+        return auvid_uncertain_find_optimum(u, m, (int)i) ? i + 1u : i + 2u;
+    case SOLVE_START:
+        auvid_uncertain_begin_search(u);
+        return 1;
+    case SOLVE_SEARCH:
+        u->work.row = 0;
+        return auvid_uncertain_search(u, m) ? 1u : 2u;
     case SOLVE_SIDES:
         uncertain_solve_side(u, (int)i);
         return AUVID_DOF_COUNT;

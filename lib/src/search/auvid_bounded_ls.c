@@ -130,7 +130,6 @@ auvid_status_t auvid_bounded_ls_step(auvid_bounded_ls_t *ls, auvid_real_t consta
     }
     if (ls->changes == 0) {
         auvid_real_t z = auvid_qr_column_norm(ls->qr_factor, n + 1, n);
-        ls->start = ls->cost;
         ls->zero = z * z;
     }
     ls->at = 0;

@@ -27,8 +27,8 @@ void auvid_bounded_ls_begin(auvid_bounded_ls_t *ls, int n);
 void auvid_bounded_ls_add(auvid_bounded_ls_t *ls, auvid_real_t *row);
 
 /** Do one step towards the optimum. ls->x is the start on entry, within the bounds, and the best
- * point on return. ls->start and ls->cost are the costs of the two, ls->zero that of x = 0; bit i
- * of ls->free: x_i is resolved and not at a bound.
+ * point on return. ls->cost is its cost, ls->zero that of x = 0; bit i of ls->free: x_i is resolved
+ * and not at a bound.
  * @param constant further cost, >= 0: a change is not made if it gains less than 1e-7 of the whole
  * or only rounding
  * @return AUVID_OK (the optimum); AUVID_PENDING; AUVID_EVALUATION_LIMIT (too many changes: a good

@@ -51,7 +51,7 @@ static uint8_t crs_next_state(const auvid_optimizer_t *o)
     if (low >= AUVID_COST_FAILED) {
         return AUVID_OPTIMIZER_GLOBAL_CAPPED; /* the model failed everywhere */
     }
-    if (high - low <= auvid_max(crs->last_spread, ulps)) {
+    if (auvid_search_is_certified(o, low) || high - low <= auvid_max(crs->last_spread, ulps)) {
         return AUVID_OPTIMIZER_GLOBAL_CONVERGED;
     }
     return o->work.crs >= o->cfg.max_evaluations_crs || crs->rejections >= o->cfg.max_rejections

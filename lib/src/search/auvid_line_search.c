@@ -49,9 +49,24 @@ void auvid_line_search_begin(auvid_optimizer_t *o, auvid_real_t cost)
     memset(&o->line_search, 0, sizeof o->line_search);
     o->line_search.cost = cost;
     memcpy(o->line_search.theta, o->trial, sizeof o->trial);
-    line_search_raise_steps(o, o->cfg.alpha0);
+    line_search_raise_steps(
+        o, o->certified ? auvid_clamp(auvid_sqrt(o->allowed), o->cfg.epsilon_line, o->cfg.alpha0)
+                        : o->cfg.alpha0);
     o->line_search.restarts_left = o->cfg.restarts;
     o->state = AUVID_OPTIMIZER_START;
+}
+
+/* The certificate is wrong: search. */
+static void line_search_refute(auvid_optimizer_t *o)
+{
+    o->certified = false;
+    line_search_raise_steps(o, o->cfg.alpha0);
+}
+
+/* Is the search more than the paper's? A poll that confirms a certificate is not. */
+static bool line_search_is_fast(const auvid_optimizer_t *o)
+{
+    return !o->cfg.paper && !o->certified;
 }
 
 static void line_search_begin_line(auvid_optimizer_t *o, uint8_t direction)
@@ -64,7 +79,7 @@ static void line_search_begin_line(auvid_optimizer_t *o, uint8_t direction)
     ls->base_cost = ls->cost;
     ls->t = line_search_is_pattern(o) ? AUVID_C(1.0) : ls->alpha[direction];
     ls->t_best = ls->t_near = ls->t_far = ls->axis_step = AUVID_C(0.0);
-    if (line_search_is_pattern(o) || o->cfg.paper) {
+    if (line_search_is_pattern(o) || !line_search_is_fast(o)) {
         return;
     }
     if (line_search_parameter(o) == ls->built) {
@@ -79,6 +94,13 @@ static void line_search_begin_line(auvid_optimizer_t *o, uint8_t direction)
 static void line_search_begin_sweep(auvid_optimizer_t *o)
 {
     auvid_line_search_t *ls = &o->line_search;
+    if (o->certified && o->state == AUVID_OPTIMIZER_LOCAL) { /* the poll is complete */
+        if (auvid_search_is_certified(o, ls->cost)) {
+            o->state = AUVID_OPTIMIZER_LOCAL_CONVERGED;
+            return;
+        }
+        line_search_refute(o);
+    }
     const bool first =
         !o->cfg.paper && ls->restarts_left == o->cfg.restarts && o->state == AUVID_OPTIMIZER_LOCAL;
     auvid_real_t longest = AUVID_C(0.0), last = o->cfg.epsilon_line;
@@ -103,7 +125,7 @@ static void line_search_begin_sweep(auvid_optimizer_t *o)
         memset(ls->shear, 0, sizeof ls->shear);
         memset(ls->curvature, 0, sizeof ls->curvature);
     }
-    ls->plain = ls->built == o->cfg.n && !o->cfg.paper;
+    ls->plain = ls->built == o->cfg.n && line_search_is_fast(o);
     o->state = AUVID_OPTIMIZER_LOCAL;
     memcpy(ls->previous, ls->theta, sizeof ls->previous);
     ls->previous_cost = ls->cost;
@@ -116,7 +138,7 @@ static void line_search_next_line(auvid_optimizer_t *o)
 {
     auvid_line_search_t *ls = &o->line_search;
     const uint8_t pattern = (uint8_t)(2u * o->cfg.n);
-    const bool fast = !o->cfg.paper;
+    const bool fast = line_search_is_fast(o);
     uint8_t next = (uint8_t)(ls->direction + 1u);
     auvid_real_t t_far = AUVID_C(0.0);
     if (fast && !line_search_is_pattern(o)) {
@@ -235,7 +257,7 @@ static void line_search_take_cost(auvid_optimizer_t *o, auvid_real_t cost)
     } else if (along && ls->move == MOVE_POLL) { /* (15) */
         ls->alpha[ls->direction] *= o->cfg.sigma;
     }
-    if (!o->cfg.paper && line_search_aim_parabola(o)) {
+    if (line_search_is_fast(o) && line_search_aim_parabola(o)) {
         ls->move = MOVE_PARABOLA;
     } else if (accepted && (along || t < PATTERN_MAX)) {
         ls->move = MOVE_EXPAND;
@@ -270,6 +292,9 @@ void auvid_line_search_take(auvid_optimizer_t *o, auvid_real_t cost)
     ++o->work.line_search;
     if (o->state == AUVID_OPTIMIZER_START) {
         o->line_search.cost = cost;
+        if (o->certified && !auvid_search_is_certified(o, cost)) {
+            line_search_refute(o);
+        }
         line_search_begin_sweep(o);
     } else {
         line_search_take_cost(o, cost);

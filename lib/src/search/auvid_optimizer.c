@@ -71,6 +71,40 @@ auvid_status_t auvid_optimizer_add_point(auvid_optimizer_t *o, const auvid_real_
     return AUVID_OK;
 }
 
+auvid_status_t auvid_optimizer_certify(auvid_optimizer_t *o, const auvid_real_t *theta,
+                                       auvid_real_t least, auvid_real_t allowed)
+{
+    if (o == NULL || theta == NULL) {
+        return AUVID_ERR_NULL;
+    }
+    bool global = o->state == AUVID_OPTIMIZER_FRESH;
+    if (!global && (o->state != AUVID_OPTIMIZER_START || o->asked)) {
+        return AUVID_ERR_STATE;
+    }
+    if (!auvid_all_finite(theta, o->cfg.n) || !auvid_is_finite(least) ||
+        !auvid_is_finite(allowed)) {
+        return AUVID_ERR_NOT_FINITE;
+    }
+    if (!(allowed >= AUVID_C(0.0))) {
+        return AUVID_ERR_RANGE;
+    }
+    for (size_t i = 0; i < o->cfg.n; ++i) {
+        o->trial[i] = auvid_clamp(theta[i], o->cfg.lower[i], o->cfg.upper[i]);
+    }
+    o->least = least;
+    o->allowed = allowed;
+    o->certified = true;
+    if (global) {
+        uint16_t last = (uint16_t)(o->cfg.population - 1u);
+        last = o->crs.known < last ? o->crs.known : last;
+        memcpy(o->crs.theta[last], o->trial, sizeof o->trial);
+        o->crs.known = (uint16_t)(last + 1u);
+    } else {
+        auvid_line_search_begin(o, AUVID_C(0.0));
+    }
+    return AUVID_OK;
+}
+
 auvid_status_t auvid_optimizer_ask(auvid_optimizer_t *o, auvid_real_t *theta)
 {
     auvid_status_t status = AUVID_OK;

@@ -12,6 +12,7 @@
 #include "auvid/checkpoint.h"
 #include "auvid/prior.h"
 #include "identifier/auvid_checkpoint_layout_internal.h"
+#include "identifier/auvid_identifier_internal.h"
 #include "base/auvid_checksum_internal.h"
 #include "base/auvid_math_internal.h"
 #include "binomial.h"
@@ -25,9 +26,10 @@ enum {
     STORE = (SETS + 1) * SET_ROWS,
     MOST = AUVID_CHECKPOINT_MAX(STORE),
     PHASES = AUVID_WORK_CONFIDENCE + 1,
-    KINDS = 4 * PHASES, /* of moments: phases of work, with a waiting set, a held sample */
-    TAKEN = 2 * KINDS,  /* checkpoints of a world: two of each */
-    LATE_US = 50000,    /* the IMU in the slow worlds */
+    KINDS =
+        8 * PHASES, /* of moments: phases of work, with a waiting set, a held sample, the optimum */
+    TAKEN = 2 * KINDS, /* checkpoints of a world: two of each */
+    LATE_US = 50000,   /* the IMU in the slow worlds */
     HANG_S = 60
 };
 
@@ -120,7 +122,9 @@ static uint32_t kind_of(const auvid_identifier_t *id)
 {
     const auvid_metric_t *m = &id->metric;
     bool waits = m->sets.held && (m->sets.full || m->sets.waiting > 0 || id->work.untested > 1);
-    return id->work.phase + PHASES * ((uint32_t)waits + 2u * (id->nav.held.sensors != 0));
+    bool optimum = id->work.phase == AUVID_WORK_MERGE && id->work.spent == WORK_OPTIMUM;
+    return id->work.phase +
+           PHASES * ((uint32_t)waits + 2u * (id->nav.held.sensors != 0) + 4u * (uint32_t)optimum);
 }
 
 /* Save two moments of each kind that occurs in `seconds` of the world, which is excited. */
@@ -177,7 +181,7 @@ static void record_all(void)
             phases |= 1u << id->work.phase;
             exciting += moment[w][k].chain.actuation.guard.state == AUVID_GUARD_EXCITING;
             waiting += kind / PHASES % 2;
-            holding += kind / PHASES / 2;
+            holding += kind / PHASES / 2 % 2;
             optima += (auvid_get_word(moment[w][k].saved + 16) & PART_OPTIMUM) != 0;
         }
     }

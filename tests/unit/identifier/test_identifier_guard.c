@@ -925,6 +925,7 @@ static void test_an_abort_loses_neither_the_search_nor_the_data(void)
 {
     cfg.budget = 20;
     cfg.id.search.has_good = false;
+    cfg.id.search.paper = true; /* a long search */
     TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &cfg));
     chain_run(&chain, 52.0);
     TEST_ASSERT_EQUAL(AUVID_PENDING, chain.work);

@@ -8,6 +8,7 @@
 #include "chain.h"
 #include "dropper.h"
 #include "finish.h"
+#include "identifier/auvid_identifier_internal.h"
 #include "unity.h"
 
 static const uint32_t budgets[] = {1, 7, 200, 100000};
@@ -412,7 +413,16 @@ static void test_a_newly_excited_dof_is_searched(void)
 }
 
 /* Progress of the search over vehicle A's set when B's sets come: every phase. */
-typedef enum { IN_MERGE, IN_FILL, IN_GLOBAL, IN_LOCAL, IN_MEASURE, ENDED, CATCHES } catch_t;
+typedef enum {
+    IN_MERGE,
+    IN_OPTIMUM,
+    IN_FILL,
+    IN_GLOBAL,
+    IN_LOCAL,
+    IN_MEASURE,
+    ENDED,
+    CATCHES
+} catch_t;
 
 static bool is_there(catch_t where)
 {
@@ -422,6 +432,8 @@ static bool is_there(catch_t where)
     switch (where) {
     case IN_MERGE:
         return id->work.phase == AUVID_WORK_MERGE;
+    case IN_OPTIMUM:
+        return id->work.phase == AUVID_WORK_MERGE && id->work.spent == WORK_OPTIMUM;
     case IN_FILL:
         return done.crs == 30;
     case IN_GLOBAL:
@@ -442,6 +454,7 @@ static void test_no_cost_of_an_earlier_vehicle_survives(void)
     for (catch_t where = IN_MERGE; where < CATCHES; ++where) {
         chain_defaults(&cfg, 7, 4, 0.0);
         cfg.id.metric.sets = 1;
+        cfg.id.search.paper = where == IN_GLOBAL || where == IN_LOCAL; /* without certificate */
         cfg.budget = 0;
         TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &cfg));
         while (chain.id.metric.sets.recorded == 0) {

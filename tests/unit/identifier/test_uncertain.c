@@ -284,6 +284,26 @@ static void drive(chain_before_t supply)
     TEST_ASSERT_EQUAL_UINT32(1, chain.estimates);
 }
 
+/* The optimizer searches what is left when the inputs are eliminated. */
+static void test_the_estimate_is_the_minimum_within_the_bounds(void)
+{
+    identify("thrust_advance", 0.3);
+    const auvid_estimate_t *with = auvid_identifier_estimate(&run.id);
+    auvid_real_t inside = with->pi[SIM_M_U], beside = with->pi[SIM_X_UU];
+    TEST_ASSERT_FALSE(with->not_converged);
+    TEST_ASSERT_EQUAL_UINT32(52, with->evaluations_crs);
+    TEST_ASSERT_TRUE(with->evaluations_line >= 27 && with->evaluations_line < 40);
+    run.id.search.upper[SIM_M_U] = AUVID_C(0.9) * inside;
+    run.id.work.set_pending = true;
+    for (int k = 0; k < 100000 && auvid_identifier_work(&run.id, 100) == AUVID_PENDING; ++k) {
+    }
+    with = auvid_identifier_estimate(&run.id);
+    TEST_ASSERT_FALSE(with->not_converged);
+    TEST_ASSERT_TRUE(with->pi[SIM_M_U] == AUVID_C(0.9) * inside);
+    TEST_ASSERT_FALSE(with->confidence.identifiable >> SIM_M_U & 1u);
+    TEST_ASSERT_TRUE(fabs((double)(with->pi[SIM_X_UU] / beside) - 1.0) > 1e-3); /* the best there */
+}
+
 static void test_forces_that_do_not_make_the_wrench_give_no_estimate(void)
 {
     auvid_causes_t causes;
@@ -334,6 +354,7 @@ int main(void)
     RUN_TEST(test_inputs_far_less_exact_than_told_give_no_estimate);
     RUN_TEST(test_a_long_dive_keeps_its_flags);
     RUN_TEST(test_the_estimate_without_uncertain_inputs_stays_available);
+    RUN_TEST(test_the_estimate_is_the_minimum_within_the_bounds);
     RUN_TEST(test_forces_that_do_not_make_the_wrench_give_no_estimate);
     RUN_TEST(test_a_passive_vehicle_in_open_loop_has_uncertain_inputs);
     RUN_TEST(test_rows_of_a_dof_that_is_not_excited_belong_to_its_parameters);

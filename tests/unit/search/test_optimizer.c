@@ -200,6 +200,87 @@ static void test_a_known_point_is_clipped_to_the_box_and_must_be_in_time(void)
     TEST_ASSERT_EQUAL_INT(AUVID_ERR_STATE, auvid_optimizer_add_point(&optimizer, inside));
 }
 
+/* ---- a certificate ---- */
+
+/* Of sphere: the minimum is 0 at all ones. */
+static void certify(double at, double least, double allowed)
+{
+    for (int i = 0; i < n; ++i) {
+        theta[i] = (auvid_real_t)at;
+    }
+    TEST_ASSERT_EQUAL_INT(AUVID_OK, auvid_optimizer_certify(&optimizer, theta, (auvid_real_t)least,
+                                                            (auvid_real_t)allowed));
+}
+
+static void test_a_certificate_must_be_in_time_finite_and_not_negative(void)
+{
+    auvid_real_t nan = (auvid_real_t)NAN;
+    TEST_ASSERT_EQUAL_INT(AUVID_ERR_STATE, auvid_optimizer_certify(&optimizer, theta, 0, 0));
+    init();
+    memcpy(&other, &optimizer, sizeof other);
+    TEST_ASSERT_EQUAL_INT(AUVID_ERR_NULL, auvid_optimizer_certify(NULL, theta, 0, 0));
+    TEST_ASSERT_EQUAL_INT(AUVID_ERR_NULL, auvid_optimizer_certify(&optimizer, NULL, 0, 0));
+    TEST_ASSERT_EQUAL_INT(AUVID_ERR_NOT_FINITE, auvid_optimizer_certify(&optimizer, theta, nan, 0));
+    TEST_ASSERT_EQUAL_INT(AUVID_ERR_NOT_FINITE, auvid_optimizer_certify(&optimizer, theta, 0, nan));
+    TEST_ASSERT_EQUAL_INT(AUVID_ERR_RANGE, auvid_optimizer_certify(&optimizer, theta, 0, -1));
+    theta[1] = nan;
+    TEST_ASSERT_EQUAL_INT(AUVID_ERR_NOT_FINITE, auvid_optimizer_certify(&optimizer, theta, 0, 0));
+    TEST_ASSERT_EQUAL_INT(0, memcmp(&other, &optimizer, sizeof other));
+    TEST_ASSERT_EQUAL_INT(AUVID_OK, auvid_optimizer_ask(&optimizer, theta));
+    TEST_ASSERT_EQUAL_INT(AUVID_ERR_STATE, auvid_optimizer_certify(&optimizer, theta, 0, 0));
+}
+
+static void test_a_right_certificate_is_confirmed_by_one_population_and_one_poll(void)
+{
+    init();
+    certify(1.0, 0.0, 1e-6);
+    TEST_ASSERT_EQUAL_INT(AUVID_FINISHED, run(sphere));
+    TEST_ASSERT_EQUAL_UINT32(20, optimizer.work.crs);
+    TEST_ASSERT_EQUAL_UINT32(11, optimizer.work.line_search); /* the point, and two for each axis */
+    for (int i = 0; i < n; ++i) {
+        TEST_ASSERT_TRUE(best_at(i) == 1.0);
+    }
+}
+
+/* It is the last of the known points, also where there is room for no more. */
+static void test_a_certified_point_is_part_of_any_population(void)
+{
+    auvid_real_t bad[AUVID_MAX_PARAMETERS] = {0};
+    init();
+    for (int k = 0; k < optimizer.cfg.population; ++k) {
+        TEST_ASSERT_EQUAL_INT(AUVID_OK, auvid_optimizer_add_point(&optimizer, bad));
+    }
+    certify(1.0, 0.0, 1e-6);
+    TEST_ASSERT_EQUAL_UINT16(optimizer.cfg.population, optimizer.crs.known);
+    TEST_ASSERT_EQUAL_INT(AUVID_FINISHED, run(sphere));
+    TEST_ASSERT_EQUAL_UINT32(20, optimizer.work.crs);
+}
+
+static void test_a_local_search_begins_at_the_certified_point(void)
+{
+    cfg.phases = AUVID_SEARCH_LOCAL;
+    init();
+    certify(1.0, 0.0, 1e-6);
+    TEST_ASSERT_EQUAL_INT(AUVID_FINISHED, run(sphere));
+    TEST_ASSERT_EQUAL_UINT32(11, optimizer.work.line_search);
+    TEST_ASSERT_TRUE(best_at(0) == 1.0);
+}
+
+/* A point that is not the minimum, a cost that is too high, and one that no point has. */
+static void test_a_wrong_certificate_is_refuted_and_the_minimum_found(void)
+{
+    static const double wrong[][2] = {{1.5, 0.25}, {1.0, 0.5}, {1.0, -0.5}, {9.0, 0.0}};
+    for (size_t k = 0; k < sizeof wrong / sizeof wrong[0]; ++k) {
+        init();
+        certify(wrong[k][0], wrong[k][1], 1e-4);
+        TEST_ASSERT_EQUAL_INT(AUVID_FINISHED, run(sphere));
+        TEST_ASSERT_FALSE(optimizer.certified);
+        for (int i = 0; i < n; ++i) {
+            TEST_ASSERT_DOUBLE_WITHIN(1e-3, 1.0, best_at(i));
+        }
+    }
+}
+
 /* The lowest cost is at a side of the box: some trial points are outside. */
 static void test_ask_tells_of_a_rejected_trial_and_of_the_cap(void)
 {
@@ -458,6 +539,11 @@ int main(void)
     RUN_TEST(test_init_checks_both_phases_and_changes_nothing_when_it_refuses);
     RUN_TEST(test_calls_out_of_order_are_refused);
     RUN_TEST(test_a_known_point_is_clipped_to_the_box_and_must_be_in_time);
+    RUN_TEST(test_a_certificate_must_be_in_time_finite_and_not_negative);
+    RUN_TEST(test_a_right_certificate_is_confirmed_by_one_population_and_one_poll);
+    RUN_TEST(test_a_certified_point_is_part_of_any_population);
+    RUN_TEST(test_a_local_search_begins_at_the_certified_point);
+    RUN_TEST(test_a_wrong_certificate_is_refuted_and_the_minimum_found);
     RUN_TEST(test_ask_tells_of_a_rejected_trial_and_of_the_cap);
     RUN_TEST(test_the_global_phase_is_short_unless_configured_otherwise);
     RUN_TEST(test_the_local_phase_begins_at_the_best_point_of_the_global_one);

@@ -43,6 +43,7 @@
  * - the local phase searches along conjugate directions, with pattern steps and parabolas
  *   (auvid_line_search.c). A recorded 13-parameter problem takes 290 evaluations instead of 4550;
  * - the box is also searched from points that are known to be good;
+ * - with a certificate (auvid_optimizer_certify) both phases only confirm it;
  * - both phases have caps on evaluations, the global one also on consecutive trials outside the box
  *   (the paper's loops are unbounded; with m = n + 1, or an optimum in a corner, they do not end);
  * - the local phase restarts with a tenth of alpha0: in float32 it may end too early;
@@ -131,10 +132,12 @@ typedef struct {
                                     for init */
     auvid_real_t scale[AUVID_MAX_PARAMETERS]; /**< unit of the steps [parameter's unit] */
     auvid_real_t trial[AUVID_MAX_PARAMETERS]; /**< the point last asked for */
+    auvid_real_t least, allowed;              /**< of the certificate [cost] */
     auvid_optimizer_work_t work;              /**< since init */
     uint8_t state;                            /**< auvid_optimizer_state_t */
-    bool asked; /**< a point was returned, its cost is not yet received */
-    uint8_t reserved[2];
+    bool asked;     /**< a point was returned, its cost is not yet received */
+    bool certified; /**< there is a certificate, and no cost has refuted it */
+    uint8_t reserved[1];
     union { /* one after the other: the global phase leaves its best point and its cost */
         auvid_crs_t crs;
         auvid_line_search_t line_search;
@@ -180,6 +183,24 @@ auvid_status_t auvid_optimizer_init(auvid_optimizer_t *optimizer, const auvid_se
  */
 auvid_status_t auvid_optimizer_add_point(auvid_optimizer_t *optimizer, const auvid_real_t *theta);
 
+#define auvid_optimizer_certify AUVID_SIZED(auvid_optimizer_certify)
+/**
+ * Supply a certificate: theta has the least cost in the box, to `allowed`. It becomes the last of
+ * the known points. Each phase ends when its points confirm the certificate: the global phase once
+ * its population is evaluated and the best cost is `least`, the local phase after one poll of its
+ * 2n directions, with step sqrt(allowed), that gains no more than `allowed`. So a search takes
+ * m + 2n + 1 evaluations. A cost that differs from `least` by more than `allowed` refutes the
+ * certificate, and the search goes on without it.
+ * @param theta  n values, clipped to the box [parameter's unit].
+ * @param least  its cost, as the caller of tell will compute it.
+ * @param allowed  >= 0.
+ * @return AUVID_OK; AUVID_ERR_NULL; AUVID_ERR_STATE (not initialised, or a point was already asked
+ *         for); AUVID_ERR_NOT_FINITE; AUVID_ERR_RANGE (allowed). After an error nothing has
+ *         changed. Cost: n copies.
+ */
+auvid_status_t auvid_optimizer_certify(auvid_optimizer_t *optimizer, const auvid_real_t *theta,
+                                       auvid_real_t least, auvid_real_t allowed);
+
 #define auvid_optimizer_ask AUVID_SIZED(auvid_optimizer_ask)
 /**
  * Return the next point to evaluate (Algorithm 1, lines 4, 9-15; Algorithm 2, lines 3-6). A second
@@ -218,7 +239,7 @@ const auvid_real_t *auvid_optimizer_best(const auvid_optimizer_t *optimizer, auv
 typedef struct {
     auvid_real_t lower[AUVID_MAX_PARAMETERS], upper[AUVID_MAX_PARAMETERS];
     auvid_real_t x[AUVID_MAX_PARAMETERS]; /* the start, then the best point */
-    auvid_real_t start, cost, zero;       /* costs of the two, and of x = 0 */
+    auvid_real_t cost, zero;              /* of it, and of x = 0 */
     auvid_real_t qr_factor[(AUVID_MAX_PARAMETERS + 1) * (AUVID_MAX_PARAMETERS + 2) / 2]; /* R z */
     auvid_real_t work[(AUVID_MAX_PARAMETERS + 1) * (AUVID_MAX_PARAMETERS + 2) / 2]; /* permuted */
     uint32_t free;                       /* bit i: x_i is not fixed */

@@ -1,0 +1,123 @@
+/*
+ * Uncertain inputs: the search of the parameters, when the inputs are eliminated. The rows of the
+ * parameters in the joint factor, [R | z], are what is left, and
+ *
+ *     J(pi) = ||R pi - z||^2 / ||z||^2
+ *
+ * is searched within the bounds by both phases of the optimizer. It is convex: the optimizer gets
+ * its minimum as a certificate, as for the sets (auvid_identifier_optimum.c).
+ */
+#include <string.h>
+
+#include "auvid_identifier_internal.h"
+#include "auvid_uncertain_parts_internal.h"
+#include "../search/auvid_bounded_ls_internal.h"
+
+typedef auvid_uncertain_t uncertain_t;
+
+/* Norm of parameter p's column in what is left. */
+static auvid_real_t uncertain_left_norm(const uncertain_t *u, int p)
+{
+    auvid_real_t squares = AUVID_C(0.0);
+    for (int i = 0; i <= p; ++i) {
+        auvid_real_t r = auvid_uncertain_joint_row(u, PARAMETERS_AT + i)[PARAMETERS_AT + p];
+        squares += r * r;
+    }
+    return auvid_sqrt(squares);
+}
+
+/* Cost that no parameters explain. */
+static auvid_real_t uncertain_constant(const uncertain_t *u)
+{
+    auvid_real_t left = auvid_uncertain_joint_row(u, JOINT_ORDER - 1)[JOINT_ORDER - 1];
+    return u->work.weight * left * left;
+}
+
+bool auvid_uncertain_find_optimum(uncertain_t *u, const auvid_metric_t *m, int i)
+{
+    auvid_identifier_t *id = u->id;
+    const int n = m->cfg.vehicle->parameters, z = JOINT_ORDER - 1;
+    auvid_real_t row[AUVID_MAX_PARAMETERS + 1], squares = AUVID_C(0.0);
+    if (i == 0) {
+        id->work.active = 0;
+        for (int p = 0; p < n; ++p) {
+            auvid_real_t zp = auvid_uncertain_joint_row(u, PARAMETERS_AT + p)[z];
+            id->work.active |= (uint32_t)(uncertain_left_norm(u, p) > AUVID_C(0.0)) << p;
+            squares += zp * zp;
+        }
+        u->work.weight = squares > AUVID_C(0.0) ? AUVID_C(1.0) / squares : AUVID_C(1.0);
+        auvid_identifier_begin_optimum(id, u->pi);
+        id->optimum.dof = AUVID_DOF_COUNT;
+    }
+    if (i >= n) {
+        return auvid_bounded_ls_step(&id->optimum, uncertain_constant(u)) != AUVID_PENDING;
+    }
+    auvid_real_t scale = auvid_sqrt(u->work.weight);
+    const auvid_real_t *r = auvid_uncertain_joint_row(u, PARAMETERS_AT + i) + PARAMETERS_AT;
+    for (int k = 0; k < id->optimum.n; ++k) {
+        int p = id->work.parameter_of[k];
+        row[k] = p < i ? AUVID_C(0.0) : scale * r[p];
+    }
+    row[id->optimum.n] = scale * r[AUVID_MAX_PARAMETERS];
+    auvid_bounded_ls_add(&id->optimum, row);
+    return false;
+}
+
+void auvid_uncertain_begin_search(uncertain_t *u)
+{
+    auvid_identifier_t *id = u->id;
+    auvid_real_t unit[AUVID_MAX_PARAMETERS], scale = auvid_sqrt(u->work.weight);
+    auvid_minimum_t minimum = auvid_identifier_take_optimum(id, uncertain_constant(u), u->pi);
+    for (int p = 0; p < AUVID_MAX_PARAMETERS; ++p) {
+        auvid_real_t norm = uncertain_left_norm(u, p);
+        unit[p] = norm > AUVID_C(0.0) ? AUVID_C(1.0) / (scale * norm) : AUVID_C(0.0);
+    }
+    id->work.searching = auvid_identifier_begin_search(id, unit, NULL, &minimum, u->pi) == AUVID_OK;
+}
+
+/* Cost of a point: squares of the parameters' rows. */
+static auvid_real_t uncertain_cost(const uncertain_t *u, const auvid_real_t *pi)
+{
+    const int n = u->id->metric.cfg.vehicle->parameters;
+    auvid_real_t sum = AUVID_C(0.0);
+    for (int i = 0; i < n; ++i) {
+        const auvid_real_t *r = auvid_uncertain_joint_row(u, PARAMETERS_AT + i) + PARAMETERS_AT;
+        auvid_real_t e = r[AUVID_MAX_PARAMETERS];
+        for (int k = i; k < n; ++k) {
+            e -= r[k] * pi[k];
+        }
+        sum += e * e;
+    }
+    return u->work.weight * sum;
+}
+
+/* Write a point of the optimizer to the parameters. */
+static void uncertain_expand(const auvid_identifier_t *id, const auvid_real_t *theta,
+                             auvid_real_t *pi)
+{
+    for (int i = 0; i < id->optimizer.cfg.n; ++i) {
+        pi[id->work.parameter_of[i]] = theta[i];
+    }
+}
+
+bool auvid_uncertain_search(uncertain_t *u, const auvid_metric_t *m)
+{
+    auvid_identifier_t *id = u->id;
+    auvid_real_t theta[AUVID_MAX_PARAMETERS], pi[AUVID_MAX_PARAMETERS];
+    if (!id->work.searching) { /* no parameter is left */
+        return true;
+    }
+    auvid_status_t status = auvid_optimizer_ask(&id->optimizer, theta);
+    if (status == AUVID_OK) {
+        memcpy(pi, u->pi, sizeof pi);
+        uncertain_expand(id, theta, pi);
+        (void)auvid_optimizer_tell(&id->optimizer, uncertain_cost(u, pi));
+    } else if (status != AUVID_PENDING) {
+        uncertain_expand(id, auvid_optimizer_best(&id->optimizer, NULL), u->pi);
+        u->work.searched = id->optimizer.work;
+        u->work.not_converged = status != AUVID_FINISHED;
+        id->work.searching = false;
+        auvid_uncertain_finish(u, m, true);
+    }
+    return !id->work.searching;
+}
