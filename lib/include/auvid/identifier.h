@@ -10,7 +10,9 @@
  * uses the sets that were complete when it began. Sets completed during a search wait until it
  * ends; then one search takes them all. The last estimate predicts each set before the set is used,
  * the oldest first. The prediction reveals a changed vehicle, and an estimate worse than the one
- * before. For a model on the residual path the delay is one more parameter of the search, and one
+ * before. On the regressor path the cost is convex, and the R factor gives its minimum within the
+ * bounds: the search confirms it, with one population and one poll of the directions, unless it is
+ * `paper` (types.h). For a model on the residual path the delay is one more parameter of the search, and one
  * set can wait; while it waits, no rows are recorded. In the regressor path (sets - 1) / 2 sets can
  * wait; when more are completed, the oldest is lost.
  *

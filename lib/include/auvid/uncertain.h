@@ -26,7 +26,8 @@
  * excitation. Passive rows give no flag in closed loop (AUVID_NOTE_FEEDBACK): a motion that is the
  * answer of a controller does not tell thrust from disturbance, but its reference does
  * (auvid_instruments_t, below). Once some were taken, each search is followed by a solution with
- * uncertain inputs, without a search: auvid_identifier_estimate then returns it. The estimate
+ * uncertain inputs: they are eliminated, and both phases of the optimizer search what is left,
+ * within the bounds. auvid_identifier_estimate then returns it. The estimate
  * without uncertain inputs is identifier.estimate; nothing in it is identifiable. After a change of
  * the vehicle the rows begin again. The rows hold about as much as the ring of sets.
  *
