@@ -117,6 +117,7 @@ typedef struct {
 
 /** An equation: its columns are own inputs, shared inputs, parameters, thrust. Private. */
 typedef struct {
+    uint32_t of_thrust;            /* bit k: input k is formed from the thrust */
     uint16_t factor_at, column_at; /* its R factors; its columns */
     uint8_t own_at;                /* its own inputs */
     uint8_t own, inputs;           /* number of own inputs; of own and shared ones */
@@ -186,6 +187,7 @@ typedef struct auvid_uncertain {
     uint8_t code[AUVID_UNCERTAIN_COLUMNS]; /* what each column is */
     auvid_real_t factor[AUVID_METRIC_BANDS][AUVID_UNCERTAIN_FACTOR];
     auvid_real_t rows[AUVID_DOF_COUNT]; /* in the R factors */
+    uint8_t rows_at_once;               /* of both bands, from one row of the metric */
     bool excited;                       /* they are of the excitation, not of a passive vehicle */
     auvid_uncertain_rows_t recorded;
     auvid_uncertain_solution_t work;

@@ -93,13 +93,13 @@ static void uncertain_judge(auvid_identifier_t *id, bool changed)
 }
 
 /* Returns the parameter with which parameter p is strongly correlated, or NOWHERE. */
-static uint8_t uncertain_partner(const auvid_estimate_t *e, const auvid_vehicle_t *vehicle, int p)
+static uint8_t uncertain_partner(const auvid_estimate_t *e, const auvid_vehicle_t *vehicle,
+                                 const auvid_real_t *sigma, int p)
 {
     auvid_real_t largest = AUVID_CORRELATED;
-    auvid_real_t sigma = auvid_sqrt(auvid_estimate_covariance(e, vehicle, p, p));
     uint8_t partner = NOWHERE;
     for (int k = 0; k < vehicle->parameters; ++k) {
-        auvid_real_t both = sigma * auvid_sqrt(auvid_estimate_covariance(e, vehicle, k, k));
+        auvid_real_t both = sigma[p] * sigma[k];
         auvid_real_t size = auvid_abs(auvid_estimate_covariance(e, vehicle, p, k));
         if (k != p && both > AUVID_C(0.0) && size > largest * both) {
             largest = size / both;
@@ -134,6 +134,7 @@ static void uncertain_assess(auvid_identifier_t *id)
     auvid_confidence_job_t *job = &id->confidence;
     const auvid_vehicle_t *vehicle = id->metric.cfg.vehicle;
     auvid_estimate_t *e = &u->estimate;
+    auvid_real_t sigma[AUVID_MAX_PARAMETERS];
     *e = id->estimate;
     e->evaluations_crs = u->work.searched.crs;
     e->evaluations_line = u->work.searched.line_search;
@@ -141,8 +142,8 @@ static void uncertain_assess(auvid_identifier_t *id)
     memcpy(e->covariance, u->work.part.factor,
            (size_t)AUVID_QR_FACTOR(vehicle->parameters) * sizeof e->covariance[0]);
     for (int i = 0; i < vehicle->parameters; ++i) {
-        bool known = auvid_estimate_covariance(e, vehicle, i, i) > AUVID_C(0.0);
-        e->pi[i] = known ? u->pi[i] : e->pi[i];
+        sigma[i] = auvid_sqrt(auvid_estimate_covariance(e, vehicle, i, i));
+        e->pi[i] = sigma[i] > AUVID_C(0.0) ? u->pi[i] : e->pi[i];
     }
     uncertain_widen_scales(&job->result.uncertainty, u->scale);
     job->result.unchecked = uncertain_is_exact(u) && !id->exact_inputs;
@@ -150,9 +151,8 @@ static void uncertain_assess(auvid_identifier_t *id)
     auvid_confidence_limits(job, id->search.lower, id->search.upper, e->not_converged);
     for (int i = 0; i < job->n; ++i) {
         int p = job->parameter_of[i];
-        auvid_real_t sigma = auvid_sqrt(auvid_estimate_covariance(e, vehicle, p, p));
-        auvid_confidence_revise_parameter(job, &id->metric, i, sigma,
-                                          uncertain_partner(e, vehicle, p));
+        auvid_confidence_revise_parameter(job, &id->metric, i, sigma[p],
+                                          uncertain_partner(e, vehicle, sigma, p));
     }
     if (!u->excited) {
         auvid_confidence_close_loop(job, &id->metric, u->work.strong);

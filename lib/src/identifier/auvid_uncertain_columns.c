@@ -26,6 +26,7 @@
 #define SMALLEST_CURVE AUVID_C(1e-4)
 /* Step of the current for the difference [m/s]. */
 #define CURRENT_STEP AUVID_C(0.05)
+#define CURRENT_BOTH 3u
 #define GRAVITY AUVID_C(9.81)
 
 /* ---- which columns there are ---- */
@@ -126,6 +127,7 @@ auvid_status_t auvid_uncertain_lay_out(auvid_uncertain_t *u, const auvid_metric_
             if (column + e->inputs >= AUVID_UNCERTAIN_COLUMNS) {
                 return AUVID_ERR_SIZE;
             }
+            e->of_thrust |= (uint32_t)auvid_uncertain_of_thrust(code) << e->inputs;
             u->code[column + e->inputs++] = (uint8_t)code;
             e->own = (uint8_t)(e->own + (code >= OWN_INPUTS));
         }
@@ -133,6 +135,7 @@ auvid_status_t auvid_uncertain_lay_out(auvid_uncertain_t *u, const auvid_metric_
         factor += (uint32_t)AUVID_QR_FACTOR(e->order);
         column += e->order;
         own += e->own;
+        u->rows_at_once = (uint8_t)(u->rows_at_once + 2u);
         if (e->order > AUVID_UNCERTAIN_ORDER || column > AUVID_UNCERTAIN_COLUMNS ||
             factor > AUVID_UNCERTAIN_FACTOR || own > AUVID_UNCERTAIN_OWN) {
             return AUVID_ERR_SIZE;
@@ -282,10 +285,11 @@ static void uncertain_thrust_columns(auvid_uncertain_t *u, const auvid_metric_t 
     }
 }
 
-/* Add sign * Y(sample) pi to the current's column of all equations. */
+/* Add scale * Y(sample) pi to the columns of the current in all equations; bit 0 of `axes`: of
+ * CURRENT_X, bit 1: of CURRENT_Y. */
 static void uncertain_add_prediction(const auvid_uncertain_t *u, const auvid_metric_t *m,
-                                     const auvid_sample_t *sample, int code, auvid_real_t scale,
-                                     auvid_real_t *channel)
+                                     const auvid_sample_t *sample, auvid_real_t scale,
+                                     unsigned axes, auvid_real_t *channel)
 {
     const auvid_vehicle_t *vehicle = m->cfg.vehicle;
     auvid_regressor_t y;
@@ -293,8 +297,10 @@ static void uncertain_add_prediction(const auvid_uncertain_t *u, const auvid_met
     vehicle->regressor(vehicle->context, sample, NULL, &y);
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
         const auvid_uncertain_equation_t *e = &u->equation[j];
-        for (int k = 0; k < e->inputs; ++k) {
-            for (int i = 0; u->code[e->column_at + k] == code && i < vehicle->parameters; ++i) {
+        for (int k = e->own; k < e->inputs; ++k) {
+            unsigned axis = u->code[e->column_at + k] - (unsigned)AUVID_UNCERTAIN_CURRENT_X;
+            bool takes = axis < 2 && (axes >> axis & 1u) != 0;
+            for (int i = 0; takes && i < vehicle->parameters; ++i) {
                 channel[e->column_at + k] += scale * y.row[j][i] * u->pi[i];
             }
         }
@@ -307,6 +313,7 @@ static void uncertain_current_columns(const auvid_uncertain_t *u, const auvid_me
     auvid_real_t r[3][3];
     const auvid_real_t *omega = cell->nu + AUVID_ROLL;
     auvid_rotation(cell->phi, cell->theta, cell->psi, r);
+    uncertain_add_prediction(u, m, cell, AUVID_C(-1.0) / CURRENT_STEP, CURRENT_BOTH, channel);
     for (int axis = 0; axis < 2; ++axis) {
         auvid_sample_t moved = *cell;
         const auvid_real_t *c = r[axis]; /* the world's axis in the body */
@@ -315,9 +322,7 @@ static void uncertain_current_columns(const auvid_uncertain_t *u, const auvid_me
             moved.nu[i] -= CURRENT_STEP * c[i];
             moved.nu_dot[i] += CURRENT_STEP * (omega[p] * c[q] - omega[q] * c[p]);
         }
-        int code = AUVID_UNCERTAIN_CURRENT_X + axis;
-        uncertain_add_prediction(u, m, cell, code, AUVID_C(-1.0) / CURRENT_STEP, channel);
-        uncertain_add_prediction(u, m, &moved, code, AUVID_C(1.0) / CURRENT_STEP, channel);
+        uncertain_add_prediction(u, m, &moved, AUVID_C(1.0) / CURRENT_STEP, 1u << axis, channel);
     }
 }
 

@@ -95,7 +95,7 @@ bool auvid_uncertain_find_optimum(auvid_uncertain_t *u, const auvid_metric_t *m,
 void auvid_uncertain_begin_search(auvid_uncertain_t *u);
 
 /** Evaluate a point. @return has the search ended? Then its result is kept. */
-bool auvid_uncertain_search(auvid_uncertain_t *u, const auvid_metric_t *m);
+bool auvid_uncertain_search(auvid_uncertain_t *u);
 
 /** Returns the standard deviation, after a solution, of the sum of DoF j's own input `own` and of a
  * shared input; negative: none. */

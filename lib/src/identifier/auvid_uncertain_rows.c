@@ -10,9 +10,6 @@
 #include "auvid_actuation_internal.h"
 #include "auvid_uncertain_parts_internal.h"
 
-/* Rows rotated with each cell. Two bands of six DoF are done within five cells. */
-enum { ROTATED_PER_CELL = 3 };
-
 void auvid_uncertain_restart(auvid_uncertain_t *u)
 {
     memset(u->factor, 0, sizeof u->factor);
@@ -35,9 +32,10 @@ static bool uncertain_takes_rows(auvid_uncertain_t *u)
     return excites || !u->excited;
 }
 
-/* Rotate up to `most` of the rows that wait. */
-static void uncertain_rotate_pending(auvid_uncertain_t *u, int most)
+/* Rotate some of the rows that wait: all are done within five cells. */
+static void uncertain_rotate_pending(auvid_uncertain_t *u)
 {
+    int most = (u->rows_at_once + 4) / 5;
     for (int k = 0; k < 2 * AUVID_DOF_COUNT && most > 0; ++k) {
         if ((u->recorded.pending >> k & 1) != 0 && !auvid_uncertain_reads(u, k / 2)) {
             const auvid_uncertain_equation_t *e = &u->equation[k / 2];
@@ -53,7 +51,7 @@ static void uncertain_cell(void *context, const auvid_metric_t *m, const auvid_s
                            bool first)
 {
     auvid_uncertain_t *u = context;
-    uncertain_rotate_pending(u, ROTATED_PER_CELL);
+    uncertain_rotate_pending(u);
     u->recorded.takes_rows = uncertain_takes_rows(u);
     if (first) {
         memset(u->recorded.successive, 0, sizeof u->recorded.successive);
@@ -78,14 +76,15 @@ static void uncertain_accumulate(void *context, uint32_t slot, bool begins,
     }
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
         const auvid_uncertain_equation_t *e = &u->equation[j];
-        int at = e->column_at, last = at + e->order - 1;
-        auvid_real_t by_motion = motion[j >= AUVID_ROLL], by_thrust = thrust[j >= AUVID_ROLL];
-        for (int k = at; k < at + e->inputs; ++k) {
-            row[k] += (auvid_uncertain_of_thrust(u->code[k]) ? by_thrust : by_motion) *
-                      u->recorded.channel[k];
+        const auvid_real_t by[2] = {motion[j >= AUVID_ROLL], thrust[j >= AUVID_ROLL]};
+        const auvid_real_t *from = u->recorded.channel + e->column_at;
+        auvid_real_t *to = row + e->column_at;
+        uint32_t of_thrust = e->of_thrust;
+        for (int k = 0; k < e->inputs; ++k, of_thrust >>= 1) {
+            to[k] += by[of_thrust & 1u] * from[k];
         }
         if (e->order > 0) {
-            row[last] += by_thrust * u->recorded.channel[last];
+            to[e->order - 1] += by[1] * from[e->order - 1];
         }
     }
 }

@@ -100,7 +100,7 @@ static void uncertain_expand(const auvid_identifier_t *id, const auvid_real_t *t
     }
 }
 
-bool auvid_uncertain_search(uncertain_t *u, const auvid_metric_t *m)
+bool auvid_uncertain_search(uncertain_t *u)
 {
     auvid_identifier_t *id = u->id;
     auvid_real_t theta[AUVID_MAX_PARAMETERS], pi[AUVID_MAX_PARAMETERS];
@@ -117,7 +117,6 @@ bool auvid_uncertain_search(uncertain_t *u, const auvid_metric_t *m)
         u->work.searched = id->optimizer.work;
         u->work.not_converged = status != AUVID_FINISHED;
         id->work.searching = false;
-        auvid_uncertain_finish(u, m, true);
     }
     return !id->work.searching;
 }

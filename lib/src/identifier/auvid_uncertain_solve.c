@@ -56,6 +56,7 @@ enum {
     SOLVE_OPTIMUM,
     SOLVE_START,
     SOLVE_SEARCH,
+    SOLVE_KEEP,
     SOLVE_SIDES,
     SOLVE_SIGMA,
     SOLVE_DONE
@@ -224,19 +225,24 @@ bool auvid_uncertain_reads(const auvid_uncertain_t *u, int j)
 static uint32_t uncertain_price(const uncertain_t *u)
 {
     uint32_t order = u->work.dof < AUVID_DOF_COUNT ? u->equation[u->work.dof].order : JOINT_ORDER;
+    uint32_t joint = JOINT_ORDER * JOINT_ORDER, parameters = u->id->metric.cfg.vehicle->parameters;
     switch (u->work.phase) {
     case SOLVE_PREPARE:
-        return order * order / 8u;
+        return order * order / 7u;
+    case SOLVE_FINISH:
+    case SOLVE_KEEP:
+        return joint / 13u;
     case SOLVE_START:
         return SEARCH_START_COST;
-    case SOLVE_TRANSFER:
-    case SOLVE_FINISH:
-    case SOLVE_SCALE:
+    case SOLVE_SEARCH:
+        return 4u + parameters * parameters / 40u;
     case SOLVE_SIDES:
     case SOLVE_SIGMA:
-        return JOINT_ORDER * JOINT_ORDER / 50u;
+        return joint / 18u;
+    case SOLVE_TRANSFER:
+        return joint / 40u;
     default:
-        return order * order / 50u;
+        return order * order / 40u;
     }
 }
 
@@ -283,7 +289,10 @@ static uint32_t uncertain_step(uncertain_t *u, const auvid_metric_t *m)
         return 1;
     case SOLVE_SEARCH:
         u->work.row = 0;
-        return auvid_uncertain_search(u, m) ? 1u : 2u;
+        return auvid_uncertain_search(u) ? 1u : 2u;
+    case SOLVE_KEEP:
+        auvid_uncertain_finish(u, m, true);
+        return 1;
     case SOLVE_SIDES:
         uncertain_solve_side(u, (int)i);
         return AUVID_DOF_COUNT;
