@@ -59,6 +59,10 @@ void auvid_uncertain_begin(auvid_uncertain_t *u);
 auvid_status_t auvid_uncertain_solve(auvid_uncertain_t *u, const auvid_metric_t *m,
                                      uint32_t *budget);
 
+/** Can a solution be at step i of this phase, of DoF j? @param projected its rows are */
+bool auvid_uncertain_is_step(const auvid_uncertain_t *u, const auvid_metric_t *m, int phase, int j,
+                             int i, bool projected);
+
 /** Column of the joint factor of column k of DoF j, k >= own. */
 int auvid_uncertain_joint_column(const auvid_uncertain_t *u, const auvid_metric_t *m, int j, int k);
 

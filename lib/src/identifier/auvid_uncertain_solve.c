@@ -220,48 +220,79 @@ static uint32_t uncertain_price(const uncertain_t *u)
     }
 }
 
-/* Do one step. @return number of steps of the phase */
-static uint32_t uncertain_step(uncertain_t *u, const auvid_metric_t *m)
+/* Returns the number of steps of a phase, of DoF j where it is of one. */
+static int uncertain_steps(const uncertain_t *u, const auvid_metric_t *m, int phase, int j,
+                           bool projected)
 {
-    uint32_t i = u->work.row;
-    int j = u->work.dof;
+    const auvid_uncertain_equation_t *e = &u->equation[j < AUVID_DOF_COUNT ? j : 0];
+    switch (phase) {
+    case SOLVE_ROWS:
+        return projected ? u->instruments->of[j].count : AUVID_METRIC_BANDS * e->order;
+    case SOLVE_OWN:
+        return e->own + 1;
+    case SOLVE_TRANSFER:
+        return e->order - e->own;
+    case SOLVE_SHARED:
+    case SOLVE_SCALE:
+        return AUVID_UNCERTAIN_SHARED;
+    case SOLVE_SIDES:
+        return AUVID_DOF_COUNT;
+    case SOLVE_SIGMA:
+        return m->cfg.vehicle->parameters;
+    default:
+        return 1;
+    }
+}
+
+bool auvid_uncertain_is_step(const auvid_uncertain_t *u, const auvid_metric_t *m, int phase, int j,
+                             int i, bool projected)
+{
+    bool of_dof = phase <= SOLVE_TRANSFER;
+    bool there = of_dof ? j < AUVID_DOF_COUNT && u->equation[j].order > 0 : j == AUVID_DOF_COUNT;
+    return phase < SOLVE_DONE && there && i < uncertain_steps(u, m, phase, j, projected);
+}
+
+/* Do one step. */
+static void uncertain_step(uncertain_t *u, const auvid_metric_t *m)
+{
+    int i = u->work.row, j = u->work.dof;
     const auvid_uncertain_equation_t *e = &u->equation[j < AUVID_DOF_COUNT ? j : 0];
     switch (u->work.phase) {
     case SOLVE_PREPARE:
         auvid_uncertain_prepare(u, m, j);
-        return 1;
+        break;
     case SOLVE_ROWS:
         if (u->work.strong != 0) {
-            auvid_uncertain_add_row(u, j, 0, (int)i);
-            return u->instruments->of[j].count;
+            auvid_uncertain_add_row(u, j, 0, i);
+        } else {
+            auvid_uncertain_add_row(u, j, i / e->order, i % e->order);
         }
-        auvid_uncertain_add_row(u, j, (int)i / e->order, (int)i % e->order);
-        return 2u * e->order;
+        break;
     case SOLVE_OWN:
         if (i < e->own) {
-            auvid_uncertain_add_own_prior(u, m, j, (int)i);
+            auvid_uncertain_add_own_prior(u, m, j, i);
         } else {
             auvid_uncertain_keep_own(u, m, j);
         }
-        return e->own + 1u;
+        break;
     case SOLVE_TRANSFER:
-        auvid_uncertain_transfer(u, m, j, e->own + (int)i);
-        return (uint32_t)(e->order - e->own);
+        auvid_uncertain_transfer(u, m, j, e->own + i);
+        break;
     case SOLVE_SHARED:
-        uncertain_add_shared_prior(u, m, (int)i);
-        return AUVID_UNCERTAIN_SHARED;
+        uncertain_add_shared_prior(u, m, i);
+        break;
     case SOLVE_FINISH:
         uncertain_finish(u, m);
-        return 1;
+        break;
     case SOLVE_SCALE:
-        uncertain_scale(u, m, (int)i);
-        return AUVID_UNCERTAIN_SHARED;
+        uncertain_scale(u, m, i);
+        break;
     case SOLVE_SIDES:
-        uncertain_solve_side(u, (int)i);
-        return AUVID_DOF_COUNT;
+        uncertain_solve_side(u, i);
+        break;
     default:
-        uncertain_find_covariance(u, m, (int)i);
-        return m->cfg.vehicle->parameters;
+        uncertain_find_covariance(u, m, i);
+        break;
     }
 }
 
@@ -291,8 +322,9 @@ auvid_status_t auvid_uncertain_solve(auvid_uncertain_t *u, const auvid_metric_t 
             continue;
         }
         u->work.spent = 0;
-        uint32_t steps = uncertain_step(u, m);
-        if (++u->work.row >= steps) {
+        uncertain_step(u, m);
+        if (++u->work.row >=
+            uncertain_steps(u, m, u->work.phase, u->work.dof, u->work.strong != 0)) {
             uncertain_next_phase(u);
         }
     }
