@@ -247,9 +247,8 @@ static int uncertain_steps(const uncertain_t *u, const auvid_metric_t *m, int ph
 bool auvid_uncertain_is_step(const auvid_uncertain_t *u, const auvid_metric_t *m, int phase, int j,
                              int i, bool projected)
 {
-    bool of_dof = phase <= SOLVE_TRANSFER;
-    bool there = of_dof ? j < AUVID_DOF_COUNT && u->equation[j].order > 0 : j == AUVID_DOF_COUNT;
-    return phase < SOLVE_DONE && there && i < uncertain_steps(u, m, phase, j, projected);
+    bool right = phase <= SOLVE_TRANSFER ? j < AUVID_DOF_COUNT : j == AUVID_DOF_COUNT;
+    return phase < SOLVE_DONE && right && i < uncertain_steps(u, m, phase, j, projected);
 }
 
 /* Do one step. */

@@ -387,7 +387,7 @@ static void test_impossible_values_are_refused(void)
     OF_INPUTS(work.part.factor[0] = (auvid_real_t)INFINITY);
     OF_INPUTS(work.part.sag_at = AUVID_UNCERTAIN_ORDER + 1);
     OF_INSTRUMENTS(taken = instruments.given + 1);
-    OF_INSTRUMENTS(given += AUVID_INSTRUMENT_PAST + 1u);
+    OF_INSTRUMENTS(taken = instruments.given - AUVID_INSTRUMENT_PAST - 1u);
     OF_INSTRUMENTS(waiting = 1 << AUVID_ROLL);
     OF_INSTRUMENTS(past[31].nu[5] = AUVID_C(1e30));
     OF_INSTRUMENTS(rows[0] = -1);
@@ -397,10 +397,15 @@ static void test_impossible_values_are_refused(void)
     OF_INPUTS(work.dof = 0); /* of no DoF */
     OF_INPUTS(work.row = AUVID_UNCERTAIN_SHARED);
     OF_INPUTS(work.row = UINT16_MAX);
-    id->work.phase = AUVID_WORK_MERGE; /* not the one that a solution follows */
+    run_to_phase(5);
+    OF_INPUTS(work.phase = PHASES); /* after the last one */
+    id->work.phase = AUVID_WORK_IDLE;
+    id->metric.sets.held = false;
+    id->metric.sets.from = id->metric.sets.least = 0;
+    OF_INPUTS(work.row = 0); /* a solution belongs to the work */
+    uncertain.work.solving = false;
     bytes = save(saved);
-    id->work.phase = AUVID_WORK_CONFIDENCE;
-    check_refused(AUVID_ERR_RANGE);
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_checkpoint_restore(id, saved, bytes));
     begin(PASSIVE);
     while (!uncertain.work.solving) {
         tick();
