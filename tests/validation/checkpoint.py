@@ -17,12 +17,14 @@ from auvid_validation.dwarf import Binding
 # Unused between calls: unions whose other member is saved; the configuration, which init copies;
 # what follows from it.
 DEAD = ("cfg.", "refusal.", "actuation.refusal.", "metric.evaluator.regressor",
-        "confidence.regressor", "metric.layout.", "metric.cfg.velocity_us", "default_scale")
-# Costs and residuals, infinite or not a number where a model fails.
+        "confidence.regressor", "metric.layout.", "metric.cfg.velocity_us", "default_scale",
+        "instruments.of", "instruments.lags")
+# Costs and residuals, infinite or not a number where a model fails; rows not yet checked.
 MAY_FAIL = ("change.predicted", "change.statistic", "metric.evaluator.window",
             "metric.evaluator.sum", "metric.evaluator.compensation", "metric.evaluator.squares",
             "metric.evaluator.band_sse", "metric.evaluator.z", "metric.result.cost",
-            "metric.result.sse", "optimizer.trial")
+            "metric.result.sse", "optimizer.trial", "uncertain.recorded.accumulator",
+            "uncertain.recorded.channel", "instruments.accumulator", "instruments.channel")
 # Members that decide on forces stay those of init.
 KEPT = tuple("actuation." + name for name in (
     "excitation.cfg.", "excitation.duration_us", "excitation.pause_us", "excitation.fade_us",
@@ -36,7 +38,8 @@ LIVE = (("confidence.", CONFIDENCE, GLOBAL), ("optimum.", LINEARISE, GLOBAL),
 # Pointers that saving follows. Of the last two, it saves whether they are NULL.
 FOLLOWED = ("metric.cfg.vehicle", "metric.cfg.rows", "metric.add_rows",
             "metric.add_rows_context", "actuation", "attached.change", "attached.prediction",
-            "prediction.vehicle", "actuation.shape", "actuation.shape_context")
+            "prediction.vehicle", "actuation.shape", "actuation.shape_context",
+            "attached.uncertain", "uncertain.allocation", "uncertain.instruments")
 SET_ROWS = 2
 ROOM = 1 << 18
 REFUSED = -6, -10, -16, -27  # impossible; of other storage, another model, another configuration
@@ -92,6 +95,19 @@ class Subject:
         self.prediction = lib.auvid_validation_t()
         assert lib.auvid_identifier_attach_prediction(self.id, self.prediction) == 0
         self.prediction.vehicle = ctypes.pointer(self.vehicle)
+        self.attach_uncertain()
+
+    def attach_uncertain(self):
+        """They need a model with regressor."""
+        lib, of = self.lib, self.lib.auvid_allocation_girona500
+        self.allocation, inputs = lib.auvid_allocation_t(), lib.auvid_uncertain_config_t()
+        assert lib.auvid_allocation_init(self.allocation, of) == 0
+        lib.auvid_uncertain_defaults(inputs)
+        self.uncertain, self.instruments = lib.auvid_uncertain_t(), lib.auvid_instruments_t()
+        self.vehicle.path = self.regressor
+        assert lib.auvid_identifier_attach_uncertain(
+            self.id, self.uncertain, inputs, self.allocation) == 0
+        assert lib.auvid_identifier_attach_instruments(self.id, self.instruments) == 0
 
     def pose(self, phase, search):
         """Set up a possible state of a search for two values, or of its result's confidence. The
@@ -158,6 +174,7 @@ def main():
     for whole, name in ((subject.id, ""), (subject.actuation, "actuation"),
                         (subject.adaptive, "adaptive"), (subject.prediction, "prediction"),
                         (subject.change, "change"), (subject.prior, "prior"),
+                        (subject.uncertain, "uncertain"), (subject.instruments, "instruments"),
                         (subject.rows, "rows")):
         for path, at, kind in leaves(type(whole), name):
             if path.startswith(DEAD + KEPT) or path in FOLLOWED:

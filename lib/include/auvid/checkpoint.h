@@ -3,12 +3,12 @@
  * Save and restore the complete identifier, so that it continues after a restart bit for bit.
  *
  * A checkpoint is the memory of the state: the record, the data sets, the search at any point,
- * navigation, excitation and guard. The state has no pointers, enumerations or gaps, so the bytes
- * are the same on every little-endian machine; there is no checkpoint on others. The configuration
- * is not part of it: the restored identifier must have the same one. What decides on forces (the
- * plan of the excitation, the thrusters, the guard's limits) may differ and stays that of init. If
- * only the parameters of the last dive are needed, the prior record (prior.h) of 236 bytes
- * suffices.
+ * navigation, excitation, guard, uncertain inputs and instruments. The state has no pointers,
+ * enumerations or gaps, so the bytes are the same on every little-endian machine; there is no
+ * checkpoint on others. The configuration is not part of it: the restored identifier must have the
+ * same one. What decides on forces (the plan of the excitation, the thrusters, the guard's limits)
+ * may differ and stays that of init. If only the parameters of the last dive are needed, the prior
+ * record (prior.h) of 236 bytes suffices.
  *
  * It is written in chunks of any size, straight from the identifier, which must not change during
  * that time. Save when nothing steps any more. During a dive save a copy: one tick makes it, later
@@ -23,15 +23,17 @@
  *     flash_write(page, bytes);                       until it is AUVID_OK
  *
  * Also copy what is attached: the acting half (actuation.h), the storage of adaptive excitation, of
- * the change test, of the prior and of the prediction. Set copy.actuation, its shape_context,
- * copy.change, copy.metric.add_rows_context and copy.prediction to the copies. On the residual path
- * also copy the model's storage (metric.rows), and set copy.metric.cfg.rows to the copy.
+ * the change test, of the prior, of the prediction, of uncertain inputs and of instruments. Set
+ * copy.actuation, its shape_context, copy.attached.change, copy.metric.add_rows_context,
+ * copy.attached.prediction, copy.attached.uncertain and its `instruments` to the copies. On the
+ * residual path also copy the model's storage (metric.rows), and set copy.metric.cfg.rows to the
+ * copy.
  *
  * Called from the control task, between ticks. Cost on a Cortex-M4F (-O2): 29 instructions a byte
  * to save (7.4k a page of 256), 70 to restore, and 13k to begin. Size: 20 to 26 KB with default
- * sizes, depending on what is under way; cursor.bytes is the size, AUVID_CHECKPOINT_MAX its bound.
- * Memory: the cursor, 56 bytes; stack 0.6 KiB. Code: 9 KB on a Cortex-M4F (-Os), none if it is not
- * called.
+ * sizes, depending on what is under way; 24 KB more with uncertain inputs, and 25 KB with
+ * instruments. cursor.bytes is the size, AUVID_CHECKPOINT_MAX its bound. Memory: the cursor, 56
+ * bytes; stack 0.6 KiB. Code: 9 KB on a Cortex-M4F (-Os), none if it is not called.
  * Not in the paper.
  */
 #ifndef AUVID_CHECKPOINT_H
@@ -50,7 +52,8 @@ extern "C" {
 enum { AUVID_CHECKPOINT_HEAD = 28, AUVID_CHECKPOINT_TAIL = 4 };
 
 /** Upper bound of the size with `rows` rows of storage: (sets + 1) set_rows for a model without
- * regressor, else 0. */
+ * regressor, else 0. With uncertain inputs add sizeof(auvid_uncertain_t), with instruments also
+ * sizeof(auvid_instruments_t). */
 #define AUVID_CHECKPOINT_MAX(rows)                                                                 \
     (AUVID_CHECKPOINT_HEAD + sizeof(auvid_identifier_t) + sizeof(auvid_actuation_t) +              \
      sizeof(auvid_adaptive_t) + sizeof(auvid_change_detector_t) + sizeof(auvid_prior_t) +          \
@@ -83,8 +86,10 @@ auvid_status_t auvid_checkpoint_next(auvid_checkpoint_t *cursor, uint8_t *chunk,
 
 #define auvid_checkpoint_restore AUVID_SIZED(auvid_checkpoint_restore)
 /** Restore a checkpoint into an identifier that init has accepted for the same model, with the same
- * storage for its rows. Prior records are part of the checkpoint. If an acting half or adaptive
- * excitation is part of it, the same must be attached to *id.
+ * storage for its rows. Prior records are part of the checkpoint. If an acting half, adaptive
+ * excitation, uncertain inputs or instruments are part of it, the same must be attached to *id.
+ * Uncertain inputs must have the same configuration, and thrusters with the same positions and
+ * limits.
  *
  * Restoring never acts. A guard that was ARMED, EXCITING or SETTLING becomes DISARMED, and the
  * sequence stops; a guard that was ABORTED stays so. The identifier keeps its pointers (model,
@@ -99,12 +104,13 @@ auvid_status_t auvid_checkpoint_next(auvid_checkpoint_t *cursor, uint8_t *chunk,
  * Time must advance: a step before the saved `t_us` is rejected.
  * @param checkpoint [bytes]
  * @return AUVID_OK; AUVID_ERR_NULL; AUVID_ERR_STATE (not initialised, or only one of the two has an
- * acting half, or adaptive excitation); AUVID_ERR_CHECKSUM (damaged, truncated, or no checkpoint);
- * AUVID_ERR_SIZE (of a library of another version or of other sizes, or of another number of rows
- * of storage); AUVID_ERR_MODEL (of another model, of other free parameters, or of other fixed
- * values); AUVID_ERR_CONFIGURATION (the rest of the configuration differs); AUVID_ERR_RANGE
- * (undamaged, but not written by auvid: a number is not finite, out of its range, or contradicts
- * another). A rejected checkpoint changes nothing. */
+ * acting half, adaptive excitation, uncertain inputs, instruments, a change test, or memory for a
+ * prior); AUVID_ERR_CHECKSUM (damaged, truncated, or no checkpoint); AUVID_ERR_SIZE (of a library
+ * of another version or of other sizes, or of another number of rows of storage); AUVID_ERR_MODEL
+ * (of another model, of other free parameters, or of other fixed values); AUVID_ERR_CONFIGURATION
+ * (the rest of the configuration differs); AUVID_ERR_RANGE (undamaged, but not written by auvid: a
+ * number is not finite, out of its range, or contradicts another). A rejected checkpoint changes
+ * nothing. */
 auvid_status_t auvid_checkpoint_restore(auvid_identifier_t *id, const uint8_t *checkpoint,
                                         uint32_t bytes);
 

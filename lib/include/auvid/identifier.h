@@ -281,6 +281,7 @@ typedef struct {
     uint8_t untested;    /* completed sets still to be validated before the merge */
     bool set_pending, searching, not_converged;
     bool cold_start;                            /* search without the last estimate */
+    bool seeks_optimum;                         /* in `optimum` */
     uint8_t parameter_of[AUVID_MAX_PARAMETERS]; /* parameter number of the optimizer's i-th */
 } auvid_identifier_work_t;
 

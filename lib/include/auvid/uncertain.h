@@ -39,9 +39,10 @@
  * fractions of their largest forces (auvid_uncertain_config_t.fractions). If they do not make the
  * wrench, there is no estimate with uncertain inputs.
  *
- * Regressor path only. Attach it once; a program without it does not contain it. It is not saved in
- * a checkpoint. Cost: a solution takes 12.4k units of work for Girona500 and 14.3k for an ROV with
- * six thrusters. Memory: sizeof(auvid_uncertain_t), 24 KiB with default sizes.
+ * Regressor path only. Attach it once; a program without it does not contain it. A checkpoint
+ * (checkpoint.h) contains its state. Cost: a solution takes 12.4k units of work for Girona500 and
+ * 14.3k for an ROV with six thrusters. Memory: sizeof(auvid_uncertain_t), 24 KiB with default
+ * sizes.
  *
  * Sources: Fuller 1987 (errors in variables); Ljung 1999, 7 (prediction error); Schmidt 1966
  * (considered parameters). None of it is in the paper.
@@ -126,24 +127,27 @@ typedef struct {
 
 /** Rows under construction, and those being rotated into the R factors. Private. */
 typedef struct {
+    uint32_t since_gap;
+    uint16_t pending; /* bit 2 j + band: to be rotated */
+    uint8_t successive[AUVID_DOF_COUNT];
+    uint8_t begun_before; /* rows under construction that began before begin_us */
+    bool takes_rows;
+    uint8_t reserved[2];
     auvid_real_t accumulator[AUVID_MAX_OVERLAP][AUVID_UNCERTAIN_COLUMNS];
     auvid_real_t previous[AUVID_METRIC_LAGS][AUVID_UNCERTAIN_COLUMNS];
     auvid_real_t band[AUVID_METRIC_BANDS][AUVID_UNCERTAIN_COLUMNS];
     auvid_real_t channel[AUVID_UNCERTAIN_COLUMNS]; /* of the last cell */
     auvid_real_t speed[AUVID_MAX_THRUSTERS];       /* sqrt of force, behind the nominal lag */
     auvid_real_t lagged[AUVID_MAX_THRUSTERS];      /* behind it twice */
-    uint64_t begin_us;                             /* of the first cell; 0: none */
-    auvid_real_t elapsed;                          /* since then, over AUVID_UNCERTAIN_SAG_S */
+    auvid_real_t elapsed;                          /* since begin_us, over AUVID_UNCERTAIN_SAG_S */
     auvid_real_t wrench, difference; /* squares of the wrench; of the thrusters' less the wrench */
-    uint32_t since_gap;
-    uint16_t pending; /* bit 2 j + band: to be rotated */
-    uint8_t successive[AUVID_DOF_COUNT];
-    uint8_t begun_before; /* rows under construction that began before begin_us */
-    bool takes_rows;
 } auvid_uncertain_rows_t;
 
 /** One DoF's part of a pass. Private. */
 typedef struct {
+    uint8_t drag_at[2]; /* columns of drag; order: there is none */
+    uint8_t sag_at;     /* column of sag; order: there is none */
+    uint8_t reserved[5];
     union {
         auvid_real_t factor[AUVID_UNCERTAIN_ORDER * (AUVID_UNCERTAIN_ORDER + 1) / 2];
         auvid_regressor_t regressor; /* before the first row */
@@ -156,24 +160,25 @@ typedef struct {
     auvid_real_t own_side[8];                     /* see auvid_uncertain_solve.c */
     auvid_real_t squares;                         /* of its residuals, over the noise */
     auvid_real_t scale[AUVID_METRIC_BANDS];       /* of its rows: 1 / noise */
-    uint8_t drag_at[2];                           /* columns of drag; order: there is none */
-    uint8_t sag_at;                               /* column of sag; order: there is none */
 } auvid_uncertain_part_t;
 
-/** The solution under way. Private. */
+/** The solution under way. Private. Whole numbers first, eight bytes at a time: then no gap
+ * follows a real (checkpoint.h). */
 typedef struct {
+    uint16_t row, spent;
+    uint8_t phase, pass, dof;
+    bool solving;
+    uint32_t strong; /* of the instruments, bit i: parameter i is strong; 0: rows not projected */
+    auvid_optimizer_work_t searched;
+    bool not_converged;
+    uint8_t reserved[7];
     auvid_real_t joint[AUVID_UNCERTAIN_JOINT * (AUVID_UNCERTAIN_JOINT + 1) / 2];
     auvid_real_t own_rows[AUVID_UNCERTAIN_OWN][AUVID_UNCERTAIN_ORDER];
     auvid_real_t side[AUVID_DOF_COUNT][AUVID_UNCERTAIN_JOINT]; /* see auvid_uncertain_solve.c */
+    auvid_real_t squares, known;                               /* for the scale of the priors */
+    auvid_real_t sag_from; /* where its time is 0, over AUVID_UNCERTAIN_SAG_S */
+    auvid_real_t weight;   /* of the squares in the search's cost */
     auvid_uncertain_part_t part;
-    auvid_real_t squares, known; /* for the scale of the priors */
-    auvid_real_t sag_from;       /* where its time is 0, over AUVID_UNCERTAIN_SAG_S */
-    auvid_real_t weight;         /* of the squares in the search's cost */
-    auvid_optimizer_work_t searched;
-    uint16_t row, spent;
-    uint8_t phase, pass, dof;
-    bool solving, not_converged;
-    uint32_t strong; /* of the instruments, bit i: parameter i is strong; 0: rows not projected */
 } auvid_uncertain_solution_t;
 
 /** Uncertain inputs. The caller owns it; only the functions write. */
@@ -183,21 +188,24 @@ typedef struct auvid_uncertain {
     const auvid_allocation_t *allocation;
     struct auvid_instruments *instruments;                                  /* NULL: none */
     uint32_t (*strong)(struct auvid_uncertain *u, const auvid_metric_t *m); /* of these */
+    const struct auvid_checkpoint_part *checkpoint; /* how a checkpoint is checked */
     auvid_uncertain_equation_t equation[AUVID_DOF_COUNT];
     uint8_t code[AUVID_UNCERTAIN_COLUMNS]; /* what each column is */
-    auvid_real_t factor[AUVID_METRIC_BANDS][AUVID_UNCERTAIN_FACTOR];
-    auvid_real_t rows[AUVID_DOF_COUNT]; /* in the R factors */
-    uint8_t rows_at_once;               /* of both bands, from one row of the metric */
-    bool excited;                       /* they are of the excitation, not of a passive vehicle */
+    uint8_t rows_at_once;                  /* of both bands, from one row of the metric */
+    /* state: from here on, see checkpoint.h */
+    uint64_t begin_us;         /* of the first cell of the rows; 0: none */
+    auvid_estimate_t estimate; /* read auvid_identifier_estimate */
     auvid_uncertain_rows_t recorded;
     auvid_uncertain_solution_t work;
+    auvid_real_t factor[AUVID_METRIC_BANDS][AUVID_UNCERTAIN_FACTOR];
+    auvid_real_t rows[AUVID_DOF_COUNT];          /* in the R factors */
     auvid_real_t pi[AUVID_MAX_PARAMETERS];       /* last solution */
     auvid_real_t shared[AUVID_UNCERTAIN_SHARED]; /**< estimates by auvid_uncertain_input_t, valid
                                                       if estimate.number > 0; 0: no column */
     auvid_real_t own[AUVID_UNCERTAIN_OWN];
-    auvid_real_t scale;        /**< of all priors, as found, 0.5..2 */
-    bool contradicted;         /**< it would be above AUVID_UNCERTAIN_CONTRADICTED: no estimate */
-    auvid_estimate_t estimate; /* read auvid_identifier_estimate */
+    auvid_real_t scale; /**< of all priors, as found, 0.5..2 */
+    bool excited;       /* the rows are of the excitation, not of a passive vehicle */
+    bool contradicted;  /**< it would be above AUVID_UNCERTAIN_CONTRADICTED: no estimate */
 } auvid_uncertain_t;
 
 #define auvid_uncertain_defaults AUVID_SIZED(auvid_uncertain_defaults)
@@ -308,9 +316,6 @@ typedef struct {
     uint16_t factor_at; /* its rows of the factor of [Z C R z] */
     uint16_t column_at; /* its columns */
     uint8_t count;      /* their number; 0: none */
-    bool waits;         /* a row is to be rotated in */
-    auvid_real_t rows;  /* in the factor */
-    auvid_real_t wide[AUVID_UNCERTAIN_ORDER + AUVID_INSTRUMENT_ORDER]; /* that row */
 } auvid_instrument_t;
 
 /**
@@ -349,7 +354,7 @@ typedef struct {
  * Where the inputs are exact, set all deviations of uncertain.h to 0: the estimate is then plain
  * two-stage least squares.
  *
- * Regressor path only. A program without it does not contain it. It is not saved in a checkpoint.
+ * Regressor path only. A program without it does not contain it. A checkpoint contains its state.
  * Cost, Girona500: 5 calls of the regressor and 1.2k multiplications in each cell, and 16k for each
  * row, half of them at most in one cell. Memory: sizeof(auvid_instruments_t), 25 KiB with default
  * sizes.
@@ -361,17 +366,24 @@ typedef struct {
  */
 typedef struct auvid_instruments {
     auvid_uncertain_t *uncertain;
+    const struct auvid_checkpoint_part *checkpoint; /* how a checkpoint is checked */
     auvid_instrument_t of[AUVID_DOF_COUNT];
+    uint8_t lags; /* in use */
+    /* state: from here on, see checkpoint.h */
+    uint64_t last_us; /* time of the last reference given */
     auvid_reference_t past[AUVID_INSTRUMENT_PAST];
-    uint64_t last_us; /* time of the last one given */
-    uint32_t given;   /* references */
-    uint32_t taken;   /* of them, by cells */
+    uint32_t given;  /* references */
+    uint32_t taken;  /* of them, by cells */
+    uint32_t strong; /**< bit i: parameter i was strong at the last solution */
+    uint8_t waiting; /* bit j: a row of DoF j is to be rotated in */
+    uint8_t reserved[3];
     auvid_real_t lagged[AUVID_INSTRUMENT_LAGS][AUVID_DOF_COUNT];
     auvid_real_t channel[AUVID_INSTRUMENT_COLUMNS]; /* of the last cell */
     auvid_real_t accumulator[AUVID_MAX_OVERLAP][AUVID_INSTRUMENT_COLUMNS];
     auvid_real_t factor[AUVID_INSTRUMENT_FACTOR];
-    uint32_t strong; /**< bit i: parameter i was strong at the last solution */
-    uint8_t lags;    /* in use */
+    auvid_real_t rows[AUVID_DOF_COUNT]; /* in the factor */
+    auvid_real_t wide[AUVID_DOF_COUNT][AUVID_UNCERTAIN_ORDER + AUVID_INSTRUMENT_ORDER]; /* waiting
+                                                                                           rows */
 } auvid_instruments_t;
 
 #define auvid_identifier_attach_instruments AUVID_SIZED(auvid_identifier_attach_instruments)

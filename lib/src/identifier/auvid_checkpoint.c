@@ -37,6 +37,32 @@ enum {
 typedef auvid_checkpoint_block_t block_t;
 typedef auvid_checkpoint_view_t view_t;
 
+/* ---- the memory ---- */
+
+static auvid_instruments_t *checkpoint_instruments(const auvid_identifier_t *id)
+{
+    return id->attached.uncertain != NULL ? id->attached.uncertain->instruments : NULL;
+}
+
+/* The memory of a root other than the identifier. */
+static void *checkpoint_attached(const auvid_identifier_t *id, uint8_t root)
+{
+    return root == ROOT_ACTUATION     ? (void *)id->actuation
+           : root == ROOT_ADAPTIVE    ? id->actuation->shape_context
+           : root == ROOT_CHANGE      ? (void *)id->attached.change
+           : root == ROOT_PRIOR       ? id->metric.add_rows_context
+           : root == ROOT_PREDICTION  ? (void *)id->attached.prediction
+           : root == ROOT_UNCERTAIN   ? (void *)id->attached.uncertain
+           : root == ROOT_INSTRUMENTS ? (void *)checkpoint_instruments(id)
+                                      : (void *)id->metric.cfg.rows;
+}
+
+/* The memory of any root, to read it. */
+static const uint8_t *checkpoint_memory(const auvid_identifier_t *id, uint8_t root)
+{
+    return root == ROOT_IDENTIFIER ? (const uint8_t *)id : checkpoint_attached(id, root);
+}
+
 /* ---- the header ---- */
 
 /* Of the library's version, of the layout with default sizes, and of these sizes. */
@@ -66,12 +92,14 @@ static uint32_t checkpoint_parts(const auvid_identifier_t *id)
     parts |= id->attached.change != NULL ? PART_CHANGE : 0u;
     parts |= id->metric.add_rows != NULL ? PART_PRIOR : 0u;
     parts |= checkpoint_adapts(id) ? PART_ADAPTIVE : 0u;
+    parts |= id->attached.uncertain != NULL ? PART_UNCERTAIN : 0u;
+    parts |= checkpoint_instruments(id) != NULL ? PART_INSTRUMENTS : 0u;
     if (id->work.phase == AUVID_WORK_CONFIDENCE) {
         parts |= PART_CONFIDENCE;
     } else if (id->work.searching) {
         bool global = id->optimizer.state < AUVID_OPTIMIZER_START;
         parts |= global ? PART_GLOBAL : PART_LOCAL;
-    } else if (id->work.phase == AUVID_WORK_MERGE && id->work.spent == WORK_OPTIMUM) {
+    } else if (id->work.seeks_optimum) {
         parts |= PART_OPTIMUM;
     }
     return parts;
@@ -94,10 +122,16 @@ static uint32_t checkpoint_model_checksum(const auvid_identifier_t *id)
 
 static uint32_t checkpoint_configuration_checksum(const auvid_identifier_t *id)
 {
+    const auvid_uncertain_t *u = id->attached.uncertain;
     uint32_t c = UINT32_MAX;
     for (int k = 0; k < CHECKPOINT_CONFIGURED; ++k) {
         const block_t *block = &auvid_checkpoint_configured[k];
-        c = auvid_checksum(c, (const uint8_t *)id + block->offset, block->bytes);
+        const uint8_t *memory = checkpoint_memory(id, block->root);
+        c = memory != NULL ? auvid_checksum(c, memory + block->offset, block->bytes) : c;
+    }
+    for (int i = 0; u != NULL && i < u->allocation->cfg.thrusters; ++i) {
+        const auvid_thruster_t *t = &u->allocation->cfg.thruster[i];
+        c = auvid_checksum(c, (const uint8_t *)t, offsetof(auvid_thruster_t, law));
     }
     return c;
 }
@@ -130,17 +164,6 @@ static block_t checkpoint_locate(const view_t *v, uint32_t at)
     rest.offset += at;
     rest.bytes = auvid_checkpoint_bytes(v, block) - at;
     return rest;
-}
-
-/* The memory of a root other than the identifier. */
-static void *checkpoint_attached(const auvid_identifier_t *id, uint8_t root)
-{
-    return root == ROOT_ACTUATION    ? (void *)id->actuation
-           : root == ROOT_ADAPTIVE   ? id->actuation->shape_context
-           : root == ROOT_CHANGE     ? (void *)id->attached.change
-           : root == ROOT_PRIOR      ? id->metric.add_rows_context
-           : root == ROOT_PREDICTION ? (void *)id->attached.prediction
-                                     : (void *)id->metric.cfg.rows;
 }
 
 /* ---- saving ---- */
@@ -183,11 +206,8 @@ auvid_status_t auvid_checkpoint_next(auvid_checkpoint_t *cursor, uint8_t *chunk,
             *to = (uint8_t)(~cursor->checksum >> 8 * (at - end));
         } else {
             const block_t from = checkpoint_locate(&view, at - AUVID_CHECKPOINT_HEAD);
-            const void *root = from.root == ROOT_IDENTIFIER
-                                   ? cursor->id
-                                   : checkpoint_attached(cursor->id, from.root);
             done = from.bytes < room - *bytes ? from.bytes : room - *bytes;
-            memcpy(to, (const uint8_t *)root + from.offset, done);
+            memcpy(to, checkpoint_memory(cursor->id, from.root) + from.offset, done);
         }
         cursor->checksum = at < end ? auvid_checksum(cursor->checksum, to, done) : cursor->checksum;
         cursor->at += done;
@@ -222,15 +242,18 @@ static auvid_status_t checkpoint_check(const auvid_identifier_t *id, const uint8
     if (memcmp(expected + HEAD_ROWS, checkpoint + HEAD_ROWS, 4) != 0) {
         return AUVID_ERR_SIZE;
     }
+    const uint32_t attached = PART_ACTUATION | PART_ADAPTIVE | PART_CHANGE | PART_PRIOR |
+                              PART_UNCERTAIN | PART_INSTRUMENTS;
+    if (((v->parts ^ checkpoint_parts(id)) & attached) != 0 ||
+        ((v->parts & PART_SIMULATED) != 0 && id->attached.prediction == NULL)) {
+        return AUVID_ERR_STATE;
+    }
     if (memcmp(expected + HEAD_CONFIGURATION, checkpoint + HEAD_CONFIGURATION, 4) != 0) {
         return AUVID_ERR_CONFIGURATION;
     }
     bool whole = auvid_get_word(expected + HEAD_BYTES) == bytes &&
                  auvid_get_word(checkpoint + HEAD_BYTES) == bytes;
-    const uint32_t attached = PART_ACTUATION | PART_ADAPTIVE | PART_CHANGE | PART_PRIOR;
-    bool same = ((v->parts ^ checkpoint_parts(id)) & attached) == 0 &&
-                ((v->parts & PART_SIMULATED) == 0 || id->attached.prediction != NULL);
-    return !whole ? AUVID_ERR_CHECKSUM : same ? AUVID_OK : AUVID_ERR_STATE;
+    return whole ? AUVID_OK : AUVID_ERR_CHECKSUM;
 }
 
 auvid_status_t auvid_checkpoint_resume(auvid_identifier_t *id, const uint8_t *checkpoint,

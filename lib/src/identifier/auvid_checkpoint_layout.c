@@ -24,6 +24,8 @@ const auvid_checkpoint_block_t auvid_checkpoint_configured[CHECKPOINT_CONFIGURED
     OF_ID(nav.cfg.q, nav.cfg.imu_turned, 0),
     OF_ID(recorder.cfg.cell_us, recorder.cfg.input, 0),
     OF_ID(metric.cfg.fixed, metric.cfg.first_order_lag, 0),
+    BLOCK(ROOT_UNCERTAIN, auvid_uncertain_t, cfg.backward, cfg.fractions, PART_UNCERTAIN),
+    BLOCK(ROOT_UNCERTAIN, auvid_uncertain_t, equation, code, PART_UNCERTAIN),
 };
 
 const auvid_checkpoint_block_t auvid_checkpoint_block[CHECKPOINT_BLOCKS] = {
@@ -49,6 +51,8 @@ const auvid_checkpoint_block_t auvid_checkpoint_block[CHECKPOINT_BLOCKS] = {
     BLOCK(ROOT_CHANGE, auvid_change_detector_t, accepted, reserved, PART_CHANGE),
     BLOCK(ROOT_PRIOR, auvid_prior_t, pi, known, PART_PRIOR),
     BLOCK(ROOT_PREDICTION, auvid_validation_t, last, reserved, PART_SIMULATED),
+    BLOCK(ROOT_UNCERTAIN, auvid_uncertain_t, begin_us, contradicted, PART_UNCERTAIN),
+    BLOCK(ROOT_INSTRUMENTS, auvid_instruments_t, last_us, wide, PART_INSTRUMENTS),
     BLOCK(ROOT_ROWS, auvid_row_t, sample, late, PART_RESIDUAL),
 };
 
@@ -102,6 +106,12 @@ const auvid_checkpoint_struct_t auvid_checkpoint_struct[] = {
     ENTIRE(prior, ROOT_PRIOR, auvid_prior_t, PART_PRIOR),
     ENTIRE(validation, ROOT_PREDICTION, auvid_validation_t, PART_SIMULATED),
     STRUCTS(sample, ROOT_PREDICTION, auvid_validation_t, last, 1, PART_SIMULATED),
+    ENTIRE(uncertain, ROOT_UNCERTAIN, auvid_uncertain_t, PART_UNCERTAIN),
+    STRUCTS(estimate, ROOT_UNCERTAIN, auvid_uncertain_t, estimate, 1, PART_UNCERTAIN),
+    STRUCTS(confidence, ROOT_UNCERTAIN, auvid_uncertain_t, estimate.confidence, 1, PART_UNCERTAIN),
+    ENTIRE(instruments, ROOT_INSTRUMENTS, auvid_instruments_t, PART_INSTRUMENTS),
+    STRUCTS(reference, ROOT_INSTRUMENTS, auvid_instruments_t, past, AUVID_INSTRUMENT_PAST,
+            PART_INSTRUMENTS),
     ENTIRE(row, ROOT_ROWS, auvid_row_t, PART_RESIDUAL),
     ENTIRE(sample, ROOT_ROWS, auvid_row_t, PART_RESIDUAL), /* each begins with one */
 };
@@ -126,3 +136,7 @@ NO_GAP(auvid_change_detector_t, reserved);
 NO_GAP(auvid_sample_t, reserved);
 NO_GAP(auvid_row_t, late);
 NO_GAP(auvid_line_search_t, reserved);
+NO_GAP(auvid_uncertain_rows_t, difference);
+NO_GAP(auvid_uncertain_part_t, scale);
+NO_GAP(auvid_uncertain_solution_t, part);
+NO_GAP(auvid_reference_t, nu);

@@ -9,6 +9,7 @@
 
 #include "auvid/adaptive.h"
 #include "auvid/checkpoint.h"
+#include "auvid/uncertain.h"
 
 #if defined(__BYTE_ORDER__) && __BYTE_ORDER__ != __ORDER_LITTLE_ENDIAN__
 #error "auvid: a checkpoint is the memory of a little-endian machine"
@@ -17,17 +18,19 @@
 /** Parts that are saved only sometimes: a block with some of these bits is present if one of them
  * is set. Otherwise its memory is unused. */
 enum {
-    PART_RESIDUAL = 1,    /**< a model on the residual path */
-    PART_SIMULATED = 2,   /**< the estimate simulates the set being recorded */
-    PART_GLOBAL = 4,      /**< a search is under way, global phase */
-    PART_LOCAL = 8,       /**< the same, local phase */
-    PART_CONFIDENCE = 16, /**< the confidence of a result is being computed */
-    PART_ADAPTIVE = 32,   /**< the excitation is adaptive */
-    PART_OPTIMUM = 64,    /**< the minimum cost is being found */
-    PART_ACTUATION = 128, /**< an acting half is attached */
-    PART_CHANGE = 256,    /**< a change test is attached */
-    PART_PRIOR = 512,     /**< memory for a prior is attached */
-    PART_END              /**< the last part + 1 */
+    PART_RESIDUAL = 1,       /**< a model on the residual path */
+    PART_SIMULATED = 2,      /**< the estimate simulates the set being recorded */
+    PART_GLOBAL = 4,         /**< a search is under way, global phase */
+    PART_LOCAL = 8,          /**< the same, local phase */
+    PART_CONFIDENCE = 16,    /**< the confidence of a result is being computed */
+    PART_ADAPTIVE = 32,      /**< the excitation is adaptive */
+    PART_OPTIMUM = 64,       /**< the minimum cost is being found */
+    PART_ACTUATION = 128,    /**< an acting half is attached */
+    PART_CHANGE = 256,       /**< a change test is attached */
+    PART_PRIOR = 512,        /**< memory for a prior is attached */
+    PART_UNCERTAIN = 1024,   /**< uncertain inputs are attached */
+    PART_INSTRUMENTS = 2048, /**< instruments are attached to these */
+    PART_END                 /**< the last part + 1 */
 };
 _Static_assert(PART_END - 1 <= UINT16_MAX, "auvid_checkpoint_block_t.parts");
 
@@ -39,6 +42,8 @@ enum {
     ROOT_CHANGE,
     ROOT_PRIOR,
     ROOT_PREDICTION,
+    ROOT_UNCERTAIN,
+    ROOT_INSTRUMENTS,
     ROOT_ROWS
 };
 
@@ -51,12 +56,12 @@ typedef struct {
 } auvid_checkpoint_block_t;
 
 /** The state, in the order of the stream; what of the identifier is configured. */
-enum { CHECKPOINT_BLOCKS = 22, CHECKPOINT_CONFIGURED = 5 };
+enum { CHECKPOINT_BLOCKS = 24, CHECKPOINT_CONFIGURED = 7 };
 extern const auvid_checkpoint_block_t auvid_checkpoint_block[CHECKPOINT_BLOCKS];
 extern const auvid_checkpoint_block_t auvid_checkpoint_configured[CHECKPOINT_CONFIGURED];
 
 /** Checksum of the layout with default sizes, float: tests/validation/layout.py computes it. */
-#define AUVID_CHECKPOINT_LAYOUT 0x0c26a4c1u
+#define AUVID_CHECKPOINT_LAYOUT 0x39f45913u
 
 /** The body of a checkpoint. */
 typedef struct {
@@ -104,6 +109,9 @@ enum {
     TABLE_identifier,
     TABLE_actuation,
     TABLE_row,
+    TABLE_uncertain,
+    TABLE_reference,
+    TABLE_instruments,
 };
 
 /** Where structs of a kind are: `count` of them, `size` bytes each. */
@@ -131,6 +139,30 @@ typedef struct {
 } auvid_checkpoint_limit_t;
 extern const auvid_checkpoint_limit_t auvid_checkpoint_limit[];
 extern const size_t auvid_checkpoint_limits;
+
+/** What is checked of the uncertain inputs, or of the instruments. Attaching them sets the pointer
+ * to it, so a program without them does not contain it. */
+typedef struct auvid_checkpoint_part {
+    const auvid_checkpoint_limit_t *limit;
+    size_t limits;
+    /** Do its members agree? @param state its block @param parts of the checkpoint @param phase of
+     * the work, auvid_work_phase_t */
+    bool (*check)(const auvid_identifier_t *id, const uint8_t *state, uint32_t parts,
+                  uint32_t phase);
+} auvid_checkpoint_part_t;
+extern const auvid_checkpoint_part_t auvid_checkpoint_uncertain, auvid_checkpoint_instruments;
+bool auvid_checkpoint_check_uncertain(const auvid_identifier_t *id, const uint8_t *state,
+                                      uint32_t parts, uint32_t phase);
+bool auvid_checkpoint_check_instruments(const auvid_identifier_t *id, const uint8_t *state,
+                                        uint32_t parts, uint32_t phase);
+
+/** An unsigned number of up to eight bytes. */
+static inline uint64_t auvid_checkpoint_whole(const uint8_t *at, size_t width)
+{
+    uint64_t x = 0;
+    memcpy(&x, at, width);
+    return x;
+}
 
 /** Check that the body could be of an identifier of id's model and configuration with id's storage:
  * every number is finite, every index, enumeration, flag and count is in range, and they are

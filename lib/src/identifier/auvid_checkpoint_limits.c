@@ -216,7 +216,7 @@ const auvid_checkpoint_limit_t auvid_checkpoint_limit[] = {
     VALUE(confidence_job, pi, single_dof_optimum),
     BYTE(confidence_job, parameter_of, parameter_of, AUVID_MAX_PARAMETERS - 1),
     WHOLE(confidence_job, uint8_t, n, n, 1, AUVID_MAX_PARAMETERS),
-    BYTE(confidence_job, phase, phase, DONE - 1),
+    BYTE(confidence_job, phase, phase, DONE),
     FLAG(confidence_job, not_converged, delayed),
 
     FLAG(guard_seen, known, known),
@@ -227,7 +227,7 @@ const auvid_checkpoint_limit_t auvid_checkpoint_limit[] = {
     DELAY(identifier, work.delay_s, work.delay_s),
     COST(identifier, work.cost, work.minimum),
     BYTE(identifier, work.untested, work.untested, AUVID_MAX_SETS),
-    FLAG(identifier, work.set_pending, work.cold_start),
+    FLAG(identifier, work.set_pending, work.seeks_optimum),
     FLAG(identifier, started, started),
 
     UP_TO(actuation, altitude_m, altitude_m, AUVID_C(1e9)),
@@ -238,3 +238,43 @@ const auvid_checkpoint_limit_t auvid_checkpoint_limit[] = {
 };
 const size_t auvid_checkpoint_limits =
     sizeof auvid_checkpoint_limit / sizeof auvid_checkpoint_limit[0];
+
+/* What is unlimited is checked before it enters a row. */
+static const auvid_checkpoint_limit_t checkpoint_limit_uncertain[] = {
+    COUNT(uncertain, uint16_t, recorded.pending, recorded.pending,
+          (1 << AUVID_METRIC_BANDS * AUVID_DOF_COUNT) - 1),
+    BYTE(uncertain, recorded.successive, recorded.successive, AUVID_METRIC_LAGS),
+    BYTE(uncertain, recorded.begun_before, recorded.begun_before, AUVID_MAX_OVERLAP),
+    FLAG(uncertain, recorded.takes_rows, recorded.takes_rows),
+    VALUE(uncertain, recorded.previous, recorded.band),
+    VALUE(uncertain, recorded.speed, recorded.lagged),
+    UP_TO(uncertain, recorded.elapsed, recorded.elapsed, AUVID_C(1e5)),
+    UP_TO(uncertain, recorded.wrench, recorded.difference, AUVID_LARGEST),
+    BYTE(uncertain, work.pass, work.pass, 3),
+    FLAG(uncertain, work.solving, work.solving),
+    VALUE(uncertain, work.joint, work.sag_from),
+    BYTE(uncertain, work.part.drag_at, work.part.sag_at, AUVID_UNCERTAIN_ORDER),
+    VALUE(uncertain, work.part.factor, work.part.scale),
+    VALUE(uncertain, factor, factor),
+    UP_TO(uncertain, rows, rows, AUVID_C(1e9)),
+    VALUE(uncertain, pi, own),
+    UP_TO(uncertain, scale, scale, 2),
+    FLAG(uncertain, excited, contradicted),
+};
+
+static const auvid_checkpoint_limit_t checkpoint_limit_instruments[] = {
+    WITHIN(reference, nu, nu, AUVID_RECORDER_LARGEST),
+    VALUE(instruments, lagged, lagged),
+    VALUE(instruments, factor, factor),
+    UP_TO(instruments, rows, rows, AUVID_C(1e9)),
+    VALUE(instruments, wide, wide),
+};
+
+#define PART(what)                                                                                 \
+    {                                                                                              \
+        checkpoint_limit_##what,                                                                   \
+            sizeof checkpoint_limit_##what / sizeof checkpoint_limit_##what[0],                    \
+            auvid_checkpoint_check_##what                                                          \
+    }
+const auvid_checkpoint_part_t auvid_checkpoint_uncertain = PART(uncertain);
+const auvid_checkpoint_part_t auvid_checkpoint_instruments = PART(instruments);

@@ -39,13 +39,6 @@ static const uint8_t *checkpoint_find(const auvid_checkpoint_view_t *v, uint8_t 
     return NULL;
 }
 
-static uint64_t checkpoint_whole(const uint8_t *at, uint32_t width)
-{
-    uint64_t x = 0;
-    memcpy(&x, at, width);
-    return x;
-}
-
 static auvid_real_t checkpoint_real(const uint8_t *at)
 {
     auvid_real_t x;
@@ -59,7 +52,7 @@ static AUVID_NOINLINE bool checkpoint_is_within(const auvid_checkpoint_limit_t *
 {
     bool good = true;
     for (uint32_t k = 0; k < limit->count; ++k, at += limit->width) {
-        uint64_t whole = checkpoint_whole(at, limit->width);
+        uint64_t whole = auvid_checkpoint_whole(at, limit->width);
         uint64_t sign = (uint64_t)1 << (8 * limit->width - 1);
         bool negative = limit->kind == KIND_SIGNED && (whole & sign) != 0;
         auvid_real_t x = limit->kind == KIND_REAL ? checkpoint_real(at)
@@ -70,17 +63,29 @@ static AUVID_NOINLINE bool checkpoint_is_within(const auvid_checkpoint_limit_t *
     return good;
 }
 
-/* Are all scalars of these structs in range? */
-static bool checkpoint_check_structs(const auvid_checkpoint_view_t *v,
-                                     const auvid_checkpoint_struct_t *structs)
+/* What is checked of a root beyond the tables of all; NULL: nothing. */
+static const auvid_checkpoint_part_t *checkpoint_part(const auvid_identifier_t *id, uint8_t root)
 {
-    uint32_t count = structs->root == ROOT_ROWS ? v->rows : structs->count;
+    const auvid_uncertain_t *u = id->attached.uncertain;
+    return root == ROOT_UNCERTAIN     ? u->checkpoint
+           : root == ROOT_INSTRUMENTS ? u->instruments->checkpoint
+                                      : NULL;
+}
+
+/* Are all scalars of these structs in range? */
+static bool checkpoint_check_structs(const subject_t *s, const auvid_checkpoint_struct_t *structs)
+{
+    const auvid_checkpoint_part_t *part = checkpoint_part(s->id, structs->root);
+    size_t limits = auvid_checkpoint_limits + (part != NULL ? part->limits : 0);
+    uint32_t count = structs->root == ROOT_ROWS ? s->view->rows : structs->count;
     bool good = true;
-    for (size_t l = 0; l < auvid_checkpoint_limits; ++l) {
-        const auvid_checkpoint_limit_t *limit = &auvid_checkpoint_limit[l];
+    for (size_t l = 0; l < limits; ++l) {
+        const auvid_checkpoint_limit_t *limit = l < auvid_checkpoint_limits
+                                                    ? &auvid_checkpoint_limit[l]
+                                                    : &part->limit[l - auvid_checkpoint_limits];
         for (uint32_t k = 0; limit->table == structs->table && good && k < count; ++k) {
             const uint8_t *at = checkpoint_find(
-                v, structs->root, structs->offset + (size_t)k * structs->size + limit->first,
+                s->view, structs->root, structs->offset + (size_t)k * structs->size + limit->first,
                 (size_t)limit->count * limit->width);
             good = at == NULL || checkpoint_is_within(limit, at);
         }
@@ -360,6 +365,16 @@ static bool checkpoint_check_optimum(const subject_t *s)
                                         MEMBER(optimum.upper), n);
 }
 
+/* Is a solution with uncertain inputs under way, or waiting to be published? */
+static bool checkpoint_is_solving(const subject_t *s)
+{
+    bool solving = false;
+    if ((s->view->parts & PART_UNCERTAIN) != 0) {
+        checkpoint_copy(s, ROOT_UNCERTAIN, offsetof(auvid_uncertain_t, work.solving), &solving, 1);
+    }
+    return solving;
+}
+
 static bool checkpoint_check_job(const subject_t *s)
 {
     const auvid_metric_t *m = &s->id->metric;
@@ -411,23 +426,26 @@ static bool checkpoint_search_matches_phase(const subject_t *s)
     uint32_t work = s->view->parts & (PART_GLOBAL | PART_LOCAL | PART_CONFIDENCE | PART_OPTIMUM);
     bool residual = auvid_metric_stores_rows(&s->id->metric), searching = WORD(work.searching) != 0;
     bool measures = phase == AUVID_WORK_MEASURE; /* again, if a set has entered the ring */
+    bool linearises = phase == AUVID_WORK_LINEARISE, solves = linearises && !residual;
     bool finds_optimum = phase == AUVID_WORK_MERGE && WORD(work.spent) == WORK_OPTIMUM;
     bool must = phase == AUVID_WORK_ASK || phase == AUVID_WORK_COST ||
-                (residual && (measures || phase == AUVID_WORK_LINEARISE));
-    if (phase >= AUVID_WORK_ASK && WORD(work.active) == 0) {
+                (residual && (measures || linearises));
+    if ((phase >= AUVID_WORK_ASK && WORD(work.active) == 0) ||
+        (solves && !checkpoint_is_solving(s))) {
         return false;
     }
+    if (WORD(work.seeks_optimum) != 0) {
+        return !residual && !searching && (finds_optimum || solves) && work == PART_OPTIMUM &&
+               checkpoint_check_optimum(s);
+    }
     if (searching) {
-        return (must || measures) && (work == PART_GLOBAL || work == PART_LOCAL) &&
+        return (must || measures || solves) && (work == PART_GLOBAL || work == PART_LOCAL) &&
                checkpoint_check_search(s);
     }
     if (phase == AUVID_WORK_CONFIDENCE) {
         return work == PART_CONFIDENCE && checkpoint_check_job(s);
     }
-    if (finds_optimum) {
-        return !residual && work == PART_OPTIMUM && checkpoint_check_optimum(s);
-    }
-    return !must && work == 0;
+    return !must && !finds_optimum && work == 0;
 }
 
 static bool checkpoint_check_identifier(const subject_t *s)
@@ -443,7 +461,19 @@ static bool checkpoint_check_identifier(const subject_t *s)
                                          offsetof(auvid_change_detector_t, accepted.confidence))
                 : WORD(work.untested) == 0) &&
            ((parts & PART_PRIOR) == 0 || checkpoint_check_prior(s)) &&
+           ((parts & PART_UNCERTAIN) == 0 ||
+            checkpoint_check_notes(s, ROOT_UNCERTAIN,
+                                   offsetof(auvid_uncertain_t, estimate.confidence))) &&
            checkpoint_search_matches_phase(s);
+}
+
+/* Do the members of a part agree? @param first offset of its block */
+static bool checkpoint_check_part(const subject_t *s, uint32_t bit, uint8_t root, size_t first)
+{
+    return (s->view->parts & bit) == 0 ||
+           checkpoint_part(s->id, root)
+               ->check(s->id, checkpoint_find(s->view, root, first, 1), s->view->parts,
+                       WORD(work.phase));
 }
 
 auvid_status_t auvid_checkpoint_validate(const auvid_identifier_t *id,
@@ -454,9 +484,13 @@ auvid_status_t auvid_checkpoint_validate(const auvid_identifier_t *id,
     for (size_t k = 0; good && k < auvid_checkpoint_structs; ++k) {
         const auvid_checkpoint_struct_t *structs = &auvid_checkpoint_struct[k];
         bool there = structs->parts == 0 || (structs->parts & v->parts) != 0;
-        good = !there || checkpoint_check_structs(v, structs);
+        good = !there || checkpoint_check_structs(&subject, structs);
     }
     good = good && checkpoint_check_nav(&subject) && checkpoint_check_recorder(&subject) &&
-           checkpoint_check_metric(&subject) && checkpoint_check_identifier(&subject);
+           checkpoint_check_metric(&subject) && checkpoint_check_identifier(&subject) &&
+           checkpoint_check_part(&subject, PART_UNCERTAIN, ROOT_UNCERTAIN,
+                                 offsetof(auvid_uncertain_t, begin_us)) &&
+           checkpoint_check_part(&subject, PART_INSTRUMENTS, ROOT_INSTRUMENTS,
+                                 offsetof(auvid_instruments_t, last_us));
     return good ? AUVID_OK : AUVID_ERR_RANGE;
 }

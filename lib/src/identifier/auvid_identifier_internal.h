@@ -130,7 +130,7 @@ auvid_status_t auvid_identifier_optimum(auvid_identifier_t *id, uint32_t *budget
 
 /** Returns the minimum found in id->optimum, and writes its parameters to pi, by their number in
  * the model. `constant`: further cost. */
-auvid_minimum_t auvid_identifier_take_optimum(const auvid_identifier_t *id, auvid_real_t constant,
+auvid_minimum_t auvid_identifier_take_optimum(auvid_identifier_t *id, auvid_real_t constant,
                                               auvid_real_t *pi);
 
 /** Begin a search of the parameters in work.active. This sets work.parameter_of.

@@ -23,6 +23,7 @@ void auvid_identifier_begin_optimum(auvid_identifier_t *id, const auvid_real_t *
         }
     }
     auvid_bounded_ls_begin(ls, n);
+    id->work.seeks_optimum = true;
     for (int i = 0; i < n; ++i) {
         int p = id->work.parameter_of[i];
         ls->lower[i] = id->search.lower[p];
@@ -31,10 +32,11 @@ void auvid_identifier_begin_optimum(auvid_identifier_t *id, const auvid_real_t *
     }
 }
 
-auvid_minimum_t auvid_identifier_take_optimum(const auvid_identifier_t *id, auvid_real_t constant,
+auvid_minimum_t auvid_identifier_take_optimum(auvid_identifier_t *id, auvid_real_t constant,
                                               auvid_real_t *pi)
 {
     const auvid_bounded_ls_t *ls = &id->optimum;
+    id->work.seeks_optimum = false;
     for (int i = 0; i < ls->n; ++i) {
         pi[id->work.parameter_of[i]] = ls->x[i];
     }

@@ -32,7 +32,7 @@ static void identifier_rest(auvid_identifier_t *id)
 {
     bool has_log = identifier_listener(id) != NULL && id->attached.listener->lead_us != NULL;
     uint64_t lead_us = has_log ? id->attached.listener->lead_us(id->attached.listener_context) : 0u;
-    id->work.searching = false;
+    id->work.searching = id->work.seeks_optimum = false;
     id->work.phase = AUVID_WORK_IDLE;
     identifier_take_set(id, auvid_metric_release(&id->metric, id->applied.t_us + lead_us));
 }
@@ -186,6 +186,7 @@ static void identifier_begin_merge(auvid_identifier_t *id)
         return;
     }
     auvid_metric_merge_begin(&id->metric);
+    id->work.seeks_optimum = false;
     id->work.spent = 0;
     id->work.phase = AUVID_WORK_MERGE;
 }
@@ -288,6 +289,16 @@ static bool identifier_found_minimum(const auvid_identifier_t *id)
                : id->work.cost - minimum->cost <= minimum->allowed;
 }
 
+/* A set has entered the ring: measure again. On the regressor path this ends a search of the
+ * uncertain inputs. */
+static void identifier_measure_again(auvid_identifier_t *id)
+{
+    if (!auvid_metric_stores_rows(&id->metric)) {
+        id->work.searching = id->work.seeks_optimum = false;
+    }
+    identifier_begin_measure(id);
+}
+
 static AUVID_NOINLINE auvid_status_t identifier_ask(auvid_identifier_t *id, uint32_t *budget)
 {
     auvid_real_t theta[AUVID_MAX_PARAMETERS];
@@ -364,9 +375,9 @@ static const auvid_work_phase_row_t identifier_phases[AUVID_WORK_PHASE_COUNT] = 
     [AUVID_WORK_MEASURE] = {auvid_metric_measure, NULL, identifier_begin_linearise,
                             identifier_begin_measure},
     [AUVID_WORK_LINEARISE] = {NULL, identifier_linearise, identifier_begin_confidence,
-                              identifier_begin_measure},
+                              identifier_measure_again},
     [AUVID_WORK_CONFIDENCE] = {NULL, identifier_confidence, identifier_publish_estimate,
-                               identifier_begin_measure},
+                               identifier_measure_again},
 };
 
 static const auvid_work_phase_row_t *identifier_phase(const auvid_identifier_t *id)

@@ -18,6 +18,7 @@
 #include <string.h>
 
 #include "auvid/detail/recorder.h"
+#include "auvid_checkpoint_layout_internal.h"
 #include "auvid_identifier_internal.h"
 #include "auvid_uncertain_parts_internal.h"
 
@@ -44,12 +45,12 @@ static int instruments_order(const instruments_t *n, int j)
 static void instruments_rotate_waiting(instruments_t *n, int most)
 {
     for (int j = 0; j < AUVID_DOF_COUNT && most > 0; ++j) {
-        auvid_instrument_t *of = &n->of[j];
-        if (of->waits && !auvid_uncertain_reads(n->uncertain, j)) {
+        const auvid_instrument_t *of = &n->of[j];
+        if ((n->waiting >> j & 1) != 0 && !auvid_uncertain_reads(n->uncertain, j)) {
             auvid_qr_update_top(n->factor + of->factor_at, instruments_order(n, j), of->count,
-                                of->wide);
-            of->rows += AUVID_C(1.0);
-            of->waits = false;
+                                n->wide[j]);
+            n->rows[j] += AUVID_C(1.0);
+            n->waiting = (uint8_t)(n->waiting & ~(1u << j));
             --most;
         }
     }
@@ -59,12 +60,11 @@ static void instruments_rotate_waiting(instruments_t *n, int most)
 static void instruments_restart(instruments_t *n)
 {
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
-        auvid_instrument_t *of = &n->of[j];
-        if (of->rows > AUVID_C(0.0) && !(n->uncertain->rows[j] > AUVID_C(0.0))) {
-            auvid_clear(n->factor + of->factor_at,
-                        (size_t)auvid_qr_row(instruments_order(n, j), of->count));
-            of->rows = AUVID_C(0.0);
-            of->waits = false;
+        if (n->rows[j] > AUVID_C(0.0) && !(n->uncertain->rows[j] > AUVID_C(0.0))) {
+            auvid_clear(n->factor + n->of[j].factor_at,
+                        (size_t)auvid_qr_row(instruments_order(n, j), n->of[j].count));
+            n->rows[j] = AUVID_C(0.0);
+            n->waiting = (uint8_t)(n->waiting & ~(1u << j));
         }
     }
 }
@@ -142,16 +142,16 @@ static void instruments_take(void *context, int j, uint32_t slot, const auvid_re
     instruments_t *n = context;
     auvid_uncertain_t *u = n->uncertain;
     const auvid_uncertain_equation_t *e = &u->equation[j];
-    auvid_instrument_t *of = &n->of[j];
+    const auvid_instrument_t *of = &n->of[j];
     const auvid_real_t *columns = n->accumulator[slot] + of->column_at;
     auvid_real_t before = u->rows[j];
     auvid_uncertain_extra.take(u, j, slot, regressor, lag);
-    if (u->rows[j] > before && !u->excited && n->given > 0 && !of->waits &&
+    if (u->rows[j] > before && !u->excited && n->given > 0 && (n->waiting >> j & 1) == 0 &&
         auvid_all_within(columns, of->count, METRIC_LARGEST_ENTRY) == AUVID_OK) {
-        memcpy(of->wide, columns, of->count * sizeof *columns);
-        memcpy(of->wide + of->count, u->recorded.accumulator[slot] + e->column_at,
+        memcpy(n->wide[j], columns, of->count * sizeof *columns);
+        memcpy(n->wide[j] + of->count, u->recorded.accumulator[slot] + e->column_at,
                e->order * sizeof *columns);
-        of->waits = true;
+        n->waiting = (uint8_t)(n->waiting | 1u << j);
     }
 }
 
@@ -207,24 +207,25 @@ static bool instruments_column_is_strong(const instruments_t *n, int j, const ui
             int a = own[k == last ? count - 1 : k == count - 1 ? last : k];
             int b = own[l == last ? count - 1 : l == count - 1 ? last : l];
             whole[k][l] = auvid_uncertain_product(u, j, a, b) / u->rows[j];
-            projected[k][l] = instruments_product(n, j, a, b) / n->of[j].rows;
+            projected[k][l] = instruments_product(n, j, a, b) / n->rows[j];
         }
     }
     auvid_real_t p = instruments_left(projected, count), w = instruments_left(whole, count);
-    auvid_real_t noise = AUVID_UNCERTAIN_SMOOTHED * auvid_max(w - p, AUVID_C(0.0)) / n->of[j].rows;
+    auvid_real_t noise = AUVID_UNCERTAIN_SMOOTHED * auvid_max(w - p, AUVID_C(0.0)) / n->rows[j];
     return p > INSTRUMENTS_STRONG * (auvid_real_t)n->of[j].count * noise;
 }
 
 /* The rows hold about as much as the ring: older ones fade. */
 static void instruments_fade(instruments_t *n, const auvid_metric_t *m, int j)
 {
-    auvid_instrument_t *of = &n->of[j];
+    const auvid_instrument_t *of = &n->of[j];
     auvid_real_t full = (auvid_real_t)m->cfg.sets * (auvid_real_t)m->cfg.set_rows;
-    auvid_real_t root = auvid_sqrt(full / auvid_max(of->rows, full));
-    for (int k = 0; of->rows > full && k < auvid_qr_row(instruments_order(n, j), of->count); ++k) {
+    auvid_real_t root = auvid_sqrt(full / auvid_max(n->rows[j], full));
+    for (int k = 0; n->rows[j] > full && k < auvid_qr_row(instruments_order(n, j), of->count);
+         ++k) {
         n->factor[of->factor_at + k] *= root;
     }
-    of->rows = auvid_min(of->rows, full);
+    n->rows[j] = auvid_min(n->rows[j], full);
 }
 
 static uint32_t instruments_strong(auvid_uncertain_t *u, const auvid_metric_t *m)
@@ -235,7 +236,7 @@ static uint32_t instruments_strong(auvid_uncertain_t *u, const auvid_metric_t *m
         const uint8_t *index = auvid_metric_row_parameters(m, j);
         uint8_t own[INSTRUMENTS_OWN];
         int count = 0;
-        if (!(n->of[j].rows >= AUVID_UNCERTAIN_LEAST_ROWS) || !auvid_uncertain_has_rows(u, j)) {
+        if (!(n->rows[j] >= AUVID_UNCERTAIN_LEAST_ROWS) || !auvid_uncertain_has_rows(u, j)) {
             continue;
         }
         instruments_fade(n, m, j);
@@ -302,6 +303,7 @@ auvid_status_t auvid_identifier_attach_instruments(auvid_identifier_t *id,
     (void)instruments_lay_out(u, &id->metric, lags, storage->of);
     storage->lags = (uint8_t)lags;
     storage->uncertain = u;
+    storage->checkpoint = &auvid_checkpoint_instruments;
     u->instruments = storage;
     u->strong = instruments_strong;
     id->metric.extra = &instruments_extra;

@@ -25,6 +25,25 @@ enum {
 /** Where a parameter is in the joint factor; its last column is the thrust. */
 enum { PARAMETERS_AT = AUVID_UNCERTAIN_SHARED, JOINT_ORDER = AUVID_UNCERTAIN_JOINT };
 
+/** Phases of a solution, auvid_uncertain_solution_t.phase. */
+enum {
+    SOLVE_PREPARE,
+    SOLVE_ROWS,
+    SOLVE_OWN,
+    SOLVE_TRANSFER,
+    SOLVE_SHARED,
+    SOLVE_FINISH,
+    SOLVE_SCALE,
+    SOLVE_LEFT, /**< from its second step to SOLVE_START, id->optimum is in use */
+    SOLVE_OPTIMUM,
+    SOLVE_START,
+    SOLVE_SEARCH, /**< id->optimizer is in use, if id->work.searching */
+    SOLVE_KEEP,
+    SOLVE_SIDES,
+    SOLVE_SIGMA,
+    SOLVE_DONE
+};
+
 /** Is the column formed from the thrust? Else from the motion. */
 static inline bool auvid_uncertain_of_thrust(int code)
 {
@@ -59,6 +78,10 @@ void auvid_uncertain_begin(auvid_uncertain_t *u);
 auvid_status_t auvid_uncertain_solve(auvid_uncertain_t *u, const auvid_metric_t *m,
                                      uint32_t *budget);
 
+/** Can a solution be at step i of this phase, of DoF j? @param projected its rows are */
+bool auvid_uncertain_is_step(const auvid_uncertain_t *u, const auvid_metric_t *m, int phase, int j,
+                             int i, bool projected);
+
 /** Column of the joint factor of column k of DoF j, k >= own. */
 int auvid_uncertain_joint_column(const auvid_uncertain_t *u, const auvid_metric_t *m, int j, int k);
 
@@ -87,9 +110,12 @@ static inline const auvid_real_t *auvid_uncertain_joint_row(const auvid_uncertai
  * own inputs of each DoF. */
 void auvid_uncertain_finish(auvid_uncertain_t *u, const auvid_metric_t *m, bool known);
 
-/** Find the minimum of what is left within the bounds: row i of it, or after the last one a change
- * of the active set. @return is it found? */
-bool auvid_uncertain_find_optimum(auvid_uncertain_t *u, const auvid_metric_t *m, int i);
+/** Take row i of the parameters, which is left, into the problem of their minimum; the first begins
+ * it. */
+void auvid_uncertain_leave(auvid_uncertain_t *u, int i);
+
+/** Change the active set of the minimum within the bounds. @return is it found? */
+bool auvid_uncertain_find_optimum(auvid_uncertain_t *u);
 
 /** Begin the search, with this minimum. */
 void auvid_uncertain_begin_search(auvid_uncertain_t *u);

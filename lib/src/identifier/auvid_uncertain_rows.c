@@ -14,7 +14,7 @@ void auvid_uncertain_restart(auvid_uncertain_t *u)
 {
     memset(u->factor, 0, sizeof u->factor);
     memset(u->rows, 0, sizeof u->rows);
-    u->recorded.begin_us = 0;
+    u->begin_us = 0;
     u->recorded.pending = 0;
     u->recorded.wrench = u->recorded.difference = AUVID_C(0.0);
     memset(u->recorded.successive, 0, sizeof u->recorded.successive);
@@ -56,12 +56,12 @@ static void uncertain_cell(void *context, const auvid_metric_t *m, const auvid_s
     if (first) {
         memset(u->recorded.successive, 0, sizeof u->recorded.successive);
     }
-    if (u->recorded.begin_us == 0) { /* after a restart, or that of the program */
-        u->recorded.begin_us = cell->t_us;
+    if (u->begin_us == 0) { /* after a restart, or that of the program */
+        u->begin_us = cell->t_us;
         u->recorded.begun_before = (uint8_t)(first ? 0 : AUVID_MAX_OVERLAP);
     }
     /* in units of 1024 us: 50 days fit */
-    uint32_t elapsed = (uint32_t)((cell->t_us - u->recorded.begin_us) >> 10);
+    uint32_t elapsed = (uint32_t)((cell->t_us - u->begin_us) >> 10);
     u->recorded.elapsed = AUVID_C(1.024e-3) / AUVID_UNCERTAIN_SAG_S * (auvid_real_t)elapsed;
     auvid_uncertain_channels(u, m, cell, first, u->recorded.channel);
 }

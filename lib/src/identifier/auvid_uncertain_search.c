@@ -33,34 +33,42 @@ static auvid_real_t uncertain_constant(const uncertain_t *u)
     return u->work.weight * left * left;
 }
 
-bool auvid_uncertain_find_optimum(uncertain_t *u, const auvid_metric_t *m, int i)
+/* Begin to find the minimum of what is left within the bounds. */
+static void uncertain_begin_optimum(uncertain_t *u)
 {
     auvid_identifier_t *id = u->id;
-    const int n = m->cfg.vehicle->parameters, z = JOINT_ORDER - 1;
-    auvid_real_t row[AUVID_MAX_PARAMETERS + 1], squares = AUVID_C(0.0);
+    auvid_real_t squares = AUVID_C(0.0);
+    id->work.active = 0;
+    for (int p = 0; p < id->metric.cfg.vehicle->parameters; ++p) {
+        auvid_real_t z = auvid_uncertain_joint_row(u, PARAMETERS_AT + p)[JOINT_ORDER - 1];
+        id->work.active |= (uint32_t)(uncertain_left_norm(u, p) > AUVID_C(0.0)) << p;
+        squares += z * z;
+    }
+    u->work.weight = squares > AUVID_C(0.0) ? AUVID_C(1.0) / squares : AUVID_C(1.0);
+    auvid_identifier_begin_optimum(id, u->pi);
+    id->optimum.dof = AUVID_DOF_COUNT;
+}
+
+void auvid_uncertain_leave(uncertain_t *u, int i)
+{
+    auvid_bounded_ls_t *ls = &u->id->optimum;
+    auvid_real_t row[AUVID_MAX_PARAMETERS + 1];
     if (i == 0) {
-        id->work.active = 0;
-        for (int p = 0; p < n; ++p) {
-            auvid_real_t zp = auvid_uncertain_joint_row(u, PARAMETERS_AT + p)[z];
-            id->work.active |= (uint32_t)(uncertain_left_norm(u, p) > AUVID_C(0.0)) << p;
-            squares += zp * zp;
-        }
-        u->work.weight = squares > AUVID_C(0.0) ? AUVID_C(1.0) / squares : AUVID_C(1.0);
-        auvid_identifier_begin_optimum(id, u->pi);
-        id->optimum.dof = AUVID_DOF_COUNT;
+        uncertain_begin_optimum(u);
     }
-    if (i >= n) {
-        return auvid_bounded_ls_step(&id->optimum, uncertain_constant(u)) != AUVID_PENDING;
-    }
-    auvid_real_t scale = auvid_sqrt(u->work.weight);
     const auvid_real_t *r = auvid_uncertain_joint_row(u, PARAMETERS_AT + i) + PARAMETERS_AT;
-    for (int k = 0; k < id->optimum.n; ++k) {
-        int p = id->work.parameter_of[k];
+    auvid_real_t scale = auvid_sqrt(u->work.weight);
+    for (int k = 0; k < ls->n; ++k) {
+        int p = u->id->work.parameter_of[k];
         row[k] = p < i ? AUVID_C(0.0) : scale * r[p];
     }
-    row[id->optimum.n] = scale * r[AUVID_MAX_PARAMETERS];
-    auvid_bounded_ls_add(&id->optimum, row);
-    return false;
+    row[ls->n] = scale * r[AUVID_MAX_PARAMETERS];
+    auvid_bounded_ls_add(ls, row);
+}
+
+bool auvid_uncertain_find_optimum(uncertain_t *u)
+{
+    return auvid_bounded_ls_step(&u->id->optimum, uncertain_constant(u)) != AUVID_PENDING;
 }
 
 void auvid_uncertain_begin_search(uncertain_t *u)

@@ -45,22 +45,6 @@
 #define LARGEST_SCALE AUVID_C(2.0) /* and its inverse the smallest */
 
 enum { SOLVE_PASSES = 3 };
-enum {
-    SOLVE_PREPARE,
-    SOLVE_ROWS,
-    SOLVE_OWN,
-    SOLVE_TRANSFER,
-    SOLVE_SHARED,
-    SOLVE_FINISH,
-    SOLVE_SCALE,
-    SOLVE_OPTIMUM,
-    SOLVE_START,
-    SOLVE_SEARCH,
-    SOLVE_KEEP,
-    SOLVE_SIDES,
-    SOLVE_SIGMA,
-    SOLVE_DONE
-};
 
 typedef auvid_uncertain_t uncertain_t;
 
@@ -246,60 +230,94 @@ static uint32_t uncertain_price(const uncertain_t *u)
     }
 }
 
-/* Do one step. @return number of steps of the phase */
-static uint32_t uncertain_step(uncertain_t *u, const auvid_metric_t *m)
+/* Returns the number of steps of a phase, of DoF j where it is of one. */
+static int uncertain_steps(const uncertain_t *u, const auvid_metric_t *m, int phase, int j,
+                           bool projected)
 {
-    uint32_t i = u->work.row;
-    int j = u->work.dof;
+    const auvid_uncertain_equation_t *e = &u->equation[j < AUVID_DOF_COUNT ? j : 0];
+    switch (phase) {
+    case SOLVE_ROWS:
+        return projected ? u->instruments->of[j].count : AUVID_METRIC_BANDS * e->order;
+    case SOLVE_OWN:
+        return e->own + 1;
+    case SOLVE_TRANSFER:
+        return e->order - e->own;
+    case SOLVE_SHARED:
+    case SOLVE_SCALE:
+        return AUVID_UNCERTAIN_SHARED;
+    case SOLVE_SIDES:
+        return AUVID_DOF_COUNT;
+    case SOLVE_LEFT:
+    case SOLVE_SIGMA:
+        return m->cfg.vehicle->parameters;
+    default:
+        return 1;
+    }
+}
+
+bool auvid_uncertain_is_step(const auvid_uncertain_t *u, const auvid_metric_t *m, int phase, int j,
+                             int i, bool projected)
+{
+    bool right = phase <= SOLVE_TRANSFER ? j < AUVID_DOF_COUNT : j == AUVID_DOF_COUNT;
+    return phase < SOLVE_DONE && right && i < uncertain_steps(u, m, phase, j, projected);
+}
+
+/* Do one step. @return must it be repeated? */
+static bool uncertain_step(uncertain_t *u, const auvid_metric_t *m)
+{
+    int i = u->work.row, j = u->work.dof;
     const auvid_uncertain_equation_t *e = &u->equation[j < AUVID_DOF_COUNT ? j : 0];
     switch (u->work.phase) {
     case SOLVE_PREPARE:
         auvid_uncertain_prepare(u, m, j);
-        return 1;
+        break;
     case SOLVE_ROWS:
         if (u->work.strong != 0) {
-            auvid_uncertain_add_row(u, j, 0, (int)i);
-            return u->instruments->of[j].count;
+            auvid_uncertain_add_row(u, j, 0, i);
+        } else {
+            auvid_uncertain_add_row(u, j, i / e->order, i % e->order);
         }
-        auvid_uncertain_add_row(u, j, (int)i / e->order, (int)i % e->order);
-        return 2u * e->order;
+        break;
     case SOLVE_OWN:
         if (i < e->own) {
-            auvid_uncertain_add_own_prior(u, m, j, (int)i);
+            auvid_uncertain_add_own_prior(u, m, j, i);
         } else {
             auvid_uncertain_keep_own(u, m, j);
         }
-        return e->own + 1u;
+        break;
     case SOLVE_TRANSFER:
-        auvid_uncertain_transfer(u, m, j, e->own + (int)i);
-        return (uint32_t)(e->order - e->own);
+        auvid_uncertain_transfer(u, m, j, e->own + i);
+        break;
     case SOLVE_SHARED:
-        uncertain_add_shared_prior(u, m, (int)i);
-        return AUVID_UNCERTAIN_SHARED;
+        uncertain_add_shared_prior(u, m, i);
+        break;
     case SOLVE_FINISH:
         auvid_uncertain_finish(u, m, false);
-        return 1;
+        break;
     case SOLVE_SCALE:
-        uncertain_scale(u, m, (int)i);
-        return AUVID_UNCERTAIN_SHARED;
+        uncertain_scale(u, m, i);
+        break;
+    case SOLVE_LEFT:
+        auvid_uncertain_leave(u, i);
+        break;
     case SOLVE_OPTIMUM:
-        return auvid_uncertain_find_optimum(u, m, (int)i) ? i + 1u : i + 2u;
+        return !auvid_uncertain_find_optimum(u);
     case SOLVE_START:
         auvid_uncertain_begin_search(u);
-        return 1;
+        break;
     case SOLVE_SEARCH:
-        u->work.row = 0;
-        return auvid_uncertain_search(u) ? 1u : 2u;
+        return !auvid_uncertain_search(u);
     case SOLVE_KEEP:
         auvid_uncertain_finish(u, m, true);
-        return 1;
+        break;
     case SOLVE_SIDES:
-        uncertain_solve_side(u, (int)i);
-        return AUVID_DOF_COUNT;
+        uncertain_solve_side(u, i);
+        break;
     default:
-        uncertain_find_covariance(u, m, (int)i);
-        return m->cfg.vehicle->parameters;
+        uncertain_find_covariance(u, m, i);
+        break;
     }
+    return false;
 }
 
 /* Begin the next phase. */
@@ -328,8 +346,9 @@ auvid_status_t auvid_uncertain_solve(auvid_uncertain_t *u, const auvid_metric_t 
             continue;
         }
         u->work.spent = 0;
-        uint32_t steps = uncertain_step(u, m);
-        if (++u->work.row >= steps) {
+        bool again = uncertain_step(u, m);
+        if (!again && ++u->work.row >=
+                          uncertain_steps(u, m, u->work.phase, u->work.dof, u->work.strong != 0)) {
             uncertain_next_phase(u);
         }
     }

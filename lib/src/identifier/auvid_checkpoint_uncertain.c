@@ -1,0 +1,67 @@
+/*
+ * The checkpoint: conditions between the members of the uncertain inputs, and of the instruments.
+ * Their columns are not saved; they are those that were laid out when they were attached.
+ */
+#include "auvid_checkpoint_layout_internal.h"
+#include "auvid_uncertain_parts_internal.h"
+
+/* Byte of the block in which a member is; the member, unsigned; a real. */
+#define AT(type, first, member) (state + offsetof(type, member) - offsetof(type, first))
+#define WHOLE_AT(type, first, member)                                                              \
+    auvid_checkpoint_whole(AT(type, first, member), sizeof(((type *)0)->member))
+#define OF_INPUTS(member) WHOLE_AT(auvid_uncertain_t, begin_us, member)
+#define OF_INSTRUMENTS(member) WHOLE_AT(auvid_instruments_t, last_us, member)
+
+/* A solution is at one of its steps, and the memory that it shares with the search is saved. While
+ * the confidence is computed it is complete; a new measurement begins it again. */
+static bool checkpoint_check_solution(const auvid_identifier_t *id, const uint8_t *state,
+                                      uint32_t parts, uint32_t work)
+{
+    const auvid_uncertain_t *u = id->attached.uncertain;
+    int phase = (int)OF_INPUTS(work.phase), j = (int)OF_INPUTS(work.dof);
+    int i = (int)OF_INPUTS(work.row);
+    bool projected = OF_INPUTS(work.strong) != 0;
+    bool seeks = (phase == SOLVE_LEFT && i > 0) || phase == SOLVE_OPTIMUM || phase == SOLVE_START;
+    if (work != AUVID_WORK_LINEARISE) {
+        return work == AUVID_WORK_MEASURE || (work == AUVID_WORK_CONFIDENCE && phase == SOLVE_DONE);
+    }
+    return (!projected || u->instruments != NULL) &&
+           auvid_uncertain_is_step(u, &id->metric, phase, j, i, projected) &&
+           seeks == ((parts & PART_OPTIMUM) != 0) &&
+           (phase == SOLVE_SEARCH || (parts & (PART_GLOBAL | PART_LOCAL)) == 0);
+}
+
+/* Rows are of DoF that have columns. */
+bool auvid_checkpoint_check_uncertain(const auvid_identifier_t *id, const uint8_t *state,
+                                      uint32_t parts, uint32_t phase)
+{
+    const auvid_uncertain_t *u = id->attached.uncertain;
+    auvid_real_t rows[AUVID_DOF_COUNT];
+    bool good = true;
+    memcpy(rows, AT(auvid_uncertain_t, begin_us, rows), sizeof rows);
+    for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
+        bool any = rows[j] > AUVID_C(0.0) || (OF_INPUTS(recorded.pending) >> 2 * j & 3u) != 0;
+        good = good && (!any || u->equation[j].order > 0);
+    }
+    if (OF_INPUTS(work.solving) != 0) {
+        uint32_t j = (uint32_t)OF_INPUTS(work.dof);
+        good = good && checkpoint_check_solution(id, state, parts, phase) && j <= AUVID_DOF_COUNT &&
+               (j == AUVID_DOF_COUNT || rows[j] > AUVID_C(0.0));
+    }
+    return good;
+}
+
+/* The ring holds the references that were not yet taken; rows are of DoF that have instruments. */
+bool auvid_checkpoint_check_instruments(const auvid_identifier_t *id, const uint8_t *state,
+                                        uint32_t parts, uint32_t phase)
+{
+    (void)parts;
+    (void)phase;
+    const auvid_instruments_t *n = id->attached.uncertain->instruments;
+    uint32_t given = (uint32_t)OF_INSTRUMENTS(given), taken = (uint32_t)OF_INSTRUMENTS(taken);
+    bool good = given - taken <= AUVID_INSTRUMENT_PAST;
+    for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
+        good = good && ((OF_INSTRUMENTS(waiting) >> j & 1u) == 0 || n->of[j].count > 0);
+    }
+    return good;
+}
