@@ -12,12 +12,13 @@
 #include "chain.h"
 #include "identifier/auvid_checkpoint_layout_internal.h"
 #include "unity.h"
+#include "identifier/auvid_uncertain_parts_internal.h"
 
 enum {
     TICK_US = 20000,
-    SAMPLE = 10, /* ticks between velocities of the body */
-    SPLIT = 997, /* ticks, besides those in a solution */
-    PHASES = 9,  /* of a solution */
+    SAMPLE = 10,             /* ticks between velocities of the body */
+    SPLIT = 997,             /* ticks, besides those in a solution */
+    PHASES = SOLVE_DONE + 1, /* of a solution */
     PASSES = 4,
     SET_ROWS = 40,
     MOST = AUVID_CHECKPOINT_MAX(0) + sizeof(auvid_uncertain_t) + sizeof(auvid_instruments_t)
@@ -147,7 +148,7 @@ static void tick_body(void)
     body.u += (body.tau + body.disturbance - 120.0 * body.u) / 250.0 * dt;
 }
 
-/* A tick, and work: so little from the confidence on that no phase of a solution is passed over. */
+/* A tick, and work: so little that no phase of a solution is passed over. */
 static void tick(void)
 {
     if (world == EXCITED) {
@@ -156,7 +157,9 @@ static void tick(void)
         tick_body();
     }
     ++chain.tick;
-    (void)auvid_identifier_work(id, id->work.phase == AUVID_WORK_CONFIDENCE ? 20 : 400);
+    (void)auvid_identifier_work(id, id->work.phase == AUVID_WORK_IDLE ? 400
+                                    : world == EXCITED                ? 20
+                                                                      : 6);
 }
 
 /* ---- saving ---- */
@@ -225,9 +228,11 @@ static void check_split_run(world_t of, uint32_t ticks)
     TEST_ASSERT_EQUAL_MEMORY(again, saved, bytes);
 }
 
-/* Three passes of all phases up to the scale of the priors; sides and covariance after the last. */
-static const uint64_t all_steps = (((uint64_t)1 << 7) - 1) * (1 | 1 << PHASES | 1 << 2 * PHASES) |
-                                  (uint64_t)3 << (7 + 3 * PHASES);
+/* Three passes of all phases up to the scale of the priors; the others after the last. */
+enum { IN_PASS = SOLVE_SCALE + 1, AFTER = SOLVE_DONE + 1 - IN_PASS };
+static const uint64_t all_steps =
+    (((uint64_t)1 << IN_PASS) - 1) * (1 | 1 << PHASES | 1 << 2 * PHASES) |
+    (((uint64_t)1 << AFTER) - 1) << (IN_PASS + 3 * PHASES);
 
 static void test_a_split_run_ends_as_a_whole_one_excited(void)
 {
@@ -330,7 +335,7 @@ static void run_to_phase(uint8_t phase)
 static void test_every_damaged_byte_is_detected_and_every_cut(void)
 {
     const uint32_t stride = campaign_is_long() ? 1 : 37;
-    run_to_phase(1);
+    run_to_phase(SOLVE_ROWS);
     same = *id;
     before = uncertain;
     untouched = instruments;
@@ -361,7 +366,7 @@ static void test_every_damaged_byte_is_detected_and_every_cut(void)
 
 static void test_impossible_values_are_refused(void)
 {
-    run_to_phase(1);
+    run_to_phase(SOLVE_ROWS);
     TEST_ASSERT_EQUAL(AUVID_SURGE, uncertain.work.dof);
     OF_INPUTS(recorded.pending = 1 << 2 * AUVID_ROLL); /* not modelled */
     OF_INPUTS(recorded.pending = 1 << 2 * AUVID_DOF_COUNT);
@@ -378,7 +383,7 @@ static void test_impossible_values_are_refused(void)
     OF_INPUTS(estimate.covariance[0] = AUVID_C(2e37));
     OF_INPUTS(estimate.confidence.note[0] = AUVID_NOTE_UNCHECKED + 1);
     OF_INPUTS(work.solving = false); /* what was to be assessed then is lost */
-    OF_INPUTS(work.phase = PHASES);
+    OF_INPUTS(work.phase = SOLVE_DONE + 1);
     OF_INPUTS(work.pass = PASSES);
     OF_INPUTS(work.dof = AUVID_ROLL);
     OF_INPUTS(work.dof = AUVID_DOF_COUNT);
@@ -393,12 +398,21 @@ static void test_impossible_values_are_refused(void)
     OF_INSTRUMENTS(rows[0] = -1);
     OF_INSTRUMENTS(wide[0][0] = (auvid_real_t)NAN);
     OF_INSTRUMENTS(lagged[0][0] = (auvid_real_t)NAN);
-    run_to_phase(4);
+    run_to_phase(SOLVE_SHARED);
     OF_INPUTS(work.dof = 0); /* of no DoF */
     OF_INPUTS(work.row = AUVID_UNCERTAIN_SHARED);
     OF_INPUTS(work.row = UINT16_MAX);
-    run_to_phase(5);
-    OF_INPUTS(work.phase = PHASES); /* after the last one */
+    run_to_phase(SOLVE_FINISH);
+    OF_INPUTS(work.phase = SOLVE_DONE);    /* only while the confidence is computed */
+    OF_INPUTS(work.phase = SOLVE_OPTIMUM); /* its memory is not saved */
+    OF_INPUTS(work.phase = SOLVE_START);
+    run_to_phase(SOLVE_OPTIMUM);
+    OF_INPUTS(work.phase = SOLVE_KEEP); /* and here it is */
+    OF_INPUTS(work.phase = SOLVE_SEARCH);
+    run_to_phase(SOLVE_SEARCH);
+    TEST_ASSERT_TRUE(id->work.searching);
+    OF_INPUTS(work.phase = SOLVE_KEEP);
+    run_to_phase(SOLVE_FINISH);
     id->work.phase = AUVID_WORK_IDLE;
     id->metric.sets.held = false;
     id->metric.sets.from = id->metric.sets.least = 0;
