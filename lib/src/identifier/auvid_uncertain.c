@@ -64,13 +64,19 @@ static bool uncertain_is_ready(const auvid_identifier_t *id)
     return ready;
 }
 
+/* There is no estimate with uncertain inputs. */
+static void uncertain_withdraw(auvid_uncertain_t *u)
+{
+    u->estimate.number = u->causes.number = 0;
+}
+
 static bool uncertain_begin(auvid_identifier_t *id)
 {
     bool ready = uncertain_is_ready(id);
     if (ready) {
         auvid_uncertain_begin(uncertain_of(id));
     } else {
-        uncertain_of(id)->estimate.number = 0;
+        uncertain_withdraw(uncertain_of(id));
     }
     return ready;
 }
@@ -92,7 +98,7 @@ static void uncertain_judge(auvid_identifier_t *id, bool changed)
     u->estimate.accepted = u->estimate.number == id->estimate.number;
     if (changed) {
         auvid_uncertain_restart(u);
-        u->estimate.number = 0;
+        uncertain_withdraw(u);
         u->contradicted = false;
     }
 }
@@ -176,6 +182,7 @@ static void uncertain_end(auvid_identifier_t *id)
     } else {
         uncertain_publish(id);
     }
+    auvid_uncertain_publish_causes(u);
     auvid_identifier_announce(id);
 }
 
