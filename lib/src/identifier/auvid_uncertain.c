@@ -67,7 +67,8 @@ static bool uncertain_is_ready(const auvid_identifier_t *id)
 /* There is no estimate with uncertain inputs. */
 static void uncertain_withdraw(auvid_uncertain_t *u)
 {
-    u->estimate.number = u->causes.number = 0;
+    u->estimate.number = 0;
+    memset(&u->causes, 0, sizeof u->causes);
 }
 
 static bool uncertain_begin(auvid_identifier_t *id)

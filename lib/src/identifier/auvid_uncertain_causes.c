@@ -12,7 +12,7 @@ enum { NO_INPUT = -1 };
 
 typedef auvid_uncertain_t uncertain_t;
 
-static auvid_cause_class_t causes_class(int code)
+auvid_cause_class_t auvid_uncertain_class(int code)
 {
     switch (code) {
     case AUVID_UNCERTAIN_BACKWARD:
@@ -98,7 +98,7 @@ static void causes_consider(uncertain_t *u, int j, int k)
 {
     const auvid_uncertain_equation_t *e = &u->equation[j];
     int code = u->code[e->column_at + k], shared = k < e->own ? NO_INPUT : code;
-    auvid_cause_class_t class = causes_class(code);
+    auvid_cause_class_t class = auvid_uncertain_class(code);
     auvid_real_t value = code < OWN_INPUTS ? u->shared[code] : u->own[e->own_at + k];
     auvid_real_t margin = AUVID_C(0.0);
     if (class == AUVID_CAUSE_COUNT) {

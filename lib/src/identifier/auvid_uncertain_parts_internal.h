@@ -77,6 +77,9 @@ void auvid_uncertain_keep_own(auvid_uncertain_t *u, const auvid_metric_t *m, int
 /** Rotate row i of the DoF's factor, an own input's no more, into the joint factor. */
 void auvid_uncertain_transfer(auvid_uncertain_t *u, const auvid_metric_t *m, int j, int i);
 
+/** Returns the class of an input; AUVID_CAUSE_COUNT: it has none. */
+auvid_cause_class_t auvid_uncertain_class(int code);
+
 /** Consider input k of DoF j as a cause. @return number of its inputs */
 uint32_t auvid_uncertain_consider(auvid_uncertain_t *u, int j, int k);
 
