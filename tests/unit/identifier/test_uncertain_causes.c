@@ -7,6 +7,7 @@
 
 #include "auvid/uncertain.h"
 #include "field_run.h"
+#include "identifier/auvid_identifier_internal.h"
 #include "unity.h"
 
 static field_run_t run;
@@ -119,6 +120,14 @@ static void test_causes_stay_while_the_next_solution_is_under_way(void)
     TEST_ASSERT_EQUAL_MEMORY(&unchanged, &causes, sizeof causes);
 }
 
+static void test_after_a_change_of_the_vehicle_there_are_none(void)
+{
+    identify(FIELD_GIRONA500, "thrust_backward", 0.1);
+    identifier_judge_uncertain(&run.id, true);
+    TEST_ASSERT_EQUAL(AUVID_ERR_NO_DATA, auvid_uncertain_causes(&run.uncertain, &causes));
+    TEST_ASSERT_EQUAL_UINT32(0, run.uncertain.causes.named); /* what a node reports */
+}
+
 /* ---- words ---- */
 
 static void expect(const char *words, unsigned which)
@@ -197,6 +206,7 @@ int main(void)
     RUN_TEST(test_the_scale_of_the_thrust_is_never_named);
     RUN_TEST(test_estimates_that_differ_are_listed);
     RUN_TEST(test_causes_stay_while_the_next_solution_is_under_way);
+    RUN_TEST(test_after_a_change_of_the_vehicle_there_are_none);
     RUN_TEST(test_sentences_give_size_and_remedy);
     RUN_TEST(test_every_named_input_has_a_sentence);
     RUN_TEST(test_refusals_change_nothing);
