@@ -45,6 +45,30 @@ awk '/ 404#/ && ++n % 50 == 0 { next } { print }' run.log >lossy.log
 check "a log with frames missing differs from its estimates" exits 1 replay lossy.log --sets 2
 check "by a number of frames" grep -Eq '[1-9][0-9]* different' out
 
+# ---- wrong inputs ----
+late="thrust acts later than told, by 0.2 s or so; check time stamps and the propellers' lag"
+check "thrusters that lag are found" exits 0 \
+    node --bus memory --excite --lag 0.45 --log lag.log --json
+check "  and said by the vehicle, which has read it from frames" is out \
+    "assert d['wrong_inputs'] == [\"$late\"], d['wrong_inputs']"
+# bits 17 to 20 of the last wrong_input frame: timing_delay; from bit 32 on: the size
+check "  in the frames" python3 -c '
+import re, struct
+data = bytes.fromhex(re.findall(" 414#(\w+)", open("lag.log").read())[-1])
+bits, size = int.from_bytes(data, "little"), struct.unpack("<f", data[4:])[0]
+assert bits >> 17 & 15 == 8 and 0.15 < size < 0.25, (data, size)'
+check "  a replay of the log finds the same" exits 0 replay lag.log --json
+check "  in the same words" is out "assert d['wrong_inputs'] == [\"$late\"], d['wrong_inputs']"
+check "  its frames are the same" exits 0 replay lag.log --csv lag.csv
+check "  none different" grep -Eq ' as in the log, 0 different' out
+check "  fit of the motion finds the same" exits 0 fit lag.csv --thrusters girona500 --json
+check "  in the same words, too" is out \
+    "assert d['wrong_inputs'] == [\"$late\"], d['wrong_inputs']"
+check "without uncertain inputs a node" exits 0 \
+    node --bus memory --excite --sets 1 --plain --log plain.log
+check "  does not speak of them" sh -c '! grep -q " 41[34]#" plain.log'
+check "a lag of a real vehicle" refuses 'node: --lag needs --bus memory' node --bus can0 --lag 0.4
+
 # ---- signals ----
 # ended SIGNAL: a node that excites in real time gets a signal; the last frames in its log are
 # commands of zero for both halves of the thrusters.

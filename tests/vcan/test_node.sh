@@ -120,6 +120,14 @@ aborted() {
     holds 'v["last"] == 2 && v["last_a"] == 1 && v["last_b"] == 1 && v["late"] == 0' <order
 }
 
+# The vehicle prints the sentence that the node puts into its JSON.
+late() {
+    local words
+    whole_run late "$SILENT_SETS" 0 --excite '--lag 0.6'
+    words=$(grep -o 'thrust acts later than told[^"]*' node.out)
+    grep -F "    $words" vehicle.out
+}
+
 check "node and vehicle in lock step identify; candump lost no frame" lock_step
 check "cantools decodes every frame and the node's estimates" cantools_decodes
 check "the bits are those of the bus in memory" memory_alike
@@ -127,4 +135,5 @@ check "candump's log replays bit for bit" replay
 check "a whole passive run has no thruster command" passive
 check "a whole run without an arm frame has no thruster command" no_arm
 check "a whole run with an abort: no command before arm, one of zero after the abort" aborted
+check "thrusters that lag are found by the node and said by the vehicle, which reads frames" late
 exit "$failed"

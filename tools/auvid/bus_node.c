@@ -70,6 +70,7 @@ static int begin(run_t *run)
     vehicle_sim_config_t vehicle_sim;
     vehicle_simulation(o->vehicle, &vehicle_sim);
     vehicle_sim.sim.seed = o->seed;
+    vehicle_sim.sim.lag_s = o->lag_s;
     vehicle_sim.no_arm = !o->excite;
     if (bus_memory_init(&run->hub, 2, o->seed) != BUS_OK ||
         !vehicle_sim_init(&run->vehicle_sim, &vehicle_sim)) {

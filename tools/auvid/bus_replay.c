@@ -36,7 +36,8 @@ typedef struct {
 static bool is_estimate(const auvid_can_frame_t *frame)
 {
     auvid_can_kind_t kind = auvid_can_kind(NULL, frame->id);
-    return kind == AUVID_CAN_ESTIMATE || kind == AUVID_CAN_ESTIMATE_SIGMA;
+    return kind == AUVID_CAN_ESTIMATE || kind == AUVID_CAN_ESTIMATE_SIGMA ||
+           kind == AUVID_CAN_WRONG_INPUTS || kind == AUVID_CAN_WRONG_INPUT;
 }
 
 /* Compares an estimate in the log with the one that this node has sent. */

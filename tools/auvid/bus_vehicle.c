@@ -77,6 +77,7 @@ static void print(const run_t *run)
 {
     const vehicle_sim_t *c = &run->vehicle_sim;
     double rms = vehicle_sim_rms_percent(c);
+    char text[200];
     printf("auvid %s vehicle on %s: %.0f s simulated, %u frames of a node\n", AUVID_VERSION_STRING,
            run->options->bus, 1e-6 * (double)c->seen.t_us, (unsigned)c->frames);
     printf("  commands  %u good, %u lost, %u repeated, %u out of sequence, %u bad\n",
@@ -90,6 +91,11 @@ static void print(const run_t *run)
     if (rms >= 0.0) {
         printf("  estimate  %u sets, rms error %.2f %%\n", (unsigned)c->sets, rms);
     }
+    for (unsigned k = 0; auvid_causes_sentence(&c->causes, run->options->vehicle->model, k, text,
+                                               sizeof text) == AUVID_OK;
+         ++k) {
+        printf("%s    %s\n", k == 0 ? "  wrong inputs\n" : "", text);
+    }
 }
 
 int bus_vehicle(const options_t *options)
@@ -101,6 +107,7 @@ int bus_vehicle(const options_t *options)
     vehicle_sim_config_t cfg;
     vehicle_simulation(options->vehicle, &cfg);
     cfg.sim.seed = options->seed;
+    cfg.sim.lag_s = options->lag_s;
     cfg.sim.disturbance_N = options->disturbance_N;
     cfg.sim.disturbance_Nm = 0.4 * options->disturbance_N;
     cfg.no_arm = options->no_arm;

@@ -113,12 +113,14 @@ static const char node_help[] =
     "  --prior FILE       start with this prior record; a message says if it cannot be used\n"
     "  --lock-step        tell the simulated vehicle when the work of each tick is done\n"
     "  --realtime         request SCHED_FIFO and locked memory; with memory: tick by the clock\n"
+    "  --lag S            with memory: as for demo\n"
     "  --seed N, --vehicle NAME, --json, --plain, --thrust-scale S, --dvl-scale S   as for\n"
     "                     demo\n"
     "\n";
 static const char vehicle_help[] =
     "options of vehicle\n"
-    "  --bus IF, --seed N, --vehicle NAME, --disturbance N, --realtime   as for node and demo\n"
+    "  --bus IF, --seed N, --vehicle NAME, --disturbance N, --lag S, --realtime   as for node and\n"
+    "                     demo\n"
     "  --lock-step        wait for the node's tick instead of 20 ms\n"
     "  --no-arm           never arm the node; default: one second after it navigates\n"
     "  --arm-again        after an abort, disarm the node and arm it a second later\n"

@@ -299,6 +299,9 @@ static int bus_option(reader_t *r, options_t *options)
     if (is(r, "--bus")) {
         return take_value(r, &options->bus);
     }
+    if (is(r, "--lag")) {
+        return take_number(r, 10.0, &options->lag_s);
+    }
     if (is(r, "--lock-step")) {
         return take_flag(r, &options->lock_step);
     }
@@ -491,6 +494,9 @@ int options_node(options_t *options, int count, char **argument)
     if (status == 0 && options->clock_own && strcmp(options->bus, "memory") == 0) {
         return report_error(
             "node: --bus memory does not allow --clock own: its vehicle sends the ticks");
+    }
+    if (status == 0 && options->lag_s > 0.0 && strcmp(options->bus, "memory") != 0) {
+        return report_error("node: --lag needs --bus memory: it is of the simulated vehicle");
     }
     return status;
 }

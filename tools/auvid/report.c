@@ -61,6 +61,9 @@ void report_add_truth(result_t *result, const vehicle_sim_t *vehicle_sim)
     double truth[VEHICLE_SIM_PARAMETERS];
     vehicle_sim_truth(vehicle_sim, truth);
     result->has_truth = true;
+    if (vehicle_sim->causes.number > 0) {
+        result->causes = vehicle_sim->causes;
+    }
     for (int i = 0; i < result->vehicle->parameters; ++i) {
         result->truth[i] = truth[i];
         if (vehicle_sim->estimated >> i & 1u) {

@@ -88,7 +88,8 @@ int report_exit(const result_t *result);
 /** Copies the results of an identifier: all of *result except truth and validation. */
 void report_gather(result_t *result, const auvid_identifier_t *id, uint64_t seed);
 
-/** Adds what the simulated vehicle knows: the truth, and the estimate received in frames. */
+/** Adds what the simulated vehicle knows: the truth, and estimate and wrong inputs as received in
+ * frames. */
 void report_add_truth(result_t *result, const vehicle_sim_t *vehicle_sim);
 
 /** Root mean square relative error of the parameters that are identified and whose truth is not 0

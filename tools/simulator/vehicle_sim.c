@@ -82,6 +82,8 @@ static void take_message(vehicle_sim_t *vehicle, const auvid_can_message_t *m)
         vehicle->sets = m->as.progress.sets;
         vehicle->searches = m->as.progress.searches;
         vehicle->armed = vehicle->armed || vehicle->guard != AUVID_GUARD_DISARMED;
+    } else {
+        (void)auvid_causes_take(&vehicle->causes, m);
     }
 }
 

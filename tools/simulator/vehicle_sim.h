@@ -13,7 +13,7 @@
 #define VEHICLE_SIM_H
 
 #include "auvid/allocation.h"
-#include "auvid/can.h"
+#include "auvid/node.h"
 #include "simulator.h"
 
 #ifdef __cplusplus
@@ -53,6 +53,7 @@ typedef struct {
     double estimate[VEHICLE_SIM_PARAMETERS]; /**< last reported by the node */
     double sigma[VEHICLE_SIM_PARAMETERS];    /**< likewise; infinite: unknown */
     uint32_t estimated;                      /**< bit i: parameter i was reported */
+    auvid_causes_t causes;                   /**< what is wrong with the inputs, likewise */
     bool no_arm, arm_again;                  /* from the configuration */
     bool navigates, armed;                   /* the guard has left DISARMED */
     bool commanded;                          /**< commanded thrust acted in the last tick */

@@ -18,7 +18,7 @@
  *
  * Cost on a Cortex-M4F (-Os): packing takes 590 to 1020 instructions, unpacking 650 to 1160. The
  * CRC is nearly half of the smaller figure. Memory: sizeof(auvid_can_sender_t), 40 bytes. Code and
- * tables: 1.5 KiB together.
+ * tables: 1.6 kB together.
  *
  * Sources: AUTOSAR E2E protocol specification, profile 2; Koopman & Chakravarty 2004 (Hamming
  * distance 4 of the polynomial 0x2F up to 119 bits).

@@ -16,13 +16,13 @@ extern "C" {
 #endif
 
 /** Version of the frames. Every heartbeat carries it. */
-#define AUVID_CAN_PROTOCOL 3u
+#define AUVID_CAN_PROTOCOL 4u
 /** Default first identifiers of the two blocks (auvid_can_ids_t). */
 #define AUVID_CAN_FAST_BASE 0x040u
 #define AUVID_CAN_SLOW_BASE 0x400u
 /** Number of messages in each block. */
 #define AUVID_CAN_FAST_KINDS 6u
-#define AUVID_CAN_SLOW_KINDS 19u
+#define AUVID_CAN_SLOW_KINDS 21u
 
 /** The messages, in the order of their identifiers. A smaller one has priority on the bus. */
 typedef enum {
@@ -51,7 +51,9 @@ typedef enum {
     AUVID_CAN_HEARTBEAT = 22,
     AUVID_CAN_DRAG = 23,
     AUVID_CAN_DRAG_HALF_WIDTH = 24,
-    AUVID_CAN_KINDS = 25
+    AUVID_CAN_WRONG_INPUTS = 25,
+    AUVID_CAN_WRONG_INPUT = 26,
+    AUVID_CAN_KINDS = 27
 } auvid_can_kind_t;
 
 /** The messages that a node receives, in the order of their identifiers. */
@@ -201,6 +203,35 @@ enum {
     AUVID_CAN_POINT_YAW_BACKWARD_0_3 = 33,
     AUVID_CAN_POINT_YAW_BACKWARD_0_6 = 34,
     AUVID_CAN_POINT_YAW_BACKWARD_1_0 = 35
+};
+
+/** Values of `input`. */
+enum {
+    AUVID_CAN_INPUT_CURVE_BACKWARD = 0,
+    AUVID_CAN_INPUT_CURVE_DEAD_BAND = 1,
+    AUVID_CAN_INPUT_CURVE_EXPONENT = 2,
+    AUVID_CAN_INPUT_INFLOW = 3,
+    AUVID_CAN_INPUT_SAG = 4,
+    AUVID_CAN_INPUT_TIMING_LAG = 5,
+    AUVID_CAN_INPUT_CURRENT_NORTH = 6,
+    AUVID_CAN_INPUT_CURRENT_EAST = 7,
+    AUVID_CAN_INPUT_TIMING_DELAY = 8,
+    AUVID_CAN_INPUT_ASYMMETRY = 9,
+    AUVID_CAN_INPUT_MOUNTING_FORCE = 10,
+    AUVID_CAN_INPUT_MOUNTING_CROSS = 11,
+    AUVID_CAN_INPUT_MOUNTING_LIFT = 12,
+    AUVID_CAN_INPUT_MOUNTING_GRAVITY_ASTERN = 13,
+    AUVID_CAN_INPUT_MOUNTING_GRAVITY_PORT = 14
+};
+
+/** Values of `dof`. */
+enum {
+    AUVID_CAN_DOF_SURGE = 0,
+    AUVID_CAN_DOF_SWAY = 1,
+    AUVID_CAN_DOF_HEAVE = 2,
+    AUVID_CAN_DOF_ROLL = 3,
+    AUVID_CAN_DOF_PITCH = 4,
+    AUVID_CAN_DOF_YAW = 5
 };
 
 /** 0x040, on event. Stop exciting and disarm. The sender repeats it until the vehicle is
@@ -556,6 +587,45 @@ enum {
     AUVID_CAN_DRAG_HALF_WIDTH_NO_HALF_WIDTH = 1 << 2
 };
 
+/** 0x413, every 200 ms. What is wrong with the inputs, according to the data of the last
+ * estimate: auvid_causes_t of uncertain.h. Only a node with uncertain inputs sends it. All
+ * zeros: nothing, or no estimate with uncertain inputs yet. */
+typedef struct {
+    /** Bit 0: the inputs are contradicted: far less exact than configured; 1: the thrusters'
+     * forces do not make the wrench; 0..31 */
+    uint32_t flags;
+    /** Number of the estimate, modulo 128; 0: none yet; 0..127 */
+    uint32_t number;
+    /** Number of classes that are certainly wrong and matter. Each has a wrong_input frame;
+     * 0..7 */
+    uint32_t named;
+    /** Bit i: the estimates of parameter i with and without uncertain inputs differ by more
+     * than both half-widths; 0..4294967295 */
+    uint32_t differs;
+} auvid_can_wrong_inputs_t;
+
+/** 0x414, every 200 ms. One class of wrong inputs. The frames cycle through the classes; each
+ * follows a wrong_inputs frame. */
+typedef struct {
+    /** Number of the estimate, modulo 4; 0..3 */
+    uint32_t number;
+    /** Place of the class among those named, the largest share first; 0..6 */
+    uint32_t rank;
+    /** The class, and its most important input; 0..14 */
+    uint32_t input;
+    /** Degree of freedom in which its share is largest; 0..5 */
+    uint32_t dof;
+    /** Rms of its force, relative to the thrust of this degree of freedom; 0..255 % */
+    uint32_t share;
+    /** Size, only rough. Curve_backward: thrust is weaker by this part; curve_dead_band: N;
+     * curve_exponent: above 1; inflow: part per m/s; sag: part in 240 s; timing: s later;
+     * current: m/s; asymmetry: part forward; mounting_force: N or Nm; mounting_cross and
+     * mounting_lift: part of drag; mounting_gravity: m. NaN: not available; float32 */
+    auvid_real_t value;
+} auvid_can_wrong_input_t;
+
+enum { AUVID_CAN_WRONG_INPUT_NO_VALUE = 1 << 5 };
+
 /** Any message. */
 typedef struct {
     auvid_can_kind_t kind; /**< selects the struct below */
@@ -588,6 +658,8 @@ typedef struct {
         auvid_can_heartbeat_t heartbeat;
         auvid_can_drag_t drag;
         auvid_can_drag_half_width_t drag_half_width;
+        auvid_can_wrong_inputs_t wrong_inputs;
+        auvid_can_wrong_input_t wrong_input;
     } as;
 } auvid_can_message_t;
 

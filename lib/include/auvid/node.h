@@ -5,7 +5,7 @@
  *     auvid_node_take     for every received frame, in order of arrival
  *     auvid_node_step     when take returns AUVID_TICK, or at the node's own ticks
  *     auvid_node_work     in the time that is left: the search for parameters
- *     auvid_node_report   navigation, estimates, progress, health, heartbeat
+ *     auvid_node_report   navigation, estimates, wrong inputs, progress, health, heartbeat
  *
  * By default the node is passive: it listens, identifies and reports. It never sends a thruster
  * command. After auvid_node_attach_actuation it obeys arm frames: it arms the guard and excites. It
@@ -99,13 +99,20 @@ typedef struct {
     bool new_attitude, new_rates;   /* this half arrived since the last step: its time is an age */
 } auvid_node_imu_t;
 
-/** The node. Read it freely; only the functions write it. */
+/** What to report next. Private. */
 typedef struct {
+    uint8_t parameter, point, cause; /* point of the drag force; class of causes, by its share */
+} auvid_node_next_t;
+
+/** The node. Read it freely; only the functions write it. */
+typedef struct auvid_node {
     auvid_identifier_t id;
     auvid_node_config_t cfg;
     auvid_allocation_t allocation;
     auvid_status_t (*arm)(auvid_identifier_t *id); /* NULL: passive. A pointer, so that unused code
                                                       is not linked */
+    void (*report_causes)(struct auvid_node *node, auvid_can_frame_t *frame,
+                          int *count); /* NULL: no uncertain inputs */
     auvid_node_counters_t counters;
     auvid_can_sender_t sender;
     auvid_can_receiver_t receiver[AUVID_CAN_NODE_KINDS];
@@ -120,13 +127,12 @@ typedef struct {
     uint32_t reports;    /* calls of report */
     uint32_t events;     /**< AUVID_EVENT_... of the last step */
     uint32_t load;       /* maximum since the last health frame */
-    uint8_t index;       /* parameter to report next */
-    uint8_t point;       /* drag force to report next */
-    bool started;        /* a tick was received or opened */
-    bool feedback;       /* thrust feedback has arrived since the last tick */
-    bool arming;         /* an arm frame is pending: the next step arms */
-    bool commanding;     /* the last step commanded thrust */
-    bool ready;          /* initialised */
+    auvid_node_next_t next;
+    bool started;    /* a tick was received or opened */
+    bool feedback;   /* thrust feedback has arrived since the last tick */
+    bool arming;     /* an arm frame is pending: the next step arms */
+    bool commanding; /* the last step commanded thrust */
+    bool ready;      /* initialised */
 } auvid_node_t;
 
 /** Sets the defaults: passive, default identifiers. NULL is a no-op. */
@@ -156,9 +162,10 @@ auvid_status_t auvid_node_attach_actuation(auvid_node_t *node, auvid_actuation_t
                                            const auvid_actuation_config_t *cfg);
 
 #define auvid_node_attach_uncertain AUVID_SIZED(auvid_node_attach_uncertain)
-/** Attaches uncertain inputs (uncertain.h), with the thrusters of the node. Without them, and
- * without auvid_identifier_config_t.exact_inputs, nothing is reported as identifiable. Call it
- * once, after auvid_node_init and before the first tick. After an error the node is as before.
+/** Attaches uncertain inputs (uncertain.h), with the thrusters of the node. It then reports what is
+ * wrong with them. Without them, and without auvid_identifier_config_t.exact_inputs, nothing is
+ * reported as identifiable. Call it once, after auvid_node_init and before the first tick. After an
+ * error the node is as before.
  * @param storage, cfg see auvid_identifier_attach_uncertain; cfg->fractions is not read
  * @return as auvid_identifier_attach_uncertain. */
 auvid_status_t auvid_node_attach_uncertain(auvid_node_t *node, auvid_uncertain_t *storage,
@@ -200,6 +207,15 @@ auvid_status_t auvid_node_work(auvid_node_t *node, uint32_t budget);
  * @return AUVID_OK; AUVID_ERR_NULL; AUVID_ERR_STATE. */
 auvid_status_t auvid_node_report(auvid_node_t *node, uint32_t load, auvid_can_frame_t *frame,
                                  int *count);
+
+#define auvid_causes_take AUVID_SIZED(auvid_causes_take)
+/** For a receiver of a node's reports: collects the causes, for auvid_causes_sentence. They are
+ * complete after one frame wrong_input of each class.
+ * @param causes all zeros before the first message; written: all but sigma and classes that are not
+ * named; the number of the estimate is that modulo 128
+ * @return AUVID_OK; AUVID_UNUSED (another message, or a frame without value, of another estimate or
+ * whose predecessor is missing: it comes again); AUVID_ERR_NULL. Cost: O(1). */
+auvid_status_t auvid_causes_take(auvid_causes_t *causes, const auvid_can_message_t *message);
 
 #define auvid_node_halt AUVID_SIZED(auvid_node_halt)
 /** Packs a command of zero for every thruster. Send it when the program ends or loses its tick.

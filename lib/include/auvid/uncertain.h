@@ -40,8 +40,8 @@
  * wrench, there is no estimate with uncertain inputs.
  *
  * Regressor path only. Attach it once; a program without it does not contain it. A checkpoint
- * (checkpoint.h) contains its state. Cost: a solution takes 12.4k units of work for Girona500 and
- * 14.3k for an ROV with six thrusters. Memory: sizeof(auvid_uncertain_t), 24 KiB with default
+ * (checkpoint.h) contains its state. Cost: a solution takes 13.0k units of work for Girona500 and
+ * 15.0k for an ROV with six thrusters. Memory: sizeof(auvid_uncertain_t), 24 KiB with default
  * sizes.
  *
  * Sources: Fuller 1987 (errors in variables); Ljung 1999, 7 (prediction error); Schmidt 1966
@@ -116,6 +116,55 @@ typedef struct {
 /** Order of the joint R factor. */
 #define AUVID_UNCERTAIN_JOINT (AUVID_UNCERTAIN_SHARED + AUVID_MAX_PARAMETERS + 1)
 
+/** Classes of causes that motion tells apart. Those of one class look alike. No motion shows the
+ * common scale of the thrust, that of the DVL, or an error of heading: they are never found. */
+typedef enum {
+    AUVID_CAUSE_CURVE,     /**< weaker backward thrust, dead band, another thrust curve */
+    AUVID_CAUSE_INFLOW,    /**< thrust lost with speed, or drag of another law */
+    AUVID_CAUSE_TIMING,    /**< thrust, DVL or attitude late; lag of the propellers */
+    AUVID_CAUSE_MOUNTING,  /**< lever arm or mounting of DVL or IMU; centre of gravity, constant
+                                force, force of sway and yaw together */
+    AUVID_CAUSE_ASYMMETRY, /**< drag that differs forward and backward */
+    AUVID_CAUSE_SAG,       /**< thrust that sags with time, or fouling */
+    AUVID_CAUSE_CURRENT,   /**< current, or the pull of a cable */
+    AUVID_CAUSE_COUNT
+} auvid_cause_class_t;
+
+/** The most important input of a class. */
+typedef struct {
+    auvid_real_t value; /**< estimate. Thrust curve, inflow, sag, current: as in
+                             auvid_uncertain_input_t. Asymmetry: of the drag forward, relative to
+                             the mean. Centre of gravity: astern, or to port [m]. Constant force [N,
+                             Nm]. Sway and yaw together, lift: relative to drag. Timing: delay of
+                             the thrust beyond the nominal lag, or if < 0 before its time stamp [s];
+                             0: in between */
+    auvid_real_t sigma; /**< its standard deviation; 0: this class has no input */
+    auvid_real_t share; /**< rms of its force, relative to the thrust of its equation */
+    uint8_t input;      /**< which one. Private */
+    uint8_t dof;        /**< equation in which its share is largest */
+    bool named; /**< more than AUVID_CAUSE_SIGMAS standard deviations from zero, and its share is at
+                     least AUVID_CAUSE_SHARE. Its size is only rough */
+    uint8_t reserved[sizeof(auvid_real_t) - 3];
+} auvid_cause_t;
+
+/** See named. */
+#define AUVID_CAUSE_SIGMAS AUVID_C(4.0)
+#define AUVID_CAUSE_SHARE AUVID_C(0.04)
+
+/** What is wrong with the inputs. */
+typedef struct {
+    uint32_t number;  /**< of the estimate whose data say so; 0: none yet */
+    uint32_t differs; /**< bit i: the estimates of parameter i with and without uncertain inputs
+                           differ by more than both half-widths */
+    auvid_cause_t cause[AUVID_CAUSE_COUNT]; /**< by auvid_cause_class_t */
+    uint8_t order[AUVID_CAUSE_COUNT];       /**< the named classes, the largest share first */
+    uint8_t named;                          /**< their number */
+    bool contradicted;                      /**< see auvid_uncertain_t; then no class is named */
+    bool thrust_differs;                    /**< likewise: the thrusters' forces (command) do not
+                                                 make the wrench */
+    uint8_t reserved[AUVID_GAP(sizeof(auvid_real_t), AUVID_CAUSE_COUNT + 3)];
+} auvid_causes_t;
+
 /** An equation: its columns are own inputs, shared inputs, parameters, thrust. Private. */
 typedef struct {
     uint32_t of_thrust;            /* bit k: input k is formed from the thrust */
@@ -178,6 +227,7 @@ typedef struct {
     auvid_real_t squares, known;                               /* for the scale of the priors */
     auvid_real_t sag_from; /* where its time is 0, over AUVID_UNCERTAIN_SAG_S */
     auvid_real_t weight;   /* of the squares in the search's cost */
+    auvid_causes_t causes; /* under construction */
     auvid_uncertain_part_t part;
 } auvid_uncertain_solution_t;
 
@@ -203,9 +253,10 @@ typedef struct auvid_uncertain {
     auvid_real_t shared[AUVID_UNCERTAIN_SHARED]; /**< estimates by auvid_uncertain_input_t, valid
                                                       if estimate.number > 0; 0: no column */
     auvid_real_t own[AUVID_UNCERTAIN_OWN];
-    auvid_real_t scale; /**< of all priors, as found, 0.5..2 */
-    bool excited;       /* the rows are of the excitation, not of a passive vehicle */
-    bool contradicted;  /**< it would be above AUVID_UNCERTAIN_CONTRADICTED: no estimate */
+    auvid_real_t scale;    /**< of all priors, as found, 0.5..2 */
+    auvid_causes_t causes; /* read auvid_uncertain_causes */
+    bool excited;          /* the rows are of the excitation, not of a passive vehicle */
+    bool contradicted;     /**< it would be above AUVID_UNCERTAIN_CONTRADICTED: no estimate */
 } auvid_uncertain_t;
 
 #define auvid_uncertain_defaults AUVID_SIZED(auvid_uncertain_defaults)
@@ -227,57 +278,12 @@ auvid_status_t auvid_identifier_attach_uncertain(auvid_identifier_t *id, auvid_u
                                                  const auvid_uncertain_config_t *cfg,
                                                  const auvid_allocation_t *allocation);
 
-/** Classes of causes that motion tells apart. Those of one class look alike. No motion shows the
- * common scale of the thrust, that of the DVL, or an error of heading: they are never found. */
-typedef enum {
-    AUVID_CAUSE_CURVE,     /**< weaker backward thrust, dead band, another thrust curve */
-    AUVID_CAUSE_INFLOW,    /**< thrust lost with speed, or drag of another law */
-    AUVID_CAUSE_TIMING,    /**< thrust, DVL or attitude late; lag of the propellers */
-    AUVID_CAUSE_MOUNTING,  /**< lever arm or mounting of DVL or IMU; centre of gravity, constant
-                                force, force of sway and yaw together */
-    AUVID_CAUSE_ASYMMETRY, /**< drag that differs forward and backward */
-    AUVID_CAUSE_SAG,       /**< thrust that sags with time, or fouling */
-    AUVID_CAUSE_CURRENT,   /**< current, or the pull of a cable */
-    AUVID_CAUSE_COUNT
-} auvid_cause_class_t;
-
-/** The most important input of a class. */
-typedef struct {
-    auvid_real_t value; /**< estimate. Thrust curve, inflow, sag, current: as in
-                             auvid_uncertain_input_t. Asymmetry: of the drag forward, relative to
-                             the mean. Centre of gravity: astern, or to port [m]. Constant force [N,
-                             Nm]. Sway and yaw together, lift: relative to drag. Timing: delay of
-                             the thrust beyond the nominal lag, or if < 0 before its time stamp [s];
-                             0: in between */
-    auvid_real_t sigma; /**< its standard deviation; 0: this class has no input */
-    auvid_real_t share; /**< rms of its force, relative to the thrust of its equation */
-    uint8_t input;      /**< which one. Private */
-    uint8_t dof;        /**< equation in which its share is largest */
-    bool named; /**< more than AUVID_CAUSE_SIGMAS standard deviations from zero, and its share is at
-                     least AUVID_CAUSE_SHARE. Its size is only rough */
-} auvid_cause_t;
-
-/** See named. */
-#define AUVID_CAUSE_SIGMAS AUVID_C(4.0)
-#define AUVID_CAUSE_SHARE AUVID_C(0.04)
-
-/** What is wrong with the inputs. */
-typedef struct {
-    auvid_cause_t cause[AUVID_CAUSE_COUNT]; /**< by auvid_cause_class_t */
-    uint8_t order[AUVID_CAUSE_COUNT];       /**< the named classes, the largest share first */
-    uint8_t named;                          /**< their number */
-    bool contradicted;                      /**< see auvid_uncertain_t; then no class is named */
-    bool thrust_differs;                    /**< likewise: the thrusters' forces (command) do not
-                                                 make the wrench */
-    uint32_t differs; /**< bit i: the estimates of parameter i with and without uncertain inputs
-                           differ by more than both half-widths */
-} auvid_causes_t;
-
 #define auvid_uncertain_causes AUVID_SIZED(auvid_uncertain_causes)
-/** Find what is wrong with the inputs, by the last solution.
+/** Copy what is wrong with the inputs, by the last solution. It stays while the next one is under
+ * way.
  * @param causes written if AUVID_OK
- * @return AUVID_OK; AUVID_PENDING (a solution is under way: ask again after the next estimate);
- * AUVID_ERR_NO_DATA (none yet); AUVID_ERR_NULL. Cost: up to 50k multiplications. */
+ * @return AUVID_OK; AUVID_ERR_NO_DATA (no solution yet, or none since a change of the vehicle);
+ * AUVID_ERR_NULL. Cost: O(1). */
 auvid_status_t auvid_uncertain_causes(const auvid_uncertain_t *u, auvid_causes_t *causes);
 
 #define auvid_causes_sentence AUVID_SIZED(auvid_causes_sentence)

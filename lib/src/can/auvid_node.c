@@ -103,17 +103,6 @@ auvid_status_t auvid_node_attach_actuation(auvid_node_t *node, auvid_actuation_t
     return status;
 }
 
-auvid_status_t auvid_node_attach_uncertain(auvid_node_t *node, auvid_uncertain_t *storage,
-                                           const auvid_uncertain_config_t *cfg)
-{
-    if (node == NULL || cfg == NULL) {
-        return AUVID_ERR_NULL;
-    }
-    auvid_uncertain_config_t of_bus = *cfg;
-    of_bus.fractions = true;
-    return auvid_identifier_attach_uncertain(&node->id, storage, &of_bus, &node->allocation);
-}
-
 /* ---- received frames ---- */
 
 /* Is the age of the sample known? Counts those without. */

@@ -64,8 +64,8 @@ static uint32_t node_parameter_flags(const auvid_node_t *node, int i)
 static void node_report_estimate(auvid_node_t *node, auvid_can_frame_t *frame, int *count)
 {
     const auvid_estimate_t *e = node_estimate(node);
-    int i = node->index;
-    node->index = (uint8_t)((i + 1) % node->id.metric.cfg.vehicle->parameters);
+    int i = node->next.parameter;
+    node->next.parameter = (uint8_t)((i + 1) % node->id.metric.cfg.vehicle->parameters);
     auvid_can_message_t m = {.kind = AUVID_CAN_ESTIMATE};
     m.as.estimate.index = (uint32_t)i;
     m.as.estimate.number = e->number % 128u;
@@ -102,7 +102,7 @@ static auvid_status_t node_drag_at(const auvid_node_t *node, int point, auvid_dr
 static void node_report_drag(auvid_node_t *node, auvid_can_frame_t *frame, int *count)
 {
     auvid_drag_t drag;
-    int point = node->point;
+    int point = node->next.point;
     auvid_status_t status = node_drag_at(node, point, &drag);
     for (int j = 0; status == AUVID_ERR_RANGE && j < AUVID_DOF_COUNT; ++j) {
         point = (point / POINTS + 1) % AUVID_DOF_COUNT * POINTS;
@@ -111,7 +111,7 @@ static void node_report_drag(auvid_node_t *node, auvid_can_frame_t *frame, int *
     if (status < 0) {
         return;
     }
-    node->point = (uint8_t)((point + 1) % (POINTS * AUVID_DOF_COUNT));
+    node->next.point = (uint8_t)((point + 1) % (POINTS * AUVID_DOF_COUNT));
     bool seen = auvid_abs(drag.speed) > AUVID_C(0.0);
     bool known = seen && drag.half_width < AUVID_LARGEST;
     auvid_can_message_t m = {.kind = AUVID_CAN_DRAG};
@@ -205,6 +205,9 @@ auvid_status_t auvid_node_report(auvid_node_t *node, uint32_t load, auvid_can_fr
         node->load = 0;
     } else if (turn % 25u == 9u) {
         node_report_heartbeat(node, frame, count);
+    }
+    if (turn % 10u == 9u && node->report_causes != NULL) {
+        node->report_causes(node, frame, count);
     }
     if (node->cfg.answer) {
         auvid_can_message_t m = {.kind = AUVID_CAN_TICK_DONE};

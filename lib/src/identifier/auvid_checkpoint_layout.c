@@ -109,6 +109,10 @@ const auvid_checkpoint_struct_t auvid_checkpoint_struct[] = {
     ENTIRE(uncertain, ROOT_UNCERTAIN, auvid_uncertain_t, PART_UNCERTAIN),
     STRUCTS(estimate, ROOT_UNCERTAIN, auvid_uncertain_t, estimate, 1, PART_UNCERTAIN),
     STRUCTS(confidence, ROOT_UNCERTAIN, auvid_uncertain_t, estimate.confidence, 1, PART_UNCERTAIN),
+    STRUCTS(cause, ROOT_UNCERTAIN, auvid_uncertain_t, causes.cause, AUVID_CAUSE_COUNT,
+            PART_UNCERTAIN),
+    STRUCTS(cause, ROOT_UNCERTAIN, auvid_uncertain_t, work.causes.cause, AUVID_CAUSE_COUNT,
+            PART_UNCERTAIN),
     ENTIRE(instruments, ROOT_INSTRUMENTS, auvid_instruments_t, PART_INSTRUMENTS),
     STRUCTS(reference, ROOT_INSTRUMENTS, auvid_instruments_t, past, AUVID_INSTRUMENT_PAST,
             PART_INSTRUMENTS),
@@ -138,5 +142,7 @@ NO_GAP(auvid_row_t, late);
 NO_GAP(auvid_line_search_t, reserved);
 NO_GAP(auvid_uncertain_rows_t, difference);
 NO_GAP(auvid_uncertain_part_t, scale);
+NO_GAP(auvid_cause_t, reserved);
+NO_GAP(auvid_causes_t, reserved);
 NO_GAP(auvid_uncertain_solution_t, part);
 NO_GAP(auvid_reference_t, nu);

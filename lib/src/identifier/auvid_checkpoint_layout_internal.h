@@ -110,6 +110,7 @@ enum {
     TABLE_actuation,
     TABLE_row,
     TABLE_uncertain,
+    TABLE_cause,
     TABLE_reference,
     TABLE_instruments,
 };

@@ -4,6 +4,7 @@
  * Conditions between members are in auvid_checkpoint_validate.c.
  */
 #include "auvid_checkpoint_layout_internal.h"
+#include "auvid_uncertain_parts_internal.h"
 #include "../metric/auvid_confidence_notes_internal.h"
 #include "../search/auvid_line_search_directions_internal.h"
 #include "../base/auvid_math_internal.h"
@@ -252,7 +253,7 @@ static const auvid_checkpoint_limit_t checkpoint_limit_uncertain[] = {
     UP_TO(uncertain, recorded.wrench, recorded.difference, AUVID_LARGEST),
     BYTE(uncertain, work.pass, work.pass, 3),
     FLAG(uncertain, work.solving, work.solving),
-    VALUE(uncertain, work.joint, work.sag_from),
+    VALUE(uncertain, work.joint, work.weight),
     BYTE(uncertain, work.part.drag_at, work.part.sag_at, AUVID_UNCERTAIN_ORDER),
     VALUE(uncertain, work.part.factor, work.part.scale),
     VALUE(uncertain, factor, factor),
@@ -260,6 +261,13 @@ static const auvid_checkpoint_limit_t checkpoint_limit_uncertain[] = {
     VALUE(uncertain, pi, own),
     UP_TO(uncertain, scale, scale, 2),
     FLAG(uncertain, excited, contradicted),
+    BYTE(uncertain, causes.order, causes.order, AUVID_CAUSE_COUNT - 1),
+    BYTE(uncertain, causes.named, causes.named, AUVID_CAUSE_COUNT),
+    FLAG(uncertain, causes.contradicted, causes.thrust_differs),
+    VALUE(cause, value, share),
+    BYTE(cause, input, input, INPUTS - 1),
+    BYTE(cause, dof, dof, AUVID_DOF_COUNT - 1),
+    FLAG(cause, named, named),
 };
 
 static const auvid_checkpoint_limit_t checkpoint_limit_instruments[] = {

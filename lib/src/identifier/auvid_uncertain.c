@@ -65,13 +65,20 @@ static bool uncertain_is_ready(const auvid_identifier_t *id)
     return ready;
 }
 
+/* There is no estimate with uncertain inputs. */
+static void uncertain_withdraw(auvid_uncertain_t *u)
+{
+    u->estimate.number = 0;
+    memset(&u->causes, 0, sizeof u->causes);
+}
+
 static bool uncertain_begin(auvid_identifier_t *id)
 {
     bool ready = uncertain_is_ready(id);
     if (ready) {
         auvid_uncertain_begin(uncertain_of(id));
     } else {
-        uncertain_of(id)->estimate.number = 0;
+        uncertain_withdraw(uncertain_of(id));
     }
     return ready;
 }
@@ -88,7 +95,7 @@ static void uncertain_judge(auvid_identifier_t *id, bool changed)
     u->estimate.accepted = u->estimate.number == id->estimate.number;
     if (changed) {
         auvid_uncertain_restart(u);
-        u->estimate.number = 0;
+        uncertain_withdraw(u);
         u->contradicted = false;
     }
 }
@@ -169,13 +176,16 @@ static auvid_status_t uncertain_solve(auvid_identifier_t *id, uint32_t *budget)
 static void uncertain_publish(auvid_identifier_t *id)
 {
     auvid_uncertain_t *u = uncertain_of(id);
-    bool solved = u->work.solving && !u->contradicted && !auvid_uncertain_thrust_differs(u);
-    u->work.solving = false;
-    if (solved) {
-        uncertain_assess(id);
-    } else {
-        u->estimate.number = 0;
+    if (!u->work.solving) { /* withdrawn by uncertain_begin */
+        return;
     }
+    u->work.solving = false;
+    if (u->contradicted || auvid_uncertain_thrust_differs(u)) {
+        u->estimate.number = 0;
+    } else {
+        uncertain_assess(id);
+    }
+    auvid_uncertain_publish_causes(u);
 }
 
 static const auvid_uncertain_functions_t uncertain_table = {

@@ -12,7 +12,7 @@ enum { NO_INPUT = -1 };
 
 typedef auvid_uncertain_t uncertain_t;
 
-static auvid_cause_class_t causes_class(int code)
+auvid_cause_class_t auvid_uncertain_class(int code)
 {
     switch (code) {
     case AUVID_UNCERTAIN_BACKWARD:
@@ -61,18 +61,50 @@ static auvid_real_t causes_unit(const uncertain_t *u, int code, int j)
     return sigma > AUVID_C(0.0) ? u->scale * configured / sigma : AUVID_C(0.0);
 }
 
+/* Standard deviation of the sum of DoF j's own input `own` and of a shared input; negative: none.
+ * With J the joint R factor, and [R_o R_c] the rows of the DoF's own inputs, the variance is
+ *
+ *     1.43 (||g||^2 + ||v||^2),   R_o' g = own,   J' v = shared - R_c' g
+ */
+static auvid_real_t causes_deviation(const uncertain_t *u, int j, int own, int shared)
+{
+    const auvid_uncertain_equation_t *e = &u->equation[j];
+    auvid_real_t g[AUVID_UNCERTAIN_OWN] = {AUVID_C(0.0)}, v[JOINT_ORDER] = {AUVID_C(0.0)};
+    auvid_real_t variance = AUVID_C(0.0);
+    for (int i = own; i >= 0 && i < e->own; ++i) {
+        const auvid_real_t *row = u->work.own_rows[e->own_at + i];
+        g[i] = ((i == own ? AUVID_C(1.0) : AUVID_C(0.0)) - g[i]) / row[i];
+        variance += g[i] * g[i];
+        for (int k = i + 1; k < e->order - 1; ++k) {
+            if (k < e->own) {
+                g[k] += row[k] * g[i];
+            } else {
+                v[auvid_uncertain_joint_column(u, &u->id->metric, j, k)] -= row[k] * g[i];
+            }
+        }
+    }
+    if (shared >= 0) {
+        v[shared] += AUVID_C(1.0);
+    }
+    auvid_qr_solve_transposed(u->work.joint, JOINT_ORDER, JOINT_ORDER - 1, v);
+    for (int k = 0; k < JOINT_ORDER - 1; ++k) {
+        variance += v[k] * v[k];
+    }
+    return auvid_sqrt(AUVID_UNCERTAIN_COVARIANCE * variance);
+}
+
 /* Consider input k of DoF j. */
-static void causes_consider(const uncertain_t *u, auvid_causes_t *causes, int j, int k)
+static void causes_consider(uncertain_t *u, int j, int k)
 {
     const auvid_uncertain_equation_t *e = &u->equation[j];
     int code = u->code[e->column_at + k], shared = k < e->own ? NO_INPUT : code;
-    auvid_cause_class_t class = causes_class(code);
+    auvid_cause_class_t class = auvid_uncertain_class(code);
     auvid_real_t value = code < OWN_INPUTS ? u->shared[code] : u->own[e->own_at + k];
     auvid_real_t margin = AUVID_C(0.0);
     if (class == AUVID_CAUSE_COUNT) {
         return;
     }
-    auvid_cause_t *best = &causes->cause[class];
+    auvid_cause_t *best = &u->work.causes.cause[class];
     if (class == AUVID_CAUSE_TIMING) { /* delay and lag add up */
         shared = u->cfg.lag_s > AUVID_C(0.0) ? AUVID_UNCERTAIN_LAG : NO_INPUT;
         value += k < e->own ? u->shared[AUVID_UNCERTAIN_LAG] : AUVID_C(0.0);
@@ -87,7 +119,7 @@ static void causes_consider(const uncertain_t *u, auvid_causes_t *causes, int j,
     if (best->sigma > AUVID_C(0.0) && !(share > best->share) && (best->named || !large)) {
         return;
     }
-    auvid_real_t sigma = auvid_uncertain_deviation(u, j, k < e->own ? k : NO_INPUT, shared);
+    auvid_real_t sigma = causes_deviation(u, j, k < e->own ? k : NO_INPUT, shared);
     if (!(thrust > AUVID_C(0.0)) || !auvid_is_finite(share * sigma)) {
         return;
     }
@@ -130,36 +162,41 @@ static bool causes_differ(const auvid_estimate_t *one, const auvid_estimate_t *o
            sigma < AUVID_LARGEST && auvid_abs(one->pi[i] - other->pi[i]) > AUVID_HALF_WIDTH * sigma;
 }
 
+void auvid_uncertain_consider(auvid_uncertain_t *u, int j, int k)
+{
+    const auvid_uncertain_equation_t *e = &u->equation[j];
+    bool delayed = e->own > 0 && u->code[e->column_at] == INPUT_DELAY;
+    if (!(delayed && u->code[e->column_at + k] == AUVID_UNCERTAIN_LAG)) {
+        causes_consider(u, j, k);
+    }
+}
+
+void auvid_uncertain_publish_causes(auvid_uncertain_t *u)
+{
+    const auvid_estimate_t *plain = &u->id->estimate;
+    bool differs = auvid_uncertain_thrust_differs(u);
+    memset(&u->causes, 0, sizeof u->causes);
+    if (differs || u->contradicted) {
+        u->causes.thrust_differs = differs;
+        u->causes.contradicted = !differs;
+    } else {
+        u->causes = u->work.causes;
+        causes_sort(&u->causes);
+        for (int i = 0; i < u->id->metric.cfg.vehicle->parameters; ++i) {
+            u->causes.differs |= (uint32_t)causes_differ(&u->estimate, plain, i) << i;
+        }
+    }
+    u->causes.number = plain->number;
+}
+
 auvid_status_t auvid_uncertain_causes(const auvid_uncertain_t *u, auvid_causes_t *causes)
 {
     if (u == NULL || causes == NULL) {
         return AUVID_ERR_NULL;
     }
-    if (u->work.solving) {
-        return AUVID_PENDING;
-    }
-    bool differs = auvid_uncertain_thrust_differs(u);
-    if (u->estimate.number == 0 && !u->contradicted && !differs) {
+    if (u->causes.number == 0) {
         return AUVID_ERR_NO_DATA;
     }
-    memset(causes, 0, sizeof *causes);
-    causes->thrust_differs = differs;
-    causes->contradicted = u->contradicted && !differs;
-    if (u->contradicted || differs) {
-        return AUVID_OK;
-    }
-    for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
-        const auvid_uncertain_equation_t *e = &u->equation[j];
-        bool delayed = e->own > 0 && u->code[e->column_at] == INPUT_DELAY;
-        for (int k = 0; k < e->inputs && auvid_uncertain_has_rows(u, j); ++k) {
-            if (!delayed || u->code[e->column_at + k] != AUVID_UNCERTAIN_LAG) {
-                causes_consider(u, causes, j, k);
-            }
-        }
-    }
-    causes_sort(causes);
-    for (int i = 0; i < u->id->metric.cfg.vehicle->parameters; ++i) {
-        causes->differs |= (uint32_t)causes_differ(&u->estimate, &u->id->estimate, i) << i;
-    }
+    *causes = u->causes;
     return AUVID_OK;
 }

@@ -41,6 +41,7 @@ enum {
     SOLVE_KEEP,
     SOLVE_SIDES,
     SOLVE_SIGMA,
+    SOLVE_CAUSES,
     SOLVE_DONE
 };
 
@@ -123,9 +124,14 @@ void auvid_uncertain_begin_search(auvid_uncertain_t *u);
 /** Evaluate a point. @return has the search ended? Then its result is kept. */
 bool auvid_uncertain_search(auvid_uncertain_t *u);
 
-/** Returns the standard deviation, after a solution, of the sum of DoF j's own input `own` and of a
- * shared input; negative: none. */
-auvid_real_t auvid_uncertain_deviation(const auvid_uncertain_t *u, int j, int own, int shared);
+/** Returns the class of an input; AUVID_CAUSE_COUNT: it has none. */
+auvid_cause_class_t auvid_uncertain_class(int code);
+
+/** Consider input k of DoF j as a cause. */
+void auvid_uncertain_consider(auvid_uncertain_t *u, int j, int k);
+
+/** Publish the causes, after the estimate. */
+void auvid_uncertain_publish_causes(auvid_uncertain_t *u);
 
 /** Does the solution read DoF j's factors in several steps? Then they must not change. */
 bool auvid_uncertain_reads(const auvid_uncertain_t *u, int j);
@@ -133,6 +139,8 @@ bool auvid_uncertain_reads(const auvid_uncertain_t *u, int j);
 /** Fewest rows for a solution; factor of the noise of smoothed rows, see auvid_confidence.c. */
 #define AUVID_UNCERTAIN_LEAST_ROWS AUVID_C(40.0)
 #define AUVID_UNCERTAIN_SMOOTHED AUVID_C(2.6)
+/** Factor of the covariance, see auvid_uncertain_solve.c. */
+#define AUVID_UNCERTAIN_COVARIANCE AUVID_C(1.43)
 
 /** Has DoF j enough rows for a solution? */
 static inline bool auvid_uncertain_has_rows(const auvid_uncertain_t *u, int j)

@@ -38,7 +38,6 @@
 #include "auvid_uncertain_parts_internal.h"
 #include "../metric/auvid_metric_feedback_internal.h"
 
-#define COVARIANCE_FACTOR AUVID_C(1.43)
 #define SIDE_VARIANCE AUVID_C(0.05)
 #define LONGEST_SAG AUVID_C(15.0)  /* an hour, over AUVID_UNCERTAIN_SAG_S */
 #define SEEN_RIGHT AUVID_C(3.0)    /* prior of the scale, as a number of inputs */
@@ -137,39 +136,8 @@ static void uncertain_find_covariance(uncertain_t *u, const auvid_metric_t *m, i
         for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
             sides += u->work.side[j][PARAMETERS_AT + i] * u->work.side[j][PARAMETERS_AT + k];
         }
-        row[k - i] = COVARIANCE_FACTOR * x[PARAMETERS_AT + k] + SIDE_VARIANCE * sides;
+        row[k - i] = AUVID_UNCERTAIN_COVARIANCE * x[PARAMETERS_AT + k] + SIDE_VARIANCE * sides;
     }
-}
-
-/* With J the joint R factor, and [R_o R_c] the rows of the DoF's own inputs, the variance is
- *
- *     1.43 (||g||^2 + ||v||^2),   R_o' g = own,   J' v = shared - R_c' g
- */
-auvid_real_t auvid_uncertain_deviation(const uncertain_t *u, int j, int own, int shared)
-{
-    const auvid_uncertain_equation_t *e = &u->equation[j];
-    auvid_real_t g[AUVID_UNCERTAIN_OWN] = {AUVID_C(0.0)}, v[JOINT_ORDER] = {AUVID_C(0.0)};
-    auvid_real_t variance = AUVID_C(0.0);
-    for (int i = own; i >= 0 && i < e->own; ++i) {
-        const auvid_real_t *row = u->work.own_rows[e->own_at + i];
-        g[i] = ((i == own ? AUVID_C(1.0) : AUVID_C(0.0)) - g[i]) / row[i];
-        variance += g[i] * g[i];
-        for (int k = i + 1; k < e->order - 1; ++k) {
-            if (k < e->own) {
-                g[k] += row[k] * g[i];
-            } else {
-                v[auvid_uncertain_joint_column(u, &u->id->metric, j, k)] -= row[k] * g[i];
-            }
-        }
-    }
-    if (shared >= 0) {
-        v[shared] += AUVID_C(1.0);
-    }
-    auvid_qr_solve_transposed(u->work.joint, JOINT_ORDER, JOINT_ORDER - 1, v);
-    for (int k = 0; k < JOINT_ORDER - 1; ++k) {
-        variance += v[k] * v[k];
-    }
-    return auvid_sqrt(COVARIANCE_FACTOR * variance);
 }
 
 /* ---- the steps ---- */
@@ -223,6 +191,8 @@ static uint32_t uncertain_price(const uncertain_t *u)
     case SOLVE_SIDES:
     case SOLVE_SIGMA:
         return joint / 18u;
+    case SOLVE_CAUSES:
+        return joint / 70u;
     case SOLVE_TRANSFER:
         return joint / 40u;
     default:
@@ -247,6 +217,8 @@ static int uncertain_steps(const uncertain_t *u, const auvid_metric_t *m, int ph
         return AUVID_UNCERTAIN_SHARED;
     case SOLVE_SIDES:
         return AUVID_DOF_COUNT;
+    case SOLVE_CAUSES:
+        return e->inputs;
     case SOLVE_LEFT:
     case SOLVE_SIGMA:
         return m->cfg.vehicle->parameters;
@@ -258,7 +230,8 @@ static int uncertain_steps(const uncertain_t *u, const auvid_metric_t *m, int ph
 bool auvid_uncertain_is_step(const auvid_uncertain_t *u, const auvid_metric_t *m, int phase, int j,
                              int i, bool projected)
 {
-    bool right = phase <= SOLVE_TRANSFER ? j < AUVID_DOF_COUNT : j == AUVID_DOF_COUNT;
+    bool one = phase <= SOLVE_TRANSFER || phase == SOLVE_CAUSES;
+    bool right = one ? j < AUVID_DOF_COUNT : j == AUVID_DOF_COUNT;
     return phase < SOLVE_DONE && right && i < uncertain_steps(u, m, phase, j, projected);
 }
 
@@ -313,8 +286,11 @@ static bool uncertain_step(uncertain_t *u, const auvid_metric_t *m)
     case SOLVE_SIDES:
         uncertain_solve_side(u, i);
         break;
-    default:
+    case SOLVE_SIGMA:
         uncertain_find_covariance(u, m, i);
+        break;
+    default:
+        auvid_uncertain_consider(u, j, i);
         break;
     }
     return false;
@@ -332,6 +308,9 @@ static void uncertain_next_phase(uncertain_t *u)
         auvid_clear(w->joint, sizeof w->joint / sizeof w->joint[0]);
         w->dof = uncertain_next_dof(u, 0);
         w->phase = SOLVE_PREPARE;
+    } else if (w->phase >= SOLVE_SIGMA) {
+        w->dof = uncertain_next_dof(u, w->phase == SOLVE_SIGMA ? 0 : w->dof + 1);
+        w->phase = w->dof < AUVID_DOF_COUNT ? SOLVE_CAUSES : SOLVE_DONE;
     } else {
         ++w->phase;
     }

@@ -921,7 +921,7 @@ static void test_each_flag_of_an_estimate_is_one_bit(void)
         uint32_t only = 1u << i;
         uint8_t dof = (uint8_t)(1u << auvid_girona500.parameter[i].dof);
         begin();
-        node.index = (uint8_t)i;
+        node.next.parameter = (uint8_t)i;
         e->identified = bit == 0 ? only : ~only;
         e->excited = (uint8_t)(bit == 1 ? dof : ~dof);
         e->not_converged = bit == 2;

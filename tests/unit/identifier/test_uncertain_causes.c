@@ -7,6 +7,7 @@
 
 #include "auvid/uncertain.h"
 #include "field_run.h"
+#include "identifier/auvid_identifier_internal.h"
 #include "unity.h"
 
 static field_run_t run;
@@ -108,6 +109,25 @@ static void test_estimates_that_differ_are_listed(void)
     }
 }
 
+static void test_causes_stay_while_the_next_solution_is_under_way(void)
+{
+    identify(FIELD_GIRONA500, "thrust_backward", 0.1);
+    TEST_ASSERT_EQUAL_UINT32(run.id.estimate.number, causes.number);
+    unchanged = causes;
+    memset(&run.uncertain.work, 0, sizeof run.uncertain.work);
+    run.uncertain.work.solving = true;
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_uncertain_causes(&run.uncertain, &causes));
+    TEST_ASSERT_EQUAL_MEMORY(&unchanged, &causes, sizeof causes);
+}
+
+static void test_after_a_change_of_the_vehicle_there_are_none(void)
+{
+    identify(FIELD_GIRONA500, "thrust_backward", 0.1);
+    identifier_judge_uncertain(&run.id, true);
+    TEST_ASSERT_EQUAL(AUVID_ERR_NO_DATA, auvid_uncertain_causes(&run.uncertain, &causes));
+    TEST_ASSERT_EQUAL_UINT32(0, run.uncertain.causes.named); /* what a node reports */
+}
+
 /* ---- words ---- */
 
 static void expect(const char *words, unsigned which)
@@ -165,10 +185,7 @@ static void test_refusals_change_nothing(void)
     unchanged = causes;
     TEST_ASSERT_EQUAL(AUVID_ERR_NULL, auvid_uncertain_causes(NULL, &causes));
     TEST_ASSERT_EQUAL(AUVID_ERR_NULL, auvid_uncertain_causes(&run.uncertain, NULL));
-    run.uncertain.work.solving = true;
-    TEST_ASSERT_EQUAL(AUVID_PENDING, auvid_uncertain_causes(&run.uncertain, &causes));
-    run.uncertain.work.solving = false;
-    run.uncertain.estimate.number = 0;
+    run.uncertain.causes.number = 0;
     TEST_ASSERT_EQUAL(AUVID_ERR_NO_DATA, auvid_uncertain_causes(&run.uncertain, &causes));
     TEST_ASSERT_EQUAL_MEMORY(&unchanged, &causes, sizeof causes);
     TEST_ASSERT_EQUAL(AUVID_ERR_NULL,
@@ -188,6 +205,8 @@ int main(void)
     RUN_TEST(test_nothing_is_named_in_a_perfect_world);
     RUN_TEST(test_the_scale_of_the_thrust_is_never_named);
     RUN_TEST(test_estimates_that_differ_are_listed);
+    RUN_TEST(test_causes_stay_while_the_next_solution_is_under_way);
+    RUN_TEST(test_after_a_change_of_the_vehicle_there_are_none);
     RUN_TEST(test_sentences_give_size_and_remedy);
     RUN_TEST(test_every_named_input_has_a_sentence);
     RUN_TEST(test_refusals_change_nothing);

@@ -1,0 +1,102 @@
+/*
+ * The node: uncertain inputs, and what is wrong with them.
+ */
+#include <string.h>
+
+#include "../identifier/auvid_uncertain_parts_internal.h"
+#include "auvid_node_step_internal.h"
+
+/* Inputs in the DBC: those of auvid_uncertain_input_t without the gains, which have no class, then
+ * those that belong to one DoF. */
+_Static_assert((int)AUVID_UNCERTAIN_GAIN == AUVID_CAN_INPUT_TIMING_DELAY, "wrong_input.input");
+_Static_assert((int)INPUT_PITCH - AUVID_MAX_THRUSTERS == AUVID_CAN_INPUT_MOUNTING_GRAVITY_PORT,
+               "wrong_input.input");
+_Static_assert(AUVID_CAUSE_COUNT == 7, "wrong_inputs.named, wrong_input.rank");
+_Static_assert((int)AUVID_YAW == AUVID_CAN_DOF_YAW, "wrong_input.dof");
+
+/* Bits of wrong_inputs.flags. */
+enum { CAUSES_CONTRADICTED = 1, CAUSES_THRUST_DIFFERS = 2 };
+
+/* Each call reports the next class. */
+static void node_report_causes(auvid_node_t *node, auvid_can_frame_t *frame, int *count)
+{
+    const auvid_causes_t *causes = &node->id.attached.uncertain->causes;
+    auvid_can_message_t m = {.kind = AUVID_CAN_WRONG_INPUTS};
+    m.as.wrong_inputs.flags = (causes->contradicted ? CAUSES_CONTRADICTED : 0u) |
+                              (causes->thrust_differs ? CAUSES_THRUST_DIFFERS : 0u);
+    m.as.wrong_inputs.number = causes->number % 128u;
+    m.as.wrong_inputs.named = causes->named;
+    m.as.wrong_inputs.differs = causes->differs;
+    auvid_node_send(node, &m, frame, count);
+    if (causes->named == 0) {
+        return;
+    }
+    uint32_t rank = node->next.cause % causes->named;
+    const auvid_cause_t *cause = &causes->cause[causes->order[rank]];
+    uint32_t thrusters = cause->input < OWN_INPUTS ? 0 : AUVID_MAX_THRUSTERS;
+    node->next.cause = (uint8_t)(rank + 1);
+    m = (auvid_can_message_t){.kind = AUVID_CAN_WRONG_INPUT};
+    m.as.wrong_input.number = causes->number % 4u;
+    m.as.wrong_input.rank = rank;
+    m.as.wrong_input.input = cause->input - thrusters;
+    m.as.wrong_input.dof = cause->dof;
+    m.as.wrong_input.share =
+        (uint32_t)(auvid_min(AUVID_C(100.0) * cause->share, AUVID_C(255.0)) + AUVID_C(0.5));
+    m.as.wrong_input.value = cause->value;
+    auvid_node_send(node, &m, frame, count);
+}
+
+auvid_status_t auvid_node_attach_uncertain(auvid_node_t *node, auvid_uncertain_t *storage,
+                                           const auvid_uncertain_config_t *cfg)
+{
+    if (node == NULL || cfg == NULL) {
+        return AUVID_ERR_NULL;
+    }
+    auvid_uncertain_config_t of_bus = *cfg;
+    of_bus.fractions = true;
+    auvid_status_t status =
+        auvid_identifier_attach_uncertain(&node->id, storage, &of_bus, &node->allocation);
+    if (status == AUVID_OK) {
+        node->report_causes = node_report_causes;
+    }
+    return status;
+}
+
+static auvid_status_t causes_take_all(auvid_causes_t *causes, const auvid_can_wrong_inputs_t *m)
+{
+    if (causes->number != m->number) {
+        memset(causes, 0, sizeof *causes);
+    }
+    causes->number = m->number;
+    causes->contradicted = (m->flags & CAUSES_CONTRADICTED) != 0;
+    causes->thrust_differs = (m->flags & CAUSES_THRUST_DIFFERS) != 0;
+    causes->differs = m->differs;
+    causes->named = causes->named < m->named ? causes->named : (uint8_t)m->named;
+    return AUVID_OK;
+}
+
+auvid_status_t auvid_causes_take(auvid_causes_t *causes, const auvid_can_message_t *message)
+{
+    if (causes == NULL || message == NULL) {
+        return AUVID_ERR_NULL;
+    }
+    if (message->kind == AUVID_CAN_WRONG_INPUTS) {
+        return causes_take_all(causes, &message->as.wrong_inputs);
+    }
+    const auvid_can_wrong_input_t *m = &message->as.wrong_input;
+    if (message->kind != AUVID_CAN_WRONG_INPUT || message->absent != 0 ||
+        m->number != causes->number % 4u || m->rank > causes->named ||
+        m->rank >= AUVID_CAUSE_COUNT) {
+        return AUVID_UNUSED;
+    }
+    uint32_t code = m->input + (m->input < AUVID_UNCERTAIN_GAIN ? 0u : AUVID_MAX_THRUSTERS);
+    auvid_cause_class_t class = auvid_uncertain_class((int)code);
+    causes->order[m->rank] = (uint8_t) class;
+    causes->named = (uint8_t)(causes->named + (m->rank == causes->named));
+    causes->cause[class] = (auvid_cause_t){.value = m->value,
+                                           .share = AUVID_C(0.01) * (auvid_real_t)m->share,
+                                           .input = (uint8_t)code,
+                                           .dof = (uint8_t)m->dof,
+                                           .named = true};
+    return AUVID_OK;
+}
