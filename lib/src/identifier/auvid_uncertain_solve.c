@@ -111,6 +111,7 @@ static void uncertain_scale(uncertain_t *u, const auvid_metric_t *m, int k)
     if (k == AUVID_UNCERTAIN_SHARED - 1) {
         auvid_real_t scale = auvid_sqrt((SEEN_RIGHT + w->squares) / (SEEN_RIGHT + w->known));
         u->contradicted = !(scale <= AUVID_UNCERTAIN_CONTRADICTED);
+        scale = u->contradicted ? LARGEST_SCALE : scale; /* it may be NaN */
         u->scale = auvid_clamp(scale, AUVID_C(1.0) / LARGEST_SCALE, LARGEST_SCALE);
         w->squares = w->known = AUVID_C(0.0);
     }

@@ -231,7 +231,7 @@ static void check_split_run(world_t of, uint32_t ticks)
 /* Three passes of all phases up to the scale of the priors; the others after the last. */
 enum { IN_PASS = SOLVE_SCALE + 1, AFTER = SOLVE_DONE + 1 - IN_PASS };
 static const uint64_t all_steps =
-    (((uint64_t)1 << IN_PASS) - 1) * (1 | 1 << PHASES | 1 << 2 * PHASES) |
+    (((uint64_t)1 << IN_PASS) - 1) * (1 | (uint64_t)1 << PHASES | (uint64_t)1 << 2 * PHASES) |
     (((uint64_t)1 << AFTER) - 1) << (IN_PASS + 3 * PHASES);
 
 static void test_a_split_run_ends_as_a_whole_one_excited(void)
