@@ -50,7 +50,12 @@
 #define EVALUATIONS(table, member) COUNT(table, uint32_t, member, member, 1 << 30)
 #define DELAY(table, first, last) RANGE(table, first, last, AUVID_C(-2.01), AUVID_C(6.01))
 
-enum { ALL_DOF = (1 << AUVID_DOF_COUNT) - 1, MAX_ROWS = 60000 /* of all sets */ };
+enum {
+    ALL_DOF = (1 << AUVID_DOF_COUNT) - 1,
+    MAX_ROWS = 60000 /* of all sets */,
+    MAX_OVERLAP = AUVID_MAX_OVERLAP,
+    MAX_ORDER = AUVID_UNCERTAIN_ORDER
+};
 
 const auvid_checkpoint_limit_t auvid_checkpoint_limit[] = {
     LENGTH(nav_velocity_sample, velocity, velocity),
@@ -245,7 +250,7 @@ static const auvid_checkpoint_limit_t checkpoint_limit_uncertain[] = {
     COUNT(uncertain, uint16_t, recorded.pending, recorded.pending,
           (1 << AUVID_METRIC_BANDS * AUVID_DOF_COUNT) - 1),
     BYTE(uncertain, recorded.successive, recorded.successive, AUVID_METRIC_LAGS),
-    BYTE(uncertain, recorded.begun_before, recorded.begun_before, AUVID_MAX_OVERLAP),
+    BYTE(uncertain, recorded.begun_before, recorded.begun_before, MAX_OVERLAP),
     FLAG(uncertain, recorded.takes_rows, recorded.takes_rows),
     VALUE(uncertain, recorded.previous, recorded.band),
     VALUE(uncertain, recorded.speed, recorded.lagged),
@@ -254,7 +259,7 @@ static const auvid_checkpoint_limit_t checkpoint_limit_uncertain[] = {
     BYTE(uncertain, work.pass, work.pass, 3),
     FLAG(uncertain, work.solving, work.solving),
     VALUE(uncertain, work.joint, work.weight),
-    BYTE(uncertain, work.part.drag_at, work.part.sag_at, AUVID_UNCERTAIN_ORDER),
+    BYTE(uncertain, work.part.drag_at, work.part.sag_at, MAX_ORDER),
     VALUE(uncertain, work.part.factor, work.part.scale),
     VALUE(uncertain, factor, factor),
     UP_TO(uncertain, rows, rows, AUVID_C(1e9)),
