@@ -120,6 +120,7 @@ typedef struct {
     uint8_t own_at;                /* its own inputs */
     uint8_t own, inputs;           /* number of own inputs; of own and shared ones */
     uint8_t order;                 /* all columns; 0: not modelled */
+    uint32_t of_thrust;            /* bit k: input k is formed from the thrust, else from motion */
 } auvid_uncertain_equation_t;
 
 /** Rows under construction, and those being rotated into the R factors. Private. */

@@ -12,30 +12,6 @@ enum { NO_INPUT = -1 };
 
 typedef auvid_uncertain_t uncertain_t;
 
-static auvid_cause_class_t causes_class(int code)
-{
-    switch (code) {
-    case AUVID_UNCERTAIN_BACKWARD:
-    case AUVID_UNCERTAIN_DEAD_BAND:
-    case AUVID_UNCERTAIN_CURVE:
-        return AUVID_CAUSE_CURVE;
-    case AUVID_UNCERTAIN_INFLOW:
-        return AUVID_CAUSE_INFLOW;
-    case AUVID_UNCERTAIN_SAG:
-        return AUVID_CAUSE_SAG;
-    case AUVID_UNCERTAIN_LAG:
-    case INPUT_DELAY:
-        return AUVID_CAUSE_TIMING;
-    case AUVID_UNCERTAIN_CURRENT_X:
-    case AUVID_UNCERTAIN_CURRENT_Y:
-        return AUVID_CAUSE_CURRENT;
-    case INPUT_ASYMMETRY:
-        return AUVID_CAUSE_ASYMMETRY;
-    default: /* gains have no class */
-        return code < OWN_INPUTS ? AUVID_CAUSE_COUNT : AUVID_CAUSE_MOUNTING;
-    }
-}
-
 /* Norm of column k of DoF j, over all rows. */
 static auvid_real_t causes_norm(const uncertain_t *u, int j, int k)
 {
@@ -45,20 +21,15 @@ static auvid_real_t causes_norm(const uncertain_t *u, int j, int k)
     return auvid_sqrt(low * low + high * high);
 }
 
-/* A DoF's own input in the unit of its configuration, per unit of its column. */
+/* The unit of an input's value: that of its configuration, per unit of its column. */
 static auvid_real_t causes_unit(const uncertain_t *u, int code, int j)
 {
-    const auvid_uncertain_config_t *cfg = &u->cfg;
     auvid_real_t sigma = auvid_uncertain_sigma(u, &u->id->metric, code, j);
-    auvid_real_t configured = cfg->gravity_m;
-    if (code == INPUT_ASYMMETRY) {
-        configured = cfg->asymmetry;
-    } else if (code == INPUT_CROSS || code == INPUT_LIFT) {
-        configured = cfg->cross;
-    } else if (code == INPUT_FORCE || code == INPUT_DELAY) {
+    if (!auvid_uncertain_row(code)->relative) {
         return AUVID_C(1.0);
     }
-    return sigma > AUVID_C(0.0) ? u->scale * configured / sigma : AUVID_C(0.0);
+    return sigma > AUVID_C(0.0) ? u->scale * auvid_uncertain_configured(u, code) / sigma
+                                : AUVID_C(0.0);
 }
 
 /* Consider input k of DoF j. */
@@ -66,7 +37,7 @@ static void causes_consider(const uncertain_t *u, auvid_causes_t *causes, int j,
 {
     const auvid_uncertain_equation_t *e = &u->equation[j];
     int code = u->code[e->column_at + k], shared = k < e->own ? NO_INPUT : code;
-    auvid_cause_class_t class = causes_class(code);
+    auvid_cause_class_t class = auvid_uncertain_row(code)->class;
     auvid_real_t value = code < OWN_INPUTS ? u->shared[code] : u->own[e->own_at + k];
     auvid_real_t margin = AUVID_C(0.0);
     if (class == AUVID_CAUSE_COUNT) {
@@ -96,7 +67,7 @@ static void causes_consider(const uncertain_t *u, auvid_causes_t *causes, int j,
         (named == best->named && !(share > best->share) && best->sigma > AUVID_C(0.0))) {
         return;
     }
-    auvid_real_t unit = k < e->own ? causes_unit(u, code, j) : AUVID_C(1.0);
+    auvid_real_t unit = causes_unit(u, code, j);
     *best = (auvid_cause_t){.value = unit * value,
                             .sigma = unit * sigma,
                             .share = share,

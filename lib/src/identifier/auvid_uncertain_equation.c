@@ -92,7 +92,7 @@ static void uncertain_prepare_values(uncertain_t *u, const auvid_metric_t *m, in
             p->sag_at = (uint8_t)k;
             p->residual[e->order - 1] += u->work.sag_from * p->value[k];
         }
-        if (!auvid_uncertain_of_hull(u->code[e->column_at + k])) {
+        if (auvid_uncertain_row(u->code[e->column_at + k])->from != INPUT_FROM_HULL) {
             continue;
         }
         uncertain_project(u, j, k);
@@ -164,7 +164,7 @@ static void uncertain_prepare_slopes(uncertain_t *u, const auvid_metric_t *m, in
             share = lambda;
             side = mass > AUVID_C(0.0) ? a[index[k - e->inputs]] / mass : AUVID_C(0.0);
             p->slope[k] = share * side;
-        } else if (auvid_uncertain_of_thrust(u->code[e->column_at + k])) {
+        } else if ((e->of_thrust >> k & 1u) != 0) {
             side = zz > AUVID_C(0.0) ? uncertain_product(u, j, k, e->order - 1, weight) / zz
                                      : AUVID_C(0.0);
             side -= k == p->sag_at ? u->work.sag_from : AUVID_C(0.0);

@@ -80,9 +80,9 @@ static void uncertain_accumulate(void *context, uint32_t slot, bool begins,
         const auvid_uncertain_equation_t *e = &u->equation[j];
         int at = e->column_at, last = at + e->order - 1;
         auvid_real_t by_motion = motion[j >= AUVID_ROLL], by_thrust = thrust[j >= AUVID_ROLL];
-        for (int k = at; k < at + e->inputs; ++k) {
-            row[k] += (auvid_uncertain_of_thrust(u->code[k]) ? by_thrust : by_motion) *
-                      u->recorded.channel[k];
+        for (int k = 0; k < e->inputs; ++k) {
+            row[at + k] += ((e->of_thrust >> k & 1u) != 0 ? by_thrust : by_motion) *
+                           u->recorded.channel[at + k];
         }
         if (e->order > 0) {
             row[last] += by_thrust * u->recorded.channel[last];
