@@ -40,7 +40,8 @@
  *
  * Regressor path only. Attach it once; a program without it does not contain it. It is not saved in
  * a checkpoint. Cost: a solution takes 12.4k units of work for Girona500 and 14.3k for an ROV with
- * six thrusters. Memory: sizeof(auvid_uncertain_t), 24 KiB with default sizes.
+ * six thrusters. Memory: sizeof(auvid_uncertain_t), 22 KiB with default sizes;
+ * AUVID_MAX_UNCERTAIN chooses for how many columns.
  *
  * Sources: Fuller 1987 (errors in variables); Ljung 1999, 7 (prediction error); Schmidt 1966
  * (considered parameters). None of it is in the paper.
@@ -100,36 +101,49 @@ typedef struct {
 /** Time in which thrust sags by auvid_uncertain_config_t.sag [s]. */
 #define AUVID_UNCERTAIN_SAG_S AUVID_C(240.0)
 
-/** Columns of all equations together; numbers of their R factors; most in one equation. */
-#if AUVID_MAX_PARAMETERS >= 22 /* six degrees of freedom */
-#define AUVID_UNCERTAIN_COLUMNS (2 * AUVID_MAX_PARAMETERS + 2 * AUVID_MAX_THRUSTERS + 65)
-#define AUVID_UNCERTAIN_FACTOR (AUVID_UNCERTAIN_COLUMNS * AUVID_UNCERTAIN_COLUMNS / 11)
-#define AUVID_UNCERTAIN_OWN 24 /**< inputs that belong to one DoF, of all DoF together */
+/** Columns of all equations together; numbers of their R factors. Beside the inputs there is room
+ * for Girona500's 27 columns of parameters and thrust, or the 47 of a BlueROV2 Heavy. A constant
+ * force among the parameters takes the place of that input. */
+#if AUVID_MAX_UNCERTAIN == 0 /* nothing is attached */
+#define AUVID_UNCERTAIN_COLUMNS 1
+#define AUVID_UNCERTAIN_FACTOR 1
+#define AUVID_UNCERTAIN_ORDER 1
+#elif AUVID_MAX_PARAMETERS >= 22
+#define AUVID_UNCERTAIN_COLUMNS (AUVID_MAX_UNCERTAIN + 47)
+#define AUVID_UNCERTAIN_FACTOR (AUVID_UNCERTAIN_COLUMNS * (AUVID_UNCERTAIN_COLUMNS + 6) / 12 + 56)
 #else
-#define AUVID_UNCERTAIN_COLUMNS (2 * AUVID_MAX_PARAMETERS + 2 * AUVID_MAX_THRUSTERS + 45)
-#define AUVID_UNCERTAIN_FACTOR (AUVID_UNCERTAIN_COLUMNS * AUVID_UNCERTAIN_COLUMNS / 8)
-#define AUVID_UNCERTAIN_OWN 20
+#define AUVID_UNCERTAIN_COLUMNS (AUVID_MAX_UNCERTAIN + 27)
+#define AUVID_UNCERTAIN_FACTOR (AUVID_UNCERTAIN_COLUMNS * (AUVID_UNCERTAIN_COLUMNS + 4) / 8 + 8)
 #endif
+/** Most columns in one equation. */
+#ifndef AUVID_UNCERTAIN_ORDER
 #define AUVID_UNCERTAIN_ORDER (AUVID_MAX_THRUSTERS + AUVID_MAX_PARAMETERS / 2 + 15)
+#endif
+/** Inputs, and the thrust of each equation. */
+#define AUVID_UNCERTAIN_CHANNELS (AUVID_MAX_UNCERTAIN + 6)
+/** Inputs that belong to one DoF, of all DoF together; their rows. */
+#define AUVID_UNCERTAIN_OWN 24
+#define AUVID_UNCERTAIN_OWN_ROWS (5 * AUVID_UNCERTAIN_COLUMNS)
 /** Order of the joint R factor. */
 #define AUVID_UNCERTAIN_JOINT (AUVID_UNCERTAIN_SHARED + AUVID_MAX_PARAMETERS + 1)
 
 /** An equation: its columns are own inputs, shared inputs, parameters, thrust. Private. */
 typedef struct {
-    uint16_t factor_at, column_at; /* its R factors; its columns */
-    uint8_t own_at;                /* its own inputs */
-    uint8_t own, inputs;           /* number of own inputs; of own and shared ones */
-    uint8_t order;                 /* all columns; 0: not modelled */
-    uint32_t of_thrust;            /* bit k: input k is formed from the thrust, else from motion */
+    uint16_t factor_at, row_at, channel_at; /* its R factors; a row; inputs and thrust */
+    uint16_t own_rows_at;                   /* rows of its own inputs in the solution */
+    uint8_t own_at;                         /* its own inputs */
+    uint8_t own, inputs;                    /* number of own inputs; of own and shared ones */
+    uint8_t order;                          /* all columns; 0: not modelled */
+    uint32_t of_thrust; /* bit k: input k is formed from the thrust, else from motion */
 } auvid_uncertain_equation_t;
 
 /** Rows under construction, and those being rotated into the R factors. Private. */
 typedef struct {
-    auvid_real_t accumulator[AUVID_MAX_OVERLAP][AUVID_UNCERTAIN_COLUMNS];
+    auvid_real_t accumulator[AUVID_MAX_OVERLAP][AUVID_UNCERTAIN_CHANNELS];
     auvid_real_t previous[AUVID_METRIC_LAGS][AUVID_UNCERTAIN_COLUMNS];
     auvid_real_t band[AUVID_METRIC_BANDS][AUVID_UNCERTAIN_COLUMNS];
-    auvid_real_t channel[AUVID_UNCERTAIN_COLUMNS]; /* of the last cell */
-    auvid_real_t speed[AUVID_MAX_THRUSTERS];       /* sqrt of force, behind the nominal lag */
+    auvid_real_t channel[AUVID_UNCERTAIN_CHANNELS]; /* of the last cell */
+    auvid_real_t speed[AUVID_MAX_THRUSTERS];        /* sqrt of force, behind the nominal lag */
     auvid_real_t lagged[AUVID_MAX_THRUSTERS];      /* behind it twice */
     uint64_t begin_us;                             /* of the first cell; 0: none */
     auvid_real_t elapsed;                          /* since then, over AUVID_UNCERTAIN_SAG_S */
@@ -162,7 +176,7 @@ typedef struct {
 /** The solution under way. Private. */
 typedef struct {
     auvid_real_t joint[AUVID_UNCERTAIN_JOINT * (AUVID_UNCERTAIN_JOINT + 1) / 2];
-    auvid_real_t own_rows[AUVID_UNCERTAIN_OWN][AUVID_UNCERTAIN_ORDER];
+    auvid_real_t own_rows[AUVID_UNCERTAIN_OWN_ROWS];
     auvid_real_t side[AUVID_DOF_COUNT][AUVID_UNCERTAIN_JOINT]; /* see auvid_uncertain_solve.c */
     auvid_uncertain_part_t part;
     auvid_real_t squares, known; /* for the scale of the priors */
@@ -181,7 +195,7 @@ typedef struct auvid_uncertain {
     struct auvid_instruments *instruments;                                  /* NULL: none */
     uint32_t (*strong)(struct auvid_uncertain *u, const auvid_metric_t *m); /* of these */
     auvid_uncertain_equation_t equation[AUVID_DOF_COUNT];
-    uint8_t code[AUVID_UNCERTAIN_COLUMNS]; /* what each column is */
+    uint8_t code[AUVID_UNCERTAIN_CHANNELS]; /* what each input is */
     auvid_real_t factor[AUVID_METRIC_BANDS][AUVID_UNCERTAIN_FACTOR];
     auvid_real_t rows[AUVID_DOF_COUNT]; /* in the R factors */
     bool excited;                       /* they are of the excitation, not of a passive vehicle */
@@ -208,8 +222,8 @@ void auvid_uncertain_defaults(auvid_uncertain_config_t *cfg);
  * @param allocation the thrusters; must outlive the identifier
  * @return AUVID_OK; AUVID_ERR_NULL; AUVID_ERR_STATE (not initialised); AUVID_ERR_ATTACHED (some are
  * attached already); AUVID_ERR_STARTED (it has stepped, or recorded a wrench); AUVID_ERR_MODEL (not
- * a model of the regressor path); AUVID_ERR_SIZE (more columns than there is room for; no
- * thruster; AUVID_MAX_COMMANDS < AUVID_MAX_THRUSTERS);
+ * a model of the regressor path); AUVID_ERR_SIZE (more columns than there is room for, see
+ * AUVID_MAX_UNCERTAIN; no thruster; AUVID_MAX_COMMANDS < AUVID_MAX_THRUSTERS);
  * AUVID_ERR_NOT_FINITE; AUVID_ERR_RANGE. After an error nothing has changed. */
 auvid_status_t auvid_identifier_attach_uncertain(auvid_identifier_t *id, auvid_uncertain_t *storage,
                                                  const auvid_uncertain_config_t *cfg,
@@ -289,7 +303,11 @@ auvid_status_t auvid_causes_sentence(const auvid_causes_t *causes, const auvid_v
 #define AUVID_INSTRUMENT_COLUMNS (6 * AUVID_MAX_PARAMETERS + 8)
 #define AUVID_INSTRUMENT_ORDER (AUVID_INSTRUMENT_LAGS * 6 + 1)
 /** Numbers of the projected rows. */
+#if AUVID_MAX_PARAMETERS < 18 /* four lags */
+#define AUVID_INSTRUMENT_FACTOR (25 * AUVID_UNCERTAIN_FACTOR / 8)
+#else
 #define AUVID_INSTRUMENT_FACTOR (4 * AUVID_UNCERTAIN_FACTOR)
+#endif
 /** References that wait for the cell of their time. */
 #define AUVID_INSTRUMENT_PAST 32
 
@@ -306,7 +324,6 @@ typedef struct {
     uint8_t count;      /* their number; 0: none */
     bool waits;         /* a row is to be rotated in */
     auvid_real_t rows;  /* in the factor */
-    auvid_real_t wide[AUVID_UNCERTAIN_ORDER + AUVID_INSTRUMENT_ORDER]; /* that row */
 } auvid_instrument_t;
 
 /**
@@ -347,7 +364,7 @@ typedef struct {
  *
  * Regressor path only. A program without it does not contain it. It is not saved in a checkpoint.
  * Cost, Girona500: 5 calls of the regressor and 1.2k multiplications in each cell, and 16k for each
- * row, half of them at most in one cell. Memory: sizeof(auvid_instruments_t), 25 KiB with default
+ * row, half of them at most in one cell. Memory: sizeof(auvid_instruments_t), 20 KiB with default
  * sizes.
  *
  * Sources: Soederstroem and Stoica 1989, 8; Ljung 1999, 7.6 and 13.5; Shea 1997 (strength), Staiger
@@ -366,6 +383,7 @@ typedef struct auvid_instruments {
     auvid_real_t channel[AUVID_INSTRUMENT_COLUMNS]; /* of the last cell */
     auvid_real_t accumulator[AUVID_MAX_OVERLAP][AUVID_INSTRUMENT_COLUMNS];
     auvid_real_t factor[AUVID_INSTRUMENT_FACTOR];
+    auvid_real_t wide[AUVID_INSTRUMENT_COLUMNS + AUVID_UNCERTAIN_COLUMNS]; /* rows that wait */
     uint32_t strong; /**< bit i: parameter i was strong at the last solution */
     uint8_t lags;    /* in use */
 } auvid_instruments_t;

@@ -36,7 +36,7 @@ static auvid_real_t causes_unit(const uncertain_t *u, int code, int j)
 static void causes_consider(const uncertain_t *u, auvid_causes_t *causes, int j, int k)
 {
     const auvid_uncertain_equation_t *e = &u->equation[j];
-    int code = u->code[e->column_at + k], shared = k < e->own ? NO_INPUT : code;
+    int code = u->code[e->channel_at + k], shared = k < e->own ? NO_INPUT : code;
     auvid_cause_class_t class = auvid_uncertain_row(code)->class;
     auvid_real_t value = code < OWN_INPUTS ? u->shared[code] : u->own[e->own_at + k];
     auvid_real_t margin = AUVID_C(0.0);
@@ -121,9 +121,9 @@ auvid_status_t auvid_uncertain_causes(const auvid_uncertain_t *u, auvid_causes_t
     }
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
         const auvid_uncertain_equation_t *e = &u->equation[j];
-        bool delayed = e->own > 0 && u->code[e->column_at] == INPUT_DELAY;
+        bool delayed = e->own > 0 && u->code[e->channel_at] == INPUT_DELAY;
         for (int k = 0; k < e->inputs && auvid_uncertain_has_rows(u, j); ++k) {
-            if (!delayed || u->code[e->column_at + k] != AUVID_UNCERTAIN_LAG) {
+            if (!delayed || u->code[e->channel_at + k] != AUVID_UNCERTAIN_LAG) {
                 causes_consider(u, causes, j, k);
             }
         }

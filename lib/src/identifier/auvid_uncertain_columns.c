@@ -31,34 +31,40 @@
 
 auvid_status_t auvid_uncertain_lay_out(auvid_uncertain_t *u, const auvid_metric_t *m)
 {
-    uint32_t factor = 0, column = 0, own = 0;
+    uint32_t factor = 0, row = 0, channel = 0, own = 0, own_rows = 0;
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
         auvid_uncertain_equation_t *e = &u->equation[j];
         int count = auvid_metric_equation(m, j).count;
         if (auvid_metric_order(m, j) == 0) {
             continue;
         }
-        *e = (auvid_uncertain_equation_t){
-            .factor_at = (uint16_t)factor, .column_at = (uint16_t)column, .own_at = (uint8_t)own};
+        *e = (auvid_uncertain_equation_t){.factor_at = (uint16_t)factor,
+                                          .row_at = (uint16_t)row,
+                                          .channel_at = (uint16_t)channel,
+                                          .own_rows_at = (uint16_t)own_rows,
+                                          .own_at = (uint8_t)own};
         for (int n = 0; n < INPUTS; ++n) { /* own inputs first */
             int code = n < INPUTS - OWN_INPUTS ? OWN_INPUTS + n : n - (INPUTS - OWN_INPUTS);
             if (!auvid_uncertain_has(u, m, code, j)) {
                 continue;
             }
-            if (column + e->inputs >= AUVID_UNCERTAIN_COLUMNS) {
+            if (channel + e->inputs >= AUVID_UNCERTAIN_CHANNELS) {
                 return AUVID_ERR_SIZE;
             }
             bool thrust = auvid_uncertain_row(code)->from <= INPUT_FROM_GAIN;
             e->of_thrust |= (uint32_t)thrust << e->inputs;
-            u->code[column + e->inputs++] = (uint8_t)code;
+            u->code[channel + e->inputs++] = (uint8_t)code;
             e->own = (uint8_t)(e->own + (code >= OWN_INPUTS));
         }
         e->order = (uint8_t)(e->inputs + count + 1);
         factor += (uint32_t)AUVID_QR_FACTOR(e->order);
-        column += e->order;
+        row += e->order;
+        channel += e->inputs + 1u;
         own += e->own;
-        if (e->order > AUVID_UNCERTAIN_ORDER || column > AUVID_UNCERTAIN_COLUMNS ||
-            factor > AUVID_UNCERTAIN_FACTOR || own > AUVID_UNCERTAIN_OWN) {
+        own_rows += (uint32_t)auvid_qr_row(e->order, e->own);
+        if (e->order > AUVID_UNCERTAIN_ORDER || row > AUVID_UNCERTAIN_COLUMNS ||
+            channel > AUVID_UNCERTAIN_CHANNELS || factor > AUVID_UNCERTAIN_FACTOR ||
+            own > AUVID_UNCERTAIN_OWN || own_rows > AUVID_UNCERTAIN_OWN_ROWS) {
             return AUVID_ERR_SIZE;
         }
     }
@@ -142,14 +148,14 @@ static void uncertain_add_thruster(const auvid_uncertain_t *u, int i, const auvi
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
         const auvid_uncertain_equation_t *e = &u->equation[j];
         auvid_real_t entry = u->allocation->cfg.thruster[i].wrench[j];
-        auvid_real_t *to = channel + e->column_at;
+        auvid_real_t *to = channel + e->channel_at;
         if (e->order == 0 || !(auvid_abs(entry) > AUVID_C(0.0))) {
             continue;
         }
         for (int k = 0; k < e->inputs; ++k) {
-            to[k] += entry * value[u->code[e->column_at + k]];
+            to[k] += entry * value[u->code[e->channel_at + k]];
         }
-        to[e->order - 1] += entry * force;
+        to[e->inputs] += entry * force;
     }
 }
 
@@ -213,8 +219,8 @@ static void uncertain_add_prediction(const auvid_uncertain_t *u, const auvid_met
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
         const auvid_uncertain_equation_t *e = &u->equation[j];
         for (int k = 0; k < e->inputs; ++k) {
-            for (int i = 0; u->code[e->column_at + k] == code && i < vehicle->parameters; ++i) {
-                channel[e->column_at + k] += scale * y.row[j][i] * u->pi[i];
+            for (int i = 0; u->code[e->channel_at + k] == code && i < vehicle->parameters; ++i) {
+                channel[e->channel_at + k] += scale * y.row[j][i] * u->pi[i];
             }
         }
     }
@@ -270,13 +276,13 @@ void auvid_uncertain_channels(auvid_uncertain_t *u, const auvid_metric_t *m,
     auvid_sincos(cell->phi, &sin_phi, &cos_phi);
     auvid_sincos(cell->theta, &sin_theta, &cos_theta);
     const auvid_real_t angle[2] = {cos_theta * sin_phi, sin_theta};
-    auvid_clear(channel, AUVID_UNCERTAIN_COLUMNS);
+    auvid_clear(channel, AUVID_UNCERTAIN_CHANNELS);
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
         const auvid_uncertain_equation_t *e = &u->equation[j];
         for (int k = 0; k < e->inputs; ++k) {
-            int code = u->code[e->column_at + k];
+            int code = u->code[e->channel_at + k];
             if (auvid_uncertain_row(code)->from >= INPUT_FROM_HULL) {
-                channel[e->column_at + k] = uncertain_motion(cell, angle, code, j);
+                channel[e->channel_at + k] = uncertain_motion(cell, angle, code, j);
             }
         }
     }

@@ -62,6 +62,13 @@ static void uncertain_add_shared_prior(uncertain_t *u, const auvid_metric_t *m, 
     auvid_qr_update(u->work.joint, JOINT_ORDER, code, row);
 }
 
+/* Row of own input i. */
+static const auvid_real_t *uncertain_own_row(const uncertain_t *u,
+                                             const auvid_uncertain_equation_t *e, int i)
+{
+    return u->work.own_rows + e->own_rows_at + auvid_qr_row(e->order, i) - i;
+}
+
 /* Solve for shared inputs and parameters, then for the own inputs of each DoF. */
 static void uncertain_finish(uncertain_t *u, const auvid_metric_t *m)
 {
@@ -79,7 +86,7 @@ static void uncertain_finish(uncertain_t *u, const auvid_metric_t *m)
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
         const auvid_uncertain_equation_t *e = &u->equation[j];
         for (int i = auvid_uncertain_has_rows(u, j) ? e->own - 1 : -1; i >= 0; --i) {
-            const auvid_real_t *r = u->work.own_rows[e->own_at + i];
+            const auvid_real_t *r = uncertain_own_row(u, e, i);
             auvid_real_t sum = AUVID_C(0.0);
             for (int k = i + 1; k < e->order; ++k) {
                 sum += r[k] * (k < e->own ? u->own[e->own_at + k]
@@ -148,7 +155,7 @@ auvid_real_t auvid_uncertain_deviation(const uncertain_t *u, int j, int own, int
     auvid_real_t g[AUVID_UNCERTAIN_OWN] = {AUVID_C(0.0)}, v[JOINT_ORDER] = {AUVID_C(0.0)};
     auvid_real_t variance = AUVID_C(0.0);
     for (int i = own; i >= 0 && i < e->own; ++i) {
-        const auvid_real_t *row = u->work.own_rows[e->own_at + i];
+        const auvid_real_t *row = uncertain_own_row(u, e, i);
         g[i] = ((i == own ? AUVID_C(1.0) : AUVID_C(0.0)) - g[i]) / row[i];
         variance += g[i] * g[i];
         for (int k = i + 1; k < e->order - 1; ++k) {
