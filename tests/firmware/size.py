@@ -60,7 +60,7 @@ POINTERS = PATHS | {
     r"a->shape\(": r"auvid_adaptive\.c:adaptive_apply$",
     r"node->arm\(": r"auvid_actuation\.c:auvid_identifier_arm",
     r"(m->extra->|uncertain_extra\.)(cell|accumulate|take|next)\(": NOTHING,
-    r"u->strong\(": NOTHING,
+    r"(u->strong|row->prior)\(": NOTHING,
     r"node->report_causes\(": NOTHING,
     r"uncertain(_functions)?->(begin|is_solving|estimate|judge)\(": NOTHING,
     r"m->add_rows\(": r"auvid_prior_rows\.c:auvid_prior_add_rows",

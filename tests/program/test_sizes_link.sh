@@ -152,6 +152,8 @@ for file in step.c model.c; do
         refused archive $file "-D$size=$((value + 1))"
         report "$file: $size differs: does not link"
     done
+    refused archive $file -DAUVID_MAX_UNCERTAIN=0 # which is not the token of the default
+    report "$file: no uncertain inputs: does not link"
     refused archive $file -DAUVID_REAL_DOUBLE
     report "$file: double beside float: does not link"
 done

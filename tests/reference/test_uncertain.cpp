@@ -61,7 +61,7 @@ struct Reference {
 
     int code(int j, int k) const
     {
-        return u.code[u.equation[j].column_at + k];
+        return u.code[u.equation[j].channel_at + k];
     }
 
     // Where column k of DoF j is among the unknowns.

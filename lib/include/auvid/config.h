@@ -136,6 +136,26 @@
 #define AUVID_TOKEN_OVERLAP AUVID_MAX_OVERLAP
 #endif
 
+/** Largest number of columns of uncertain inputs (uncertain.h), all equations together. With the
+ * default priors Girona500 and its five thrusters need 55, a BlueROV2 Heavy in six degrees of
+ * freedom 98. An error of all thrusters has a column in each equation with thrust, the gain of one
+ * thruster in each equation in which it acts, and a current in three. An input with a deviation of
+ * 0 has none. 0: no memory for them, auvid_identifier_attach_uncertain is refused. 0..256. */
+#ifndef AUVID_MAX_UNCERTAIN
+#define AUVID_TOKEN_UNCERTAIN 0
+#if AUVID_MAX_PARAMETERS >= 22
+#define AUVID_MAX_UNCERTAIN (2 * AUVID_MAX_PARAMETERS + 2 * AUVID_MAX_THRUSTERS + 18)
+#elif AUVID_MAX_PARAMETERS >= 13 && AUVID_MAX_PARAMETERS <= 16
+#define AUVID_MAX_UNCERTAIN (2 * AUVID_MAX_THRUSTERS + 48)
+#else
+#define AUVID_MAX_UNCERTAIN (2 * AUVID_MAX_PARAMETERS + 2 * AUVID_MAX_THRUSTERS + 16)
+#endif
+#elif AUVID_MAX_UNCERTAIN == 0
+#define AUVID_TOKEN_UNCERTAIN none
+#else
+#define AUVID_TOKEN_UNCERTAIN AUVID_MAX_UNCERTAIN
+#endif
+
 #if AUVID_MAX_PARAMETERS < 1 || AUVID_MAX_PARAMETERS > 32
 #error "auvid: AUVID_MAX_PARAMETERS must be 1..32"
 #endif
@@ -169,6 +189,9 @@
 #if AUVID_MAX_OVERLAP < 1 || AUVID_MAX_OVERLAP > 64
 #error "auvid: AUVID_MAX_OVERLAP must be 1..64"
 #endif
+#if AUVID_MAX_UNCERTAIN < 0 || AUVID_MAX_UNCERTAIN > 256
+#error "auvid: AUVID_MAX_UNCERTAIN must be 0..256"
+#endif
 #if AUVID_MAX_HALF_WIDTH < 1 || AUVID_MAX_HALF_WIDTH > 127
 #error "auvid: AUVID_MAX_HALF_WIDTH must be 1..127"
 #endif
@@ -191,14 +214,14 @@
 /** f becomes f_f32 or f_f64. */
 #define AUVID_SIZED0(name) name##_f32
 #endif
-#define AUVID_JOIN_(name, a, b, c, d, e, f, g, h, i, j, k, l)                                      \
-    name##_##a##_##b##_##c##_##d##_##e##_##f##_##g##_##h##_##i##_##j##_##k##_##l
+#define AUVID_JOIN_(name, a, b, c, d, e, f, g, h, i, j, k, l, m)                                   \
+    name##_##a##_##b##_##c##_##d##_##e##_##f##_##g##_##h##_##i##_##j##_##k##_##l##_##m
 #define AUVID_JOIN(...) AUVID_JOIN_(__VA_ARGS__)
 /** The same with all sizes. */
 #define AUVID_SIZED(name)                                                                          \
     AUVID_JOIN(AUVID_SIZED0(name), AUVID_MAX_PARAMETERS, AUVID_MAX_SETS, AUVID_MAX_THRUSTERS,      \
                AUVID_MAX_TAPS, AUVID_MAX_HALF_WIDTH, AUVID_MAX_SINES, AUVID_MAX_SEGMENTS,          \
                AUVID_MAX_COMMANDS, AUVID_TOKEN_POPULATION, AUVID_TOKEN_FACTOR,                     \
-               AUVID_TOKEN_COLUMNS, AUVID_TOKEN_OVERLAP)
+               AUVID_TOKEN_COLUMNS, AUVID_TOKEN_OVERLAP, AUVID_TOKEN_UNCERTAIN)
 
 #endif

@@ -41,8 +41,8 @@
  *
  * Regressor path only. Attach it once; a program without it does not contain it. A checkpoint
  * (checkpoint.h) contains its state. Cost: a solution takes 13.0k units of work for Girona500 and
- * 15.0k for an ROV with six thrusters. Memory: sizeof(auvid_uncertain_t), 24 KiB with default
- * sizes.
+ * 15.0k for an ROV with six thrusters. Memory: sizeof(auvid_uncertain_t), 22 KiB with default sizes;
+ * AUVID_MAX_UNCERTAIN chooses for how many columns.
  *
  * Sources: Fuller 1987 (errors in variables); Ljung 1999, 7 (prediction error); Schmidt 1966
  * (considered parameters). None of it is in the paper.
@@ -102,17 +102,29 @@ typedef struct {
 /** Time in which thrust sags by auvid_uncertain_config_t.sag [s]. */
 #define AUVID_UNCERTAIN_SAG_S AUVID_C(240.0)
 
-/** Columns of all equations together; numbers of their R factors; most in one equation. */
-#if AUVID_MAX_PARAMETERS >= 22 /* six degrees of freedom */
-#define AUVID_UNCERTAIN_COLUMNS (2 * AUVID_MAX_PARAMETERS + 2 * AUVID_MAX_THRUSTERS + 65)
-#define AUVID_UNCERTAIN_FACTOR (AUVID_UNCERTAIN_COLUMNS * AUVID_UNCERTAIN_COLUMNS / 11)
-#define AUVID_UNCERTAIN_OWN 24 /**< inputs that belong to one DoF, of all DoF together */
+/** Columns of all equations together; numbers of their R factors. Beside the inputs there is room
+ * for Girona500's 27 columns of parameters and thrust, or the 47 of a BlueROV2 Heavy. A constant
+ * force among the parameters takes the place of that input. */
+#if AUVID_MAX_UNCERTAIN == 0 /* nothing is attached */
+#define AUVID_UNCERTAIN_COLUMNS 1
+#define AUVID_UNCERTAIN_FACTOR 1
+#define AUVID_UNCERTAIN_ORDER 1
+#elif AUVID_MAX_PARAMETERS >= 22
+#define AUVID_UNCERTAIN_COLUMNS (AUVID_MAX_UNCERTAIN + 47)
+#define AUVID_UNCERTAIN_FACTOR (AUVID_UNCERTAIN_COLUMNS * (AUVID_UNCERTAIN_COLUMNS + 6) / 12 + 56)
 #else
-#define AUVID_UNCERTAIN_COLUMNS (2 * AUVID_MAX_PARAMETERS + 2 * AUVID_MAX_THRUSTERS + 45)
-#define AUVID_UNCERTAIN_FACTOR (AUVID_UNCERTAIN_COLUMNS * AUVID_UNCERTAIN_COLUMNS / 8)
-#define AUVID_UNCERTAIN_OWN 20
+#define AUVID_UNCERTAIN_COLUMNS (AUVID_MAX_UNCERTAIN + 27)
+#define AUVID_UNCERTAIN_FACTOR (AUVID_UNCERTAIN_COLUMNS * (AUVID_UNCERTAIN_COLUMNS + 4) / 8 + 8)
 #endif
+/** Most columns in one equation. */
+#ifndef AUVID_UNCERTAIN_ORDER
 #define AUVID_UNCERTAIN_ORDER (AUVID_MAX_THRUSTERS + AUVID_MAX_PARAMETERS / 2 + 15)
+#endif
+/** Inputs, and the thrust of each equation. */
+#define AUVID_UNCERTAIN_CHANNELS (AUVID_MAX_UNCERTAIN + 6)
+/** Inputs that belong to one DoF, of all DoF together; their rows. */
+#define AUVID_UNCERTAIN_OWN 24
+#define AUVID_UNCERTAIN_OWN_ROWS (5 * AUVID_UNCERTAIN_COLUMNS)
 /** Order of the joint R factor. */
 #define AUVID_UNCERTAIN_JOINT (AUVID_UNCERTAIN_SHARED + AUVID_MAX_PARAMETERS + 1)
 
@@ -167,11 +179,12 @@ typedef struct {
 
 /** An equation: its columns are own inputs, shared inputs, parameters, thrust. Private. */
 typedef struct {
-    uint32_t of_thrust;            /* bit k: input k is formed from the thrust */
-    uint16_t factor_at, column_at; /* its R factors; its columns */
-    uint8_t own_at;                /* its own inputs */
-    uint8_t own, inputs;           /* number of own inputs; of own and shared ones */
-    uint8_t order;                 /* all columns; 0: not modelled */
+    uint16_t factor_at, row_at, channel_at; /* its R factors; a row; inputs and thrust */
+    uint16_t own_rows_at;                   /* rows of its own inputs in the solution */
+    uint8_t own_at;                         /* its own inputs */
+    uint8_t own, inputs;                    /* number of own inputs; of own and shared ones */
+    uint8_t order;                          /* all columns; 0: not modelled */
+    uint32_t of_thrust; /* bit k: input k is formed from the thrust, else from motion */
 } auvid_uncertain_equation_t;
 
 /** Rows under construction, and those being rotated into the R factors. Private. */
@@ -182,13 +195,13 @@ typedef struct {
     uint8_t begun_before; /* rows under construction that began before begin_us */
     bool takes_rows;
     uint8_t reserved[2];
-    auvid_real_t accumulator[AUVID_MAX_OVERLAP][AUVID_UNCERTAIN_COLUMNS];
+    auvid_real_t accumulator[AUVID_MAX_OVERLAP][AUVID_UNCERTAIN_CHANNELS];
     auvid_real_t previous[AUVID_METRIC_LAGS][AUVID_UNCERTAIN_COLUMNS];
     auvid_real_t band[AUVID_METRIC_BANDS][AUVID_UNCERTAIN_COLUMNS];
-    auvid_real_t channel[AUVID_UNCERTAIN_COLUMNS]; /* of the last cell */
-    auvid_real_t speed[AUVID_MAX_THRUSTERS];       /* sqrt of force, behind the nominal lag */
-    auvid_real_t lagged[AUVID_MAX_THRUSTERS];      /* behind it twice */
-    auvid_real_t elapsed;                          /* since begin_us, over AUVID_UNCERTAIN_SAG_S */
+    auvid_real_t channel[AUVID_UNCERTAIN_CHANNELS]; /* of the last cell */
+    auvid_real_t speed[AUVID_MAX_THRUSTERS];        /* sqrt of force, behind the nominal lag */
+    auvid_real_t lagged[AUVID_MAX_THRUSTERS];       /* behind it twice */
+    auvid_real_t elapsed;                           /* since begin_us, over AUVID_UNCERTAIN_SAG_S */
     auvid_real_t wrench, difference; /* squares of the wrench; of the thrusters' less the wrench */
 } auvid_uncertain_rows_t;
 
@@ -222,7 +235,7 @@ typedef struct {
     bool not_converged;
     uint8_t reserved[7];
     auvid_real_t joint[AUVID_UNCERTAIN_JOINT * (AUVID_UNCERTAIN_JOINT + 1) / 2];
-    auvid_real_t own_rows[AUVID_UNCERTAIN_OWN][AUVID_UNCERTAIN_ORDER];
+    auvid_real_t own_rows[AUVID_UNCERTAIN_OWN_ROWS];
     auvid_real_t side[AUVID_DOF_COUNT][AUVID_UNCERTAIN_JOINT]; /* see auvid_uncertain_solve.c */
     auvid_real_t squares, known;                               /* for the scale of the priors */
     auvid_real_t sag_from; /* where its time is 0, over AUVID_UNCERTAIN_SAG_S */
@@ -240,8 +253,8 @@ typedef struct auvid_uncertain {
     uint32_t (*strong)(struct auvid_uncertain *u, const auvid_metric_t *m); /* of these */
     const struct auvid_checkpoint_part *checkpoint; /* how a checkpoint is checked */
     auvid_uncertain_equation_t equation[AUVID_DOF_COUNT];
-    uint8_t code[AUVID_UNCERTAIN_COLUMNS]; /* what each column is */
-    uint8_t rows_at_once;                  /* of both bands, from one row of the metric */
+    uint8_t code[AUVID_UNCERTAIN_CHANNELS]; /* what each input is */
+    uint8_t rows_at_once;                   /* of both bands, from one row of the metric */
     /* state: from here on, see checkpoint.h */
     uint64_t begin_us;         /* of the first cell of the rows; 0: none */
     auvid_estimate_t estimate; /* read auvid_identifier_estimate */
@@ -307,7 +320,11 @@ auvid_status_t auvid_causes_sentence(const auvid_causes_t *causes, const auvid_v
 #define AUVID_INSTRUMENT_COLUMNS (6 * AUVID_MAX_PARAMETERS + 8)
 #define AUVID_INSTRUMENT_ORDER (AUVID_INSTRUMENT_LAGS * 6 + 1)
 /** Numbers of the projected rows. */
+#if AUVID_MAX_PARAMETERS < 18 /* four lags */
+#define AUVID_INSTRUMENT_FACTOR (25 * AUVID_UNCERTAIN_FACTOR / 8)
+#else
 #define AUVID_INSTRUMENT_FACTOR (4 * AUVID_UNCERTAIN_FACTOR)
+#endif
 /** References that wait for the cell of their time. */
 #define AUVID_INSTRUMENT_PAST 32
 
@@ -362,7 +379,7 @@ typedef struct {
  *
  * Regressor path only. A program without it does not contain it. A checkpoint contains its state.
  * Cost, Girona500: 5 calls of the regressor and 1.2k multiplications in each cell, and 16k for each
- * row, half of them at most in one cell. Memory: sizeof(auvid_instruments_t), 25 KiB with default
+ * row, half of them at most in one cell. Memory: sizeof(auvid_instruments_t), 20 KiB with default
  * sizes.
  *
  * Sources: Soederstroem and Stoica 1989, 8; Ljung 1999, 7.6 and 13.5; Shea 1997 (strength), Staiger
@@ -387,9 +404,8 @@ typedef struct auvid_instruments {
     auvid_real_t channel[AUVID_INSTRUMENT_COLUMNS]; /* of the last cell */
     auvid_real_t accumulator[AUVID_MAX_OVERLAP][AUVID_INSTRUMENT_COLUMNS];
     auvid_real_t factor[AUVID_INSTRUMENT_FACTOR];
-    auvid_real_t rows[AUVID_DOF_COUNT]; /* in the factor */
-    auvid_real_t wide[AUVID_DOF_COUNT][AUVID_UNCERTAIN_ORDER + AUVID_INSTRUMENT_ORDER]; /* waiting
-                                                                                           rows */
+    auvid_real_t rows[AUVID_DOF_COUNT];                                    /* in the factor */
+    auvid_real_t wide[AUVID_INSTRUMENT_COLUMNS + AUVID_UNCERTAIN_COLUMNS]; /* rows that wait */
 } auvid_instruments_t;
 
 #define auvid_identifier_attach_instruments AUVID_SIZED(auvid_identifier_attach_instruments)

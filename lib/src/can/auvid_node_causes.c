@@ -90,7 +90,7 @@ auvid_status_t auvid_causes_take(auvid_causes_t *causes, const auvid_can_message
         return AUVID_UNUSED;
     }
     uint32_t code = m->input + (m->input < AUVID_UNCERTAIN_GAIN ? 0u : AUVID_MAX_THRUSTERS);
-    auvid_cause_class_t class = auvid_uncertain_class((int)code);
+    auvid_cause_class_t class = auvid_uncertain_row((int)code)->class;
     causes->order[m->rank] = (uint8_t) class;
     causes->named = (uint8_t)(causes->named + (m->rank == causes->named));
     causes->cause[class] = (auvid_cause_t){.value = m->value,

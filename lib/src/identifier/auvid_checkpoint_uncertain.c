@@ -31,6 +31,19 @@ static bool checkpoint_check_solution(const auvid_identifier_t *id, const uint8_
            (phase == SOLVE_SEARCH || (parts & (PART_GLOBAL | PART_LOCAL)) == 0);
 }
 
+/* A named cause is of its class: there are words for it. */
+static bool checkpoint_check_causes(const uint8_t *causes)
+{
+    bool good = true;
+    for (int k = 0; k < AUVID_CAUSE_COUNT; ++k) {
+        auvid_cause_t cause;
+        memcpy(&cause, causes + offsetof(auvid_causes_t, cause) + (size_t)k * sizeof cause,
+               sizeof cause);
+        good = good && (!cause.named || (int)auvid_uncertain_row(cause.input)->class == k);
+    }
+    return good;
+}
+
 /* Rows are of DoF that have columns. */
 bool auvid_checkpoint_check_uncertain(const auvid_identifier_t *id, const uint8_t *state,
                                       uint32_t parts, uint32_t phase)
@@ -39,6 +52,8 @@ bool auvid_checkpoint_check_uncertain(const auvid_identifier_t *id, const uint8_
     auvid_real_t rows[AUVID_DOF_COUNT];
     bool good = true;
     memcpy(rows, AT(auvid_uncertain_t, begin_us, rows), sizeof rows);
+    good = checkpoint_check_causes(AT(auvid_uncertain_t, begin_us, causes)) &&
+           checkpoint_check_causes(AT(auvid_uncertain_t, begin_us, work.causes));
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
         bool any = rows[j] > AUVID_C(0.0) || (OF_INPUTS(recorded.pending) >> 2 * j & 3u) != 0;
         good = good && (!any || u->equation[j].order > 0);

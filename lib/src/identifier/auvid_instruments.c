@@ -41,6 +41,12 @@ static int instruments_order(const instruments_t *n, int j)
     return n->of[j].count + n->uncertain->equation[j].order;
 }
 
+/* The row of DoF j that waits. */
+static auvid_real_t *instruments_waiting(instruments_t *n, int j)
+{
+    return n->wide + n->of[j].column_at + n->uncertain->equation[j].row_at;
+}
+
 /* Rotate up to `most` of the rows that wait. */
 static void instruments_rotate_waiting(instruments_t *n, int most)
 {
@@ -48,7 +54,7 @@ static void instruments_rotate_waiting(instruments_t *n, int most)
         const auvid_instrument_t *of = &n->of[j];
         if ((n->waiting >> j & 1) != 0 && !auvid_uncertain_reads(n->uncertain, j)) {
             auvid_qr_update_top(n->factor + of->factor_at, instruments_order(n, j), of->count,
-                                n->wide[j]);
+                                instruments_waiting(n, j));
             n->rows[j] += AUVID_C(1.0);
             n->waiting = (uint8_t)(n->waiting & ~(1u << j));
             --most;
@@ -148,9 +154,11 @@ static void instruments_take(void *context, int j, uint32_t slot, const auvid_re
     auvid_uncertain_extra.take(u, j, slot, regressor, lag);
     if (u->rows[j] > before && !u->excited && n->given > 0 && (n->waiting >> j & 1) == 0 &&
         auvid_all_within(columns, of->count, METRIC_LARGEST_ENTRY) == AUVID_OK) {
-        memcpy(n->wide[j], columns, of->count * sizeof *columns);
-        memcpy(n->wide[j] + of->count, u->recorded.accumulator[slot] + e->column_at,
-               e->order * sizeof *columns);
+        const auvid_real_t *row =
+            u->recorded.previous[u->recorded.since_gap % AUVID_METRIC_LAGS] + e->row_at;
+        auvid_real_t *wide = instruments_waiting(n, j);
+        memcpy(wide, columns, of->count * sizeof *wide);
+        memcpy(wide + of->count, row, e->order * sizeof *wide);
         n->waiting = (uint8_t)(n->waiting | 1u << j);
     }
 }

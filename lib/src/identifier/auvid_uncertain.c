@@ -211,7 +211,8 @@ auvid_status_t auvid_identifier_attach_uncertain(auvid_identifier_t *id, auvid_u
     if (auvid_metric_stores_rows(&id->metric)) {
         return AUVID_ERR_MODEL;
     }
-    if (AUVID_MAX_COMMANDS < AUVID_MAX_THRUSTERS || allocation->cfg.thrusters == 0) {
+    if (AUVID_MAX_UNCERTAIN == 0 || AUVID_MAX_COMMANDS < AUVID_MAX_THRUSTERS ||
+        allocation->cfg.thrusters == 0) {
         return AUVID_ERR_SIZE;
     }
     memset(storage, 0, sizeof *storage);

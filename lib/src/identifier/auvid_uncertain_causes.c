@@ -12,30 +12,6 @@ enum { NO_INPUT = -1 };
 
 typedef auvid_uncertain_t uncertain_t;
 
-auvid_cause_class_t auvid_uncertain_class(int code)
-{
-    switch (code) {
-    case AUVID_UNCERTAIN_BACKWARD:
-    case AUVID_UNCERTAIN_DEAD_BAND:
-    case AUVID_UNCERTAIN_CURVE:
-        return AUVID_CAUSE_CURVE;
-    case AUVID_UNCERTAIN_INFLOW:
-        return AUVID_CAUSE_INFLOW;
-    case AUVID_UNCERTAIN_SAG:
-        return AUVID_CAUSE_SAG;
-    case AUVID_UNCERTAIN_LAG:
-    case INPUT_DELAY:
-        return AUVID_CAUSE_TIMING;
-    case AUVID_UNCERTAIN_CURRENT_X:
-    case AUVID_UNCERTAIN_CURRENT_Y:
-        return AUVID_CAUSE_CURRENT;
-    case INPUT_ASYMMETRY:
-        return AUVID_CAUSE_ASYMMETRY;
-    default: /* gains have no class */
-        return code < OWN_INPUTS ? AUVID_CAUSE_COUNT : AUVID_CAUSE_MOUNTING;
-    }
-}
-
 /* Norm of column k of DoF j, over all rows. */
 static auvid_real_t causes_norm(const uncertain_t *u, int j, int k)
 {
@@ -45,20 +21,15 @@ static auvid_real_t causes_norm(const uncertain_t *u, int j, int k)
     return auvid_sqrt(low * low + high * high);
 }
 
-/* A DoF's own input in the unit of its configuration, per unit of its column. */
+/* The unit of an input's value: that of its configuration, per unit of its column. */
 static auvid_real_t causes_unit(const uncertain_t *u, int code, int j)
 {
-    const auvid_uncertain_config_t *cfg = &u->cfg;
     auvid_real_t sigma = auvid_uncertain_sigma(u, &u->id->metric, code, j);
-    auvid_real_t configured = cfg->gravity_m;
-    if (code == INPUT_ASYMMETRY) {
-        configured = cfg->asymmetry;
-    } else if (code == INPUT_CROSS || code == INPUT_LIFT) {
-        configured = cfg->cross;
-    } else if (code == INPUT_FORCE || code == INPUT_DELAY) {
+    if (!auvid_uncertain_row(code)->relative) {
         return AUVID_C(1.0);
     }
-    return sigma > AUVID_C(0.0) ? u->scale * configured / sigma : AUVID_C(0.0);
+    return sigma > AUVID_C(0.0) ? u->scale * auvid_uncertain_configured(u, code) / sigma
+                                : AUVID_C(0.0);
 }
 
 /* Standard deviation of the sum of DoF j's own input `own` and of a shared input; negative: none.
@@ -72,7 +43,7 @@ static auvid_real_t causes_deviation(const uncertain_t *u, int j, int own, int s
     auvid_real_t g[AUVID_UNCERTAIN_OWN] = {AUVID_C(0.0)}, v[JOINT_ORDER] = {AUVID_C(0.0)};
     auvid_real_t variance = AUVID_C(0.0);
     for (int i = own; i >= 0 && i < e->own; ++i) {
-        const auvid_real_t *row = u->work.own_rows[e->own_at + i];
+        const auvid_real_t *row = auvid_uncertain_own_row(u, e, i);
         g[i] = ((i == own ? AUVID_C(1.0) : AUVID_C(0.0)) - g[i]) / row[i];
         variance += g[i] * g[i];
         for (int k = i + 1; k < e->order - 1; ++k) {
@@ -97,8 +68,8 @@ static auvid_real_t causes_deviation(const uncertain_t *u, int j, int own, int s
 static void causes_consider(uncertain_t *u, int j, int k)
 {
     const auvid_uncertain_equation_t *e = &u->equation[j];
-    int code = u->code[e->column_at + k], shared = k < e->own ? NO_INPUT : code;
-    auvid_cause_class_t class = auvid_uncertain_class(code);
+    int code = u->code[e->channel_at + k], shared = k < e->own ? NO_INPUT : code;
+    auvid_cause_class_t class = auvid_uncertain_row(code)->class;
     auvid_real_t value = code < OWN_INPUTS ? u->shared[code] : u->own[e->own_at + k];
     auvid_real_t margin = AUVID_C(0.0);
     if (class == AUVID_CAUSE_COUNT) {
@@ -128,7 +99,7 @@ static void causes_consider(uncertain_t *u, int j, int k)
         (named == best->named && !(share > best->share) && best->sigma > AUVID_C(0.0))) {
         return;
     }
-    auvid_real_t unit = k < e->own ? causes_unit(u, code, j) : AUVID_C(1.0);
+    auvid_real_t unit = causes_unit(u, code, j);
     *best = (auvid_cause_t){.value = unit * value,
                             .sigma = unit * sigma,
                             .share = share,
@@ -165,8 +136,8 @@ static bool causes_differ(const auvid_estimate_t *one, const auvid_estimate_t *o
 void auvid_uncertain_consider(auvid_uncertain_t *u, int j, int k)
 {
     const auvid_uncertain_equation_t *e = &u->equation[j];
-    bool delayed = e->own > 0 && u->code[e->column_at] == INPUT_DELAY;
-    if (!(delayed && u->code[e->column_at + k] == AUVID_UNCERTAIN_LAG)) {
+    bool delayed = e->own > 0 && u->code[e->channel_at] == INPUT_DELAY;
+    if (!(delayed && u->code[e->channel_at + k] == AUVID_UNCERTAIN_LAG)) {
         causes_consider(u, j, k);
     }
 }

@@ -1,5 +1,5 @@
 /*
- * Uncertain inputs: their columns and priors.
+ * Uncertain inputs: their columns.
  *
  * A column is the supplied thrust minus the true one, per unit of the input. The speed of a
  * propeller follows sqrt|f|, f the supplied force, with the nominal lag T. n is that speed, and
@@ -27,117 +27,46 @@
 /* Step of the current for the difference [m/s]. */
 #define CURRENT_STEP AUVID_C(0.05)
 #define CURRENT_BOTH 3u
-#define GRAVITY AUVID_C(9.81)
 
 /* ---- which columns there are ---- */
 
-static bool uncertain_acts(const auvid_uncertain_t *u, int i, int j)
-{
-    return auvid_abs(u->allocation->cfg.thruster[i].wrench[j]) > AUVID_C(0.0);
-}
-
-static bool uncertain_is_actuated(const auvid_uncertain_t *u, int j)
-{
-    bool any = false;
-    for (int i = 0; i < u->allocation->cfg.thrusters; ++i) {
-        any = any || uncertain_acts(u, i, j);
-    }
-    return any;
-}
-
-/* Returns the parameter of this kind in DoF j's equation, -1: there is none. */
-static int uncertain_parameter(const auvid_metric_t *m, auvid_parameter_kind_t kind, int j)
-{
-    auvid_equation_t e = auvid_metric_equation(m, j);
-    for (int k = 0; k < e.count; ++k) {
-        const auvid_parameter_t *p = &m->cfg.vehicle->parameter[e.index[k]];
-        if (p->kind == kind && (int)p->dof == j) {
-            return e.index[k];
-        }
-    }
-    return -1;
-}
-
-/* Does the prior of an input leave it free? */
-static bool uncertain_is_free(const auvid_uncertain_config_t *cfg, int code)
-{
-    const auvid_real_t sigma[] = {[AUVID_UNCERTAIN_BACKWARD] = cfg->backward,
-                                  [AUVID_UNCERTAIN_DEAD_BAND] = cfg->dead_band,
-                                  [AUVID_UNCERTAIN_CURVE] = cfg->curve,
-                                  [AUVID_UNCERTAIN_INFLOW] = cfg->inflow,
-                                  [AUVID_UNCERTAIN_SAG] = cfg->sag,
-                                  [AUVID_UNCERTAIN_LAG] = cfg->lag_s,
-                                  [AUVID_UNCERTAIN_CURRENT_X] = cfg->current,
-                                  [AUVID_UNCERTAIN_CURRENT_Y] = cfg->current,
-                                  [INPUT_DELAY] = cfg->delay_s,
-                                  [INPUT_ASYMMETRY] = cfg->asymmetry,
-                                  [INPUT_FORCE] = cfg->force,
-                                  [INPUT_CROSS] = cfg->cross,
-                                  [INPUT_LIFT] = cfg->cross,
-                                  [INPUT_ROLL] = cfg->gravity_m,
-                                  [INPUT_PITCH] = cfg->gravity_m};
-    bool gain = code >= AUVID_UNCERTAIN_GAIN && code < OWN_INPUTS;
-    return (gain ? cfg->gain : sigma[code]) > AUVID_C(0.0);
-}
-
-/* Is this input in DoF j's equation? */
-static bool uncertain_is_in(const auvid_uncertain_t *u, const auvid_metric_t *m, int code, int j)
-{
-    bool planar = j == AUVID_SURGE || j == AUVID_SWAY || j == AUVID_YAW;
-    if (code >= AUVID_UNCERTAIN_GAIN && code < OWN_INPUTS) {
-        int i = code - AUVID_UNCERTAIN_GAIN;
-        return i < u->allocation->cfg.thrusters && uncertain_acts(u, i, j);
-    }
-    if (auvid_uncertain_of_thrust(code)) {
-        return uncertain_is_actuated(u, j);
-    }
-    switch (code) {
-    case INPUT_ASYMMETRY:
-        return uncertain_parameter(m, AUVID_PARAMETER_QUADRATIC_DRAG, j) >= 0;
-    case INPUT_FORCE:
-        return uncertain_parameter(m, AUVID_PARAMETER_FORCE, j) < 0;
-    case INPUT_CROSS:
-        return j == AUVID_SWAY || j == AUVID_YAW;
-    case INPUT_LIFT:
-        return planar ? j != AUVID_SURGE : j == AUVID_HEAVE;
-    case INPUT_ROLL:
-    case INPUT_PITCH:
-        return j == AUVID_YAW;
-    default: /* current */
-        return planar;
-    }
-}
-
 auvid_status_t auvid_uncertain_lay_out(auvid_uncertain_t *u, const auvid_metric_t *m)
 {
-    uint32_t factor = 0, column = 0, own = 0;
+    uint32_t factor = 0, row = 0, channel = 0, own = 0, own_rows = 0;
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
         auvid_uncertain_equation_t *e = &u->equation[j];
         int count = auvid_metric_equation(m, j).count;
         if (auvid_metric_order(m, j) == 0) {
             continue;
         }
-        *e = (auvid_uncertain_equation_t){
-            .factor_at = (uint16_t)factor, .column_at = (uint16_t)column, .own_at = (uint8_t)own};
+        *e = (auvid_uncertain_equation_t){.factor_at = (uint16_t)factor,
+                                          .row_at = (uint16_t)row,
+                                          .channel_at = (uint16_t)channel,
+                                          .own_rows_at = (uint16_t)own_rows,
+                                          .own_at = (uint8_t)own};
         for (int n = 0; n < INPUTS; ++n) { /* own inputs first */
             int code = n < INPUTS - OWN_INPUTS ? OWN_INPUTS + n : n - (INPUTS - OWN_INPUTS);
-            if (!uncertain_is_in(u, m, code, j) || !uncertain_is_free(&u->cfg, code)) {
+            if (!auvid_uncertain_has(u, m, code, j)) {
                 continue;
             }
-            if (column + e->inputs >= AUVID_UNCERTAIN_COLUMNS) {
+            if (channel + e->inputs >= AUVID_UNCERTAIN_CHANNELS) {
                 return AUVID_ERR_SIZE;
             }
-            e->of_thrust |= (uint32_t)auvid_uncertain_of_thrust(code) << e->inputs;
-            u->code[column + e->inputs++] = (uint8_t)code;
+            bool thrust = auvid_uncertain_row(code)->from <= INPUT_FROM_GAIN;
+            e->of_thrust |= (uint32_t)thrust << e->inputs;
+            u->code[channel + e->inputs++] = (uint8_t)code;
             e->own = (uint8_t)(e->own + (code >= OWN_INPUTS));
         }
         e->order = (uint8_t)(e->inputs + count + 1);
         factor += (uint32_t)AUVID_QR_FACTOR(e->order);
-        column += e->order;
+        row += e->order;
+        channel += e->inputs + 1u;
         own += e->own;
         u->rows_at_once = (uint8_t)(u->rows_at_once + 2u);
-        if (e->order > AUVID_UNCERTAIN_ORDER || column > AUVID_UNCERTAIN_COLUMNS ||
-            factor > AUVID_UNCERTAIN_FACTOR || own > AUVID_UNCERTAIN_OWN) {
+        own_rows += (uint32_t)auvid_qr_row(e->order, e->own);
+        if (e->order > AUVID_UNCERTAIN_ORDER || row > AUVID_UNCERTAIN_COLUMNS ||
+            channel > AUVID_UNCERTAIN_CHANNELS || factor > AUVID_UNCERTAIN_FACTOR ||
+            own > AUVID_UNCERTAIN_OWN || own_rows > AUVID_UNCERTAIN_OWN_ROWS) {
             return AUVID_ERR_SIZE;
         }
     }
@@ -214,27 +143,21 @@ static auvid_real_t uncertain_force(const auvid_uncertain_t *u, int i, auvid_rea
     return u->cfg.fractions ? command * largest : command;
 }
 
-/* Add a thruster to the thrust columns of all equations: value[code] times its entry. */
+/* Add a thruster to the columns of all equations: value[code] times its entry. */
 static void uncertain_add_thruster(const auvid_uncertain_t *u, int i, const auvid_real_t *value,
                                    auvid_real_t force, auvid_real_t *channel)
 {
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
         const auvid_uncertain_equation_t *e = &u->equation[j];
         auvid_real_t entry = u->allocation->cfg.thruster[i].wrench[j];
-        auvid_real_t *to = channel + e->column_at;
+        auvid_real_t *to = channel + e->channel_at;
         if (e->order == 0 || !(auvid_abs(entry) > AUVID_C(0.0))) {
             continue;
         }
         for (int k = 0; k < e->inputs; ++k) {
-            int code = u->code[e->column_at + k];
-            if (code == AUVID_UNCERTAIN_GAIN + i) {
-                to[k] = -entry * force;
-            } else if (code <= AUVID_UNCERTAIN_LAG || code == INPUT_DELAY) {
-                to[k] +=
-                    entry * value[code <= AUVID_UNCERTAIN_LAG ? code : AUVID_UNCERTAIN_LAG + 1];
-            }
+            to[k] += entry * value[u->code[e->channel_at + k]];
         }
-        to[e->order - 1] += entry * force;
+        to[e->inputs] += entry * force;
     }
 }
 
@@ -272,7 +195,7 @@ static void uncertain_thrust_columns(auvid_uncertain_t *u, const auvid_metric_t 
         if (!(max_N > AUVID_C(0.0))) {
             continue;
         }
-        const auvid_real_t value[] = {
+        auvid_real_t value[INPUTS] = {
             [AUVID_UNCERTAIN_BACKWARD] = auvid_min(f.force, AUVID_C(0.0)),
             [AUVID_UNCERTAIN_DEAD_BAND] = f.force / auvid_sqrt(size * size + width * width),
             [AUVID_UNCERTAIN_CURVE] =
@@ -280,7 +203,8 @@ static void uncertain_thrust_columns(auvid_uncertain_t *u, const auvid_metric_t 
             [AUVID_UNCERTAIN_INFLOW] = size * inflow,
             [AUVID_UNCERTAIN_SAG] = f.force * u->recorded.elapsed,
             [AUVID_UNCERTAIN_LAG] = f.lag,
-            [AUVID_UNCERTAIN_LAG + 1] = f.delay};
+            [INPUT_DELAY] = f.delay};
+        value[AUVID_UNCERTAIN_GAIN + i] = -f.force;
         uncertain_add_thruster(u, i, value, f.force, channel);
     }
 }
@@ -298,10 +222,10 @@ static void uncertain_add_prediction(const auvid_uncertain_t *u, const auvid_met
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
         const auvid_uncertain_equation_t *e = &u->equation[j];
         for (int k = e->own; k < e->inputs; ++k) {
-            unsigned axis = u->code[e->column_at + k] - (unsigned)AUVID_UNCERTAIN_CURRENT_X;
+            unsigned axis = u->code[e->channel_at + k] - (unsigned)AUVID_UNCERTAIN_CURRENT_X;
             bool takes = axis < 2 && (axes >> axis & 1u) != 0;
             for (int i = 0; takes && i < vehicle->parameters; ++i) {
-                channel[e->column_at + k] += scale * y.row[j][i] * u->pi[i];
+                channel[e->channel_at + k] += scale * y.row[j][i] * u->pi[i];
             }
         }
     }
@@ -356,13 +280,13 @@ void auvid_uncertain_channels(auvid_uncertain_t *u, const auvid_metric_t *m,
     auvid_sincos(cell->phi, &sin_phi, &cos_phi);
     auvid_sincos(cell->theta, &sin_theta, &cos_theta);
     const auvid_real_t angle[2] = {cos_theta * sin_phi, sin_theta};
-    auvid_clear(channel, AUVID_UNCERTAIN_COLUMNS);
+    auvid_clear(channel, AUVID_UNCERTAIN_CHANNELS);
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
         const auvid_uncertain_equation_t *e = &u->equation[j];
         for (int k = 0; k < e->inputs; ++k) {
-            int code = u->code[e->column_at + k];
-            if (code > INPUT_DELAY) {
-                channel[e->column_at + k] = uncertain_motion(cell, angle, code, j);
+            int code = u->code[e->channel_at + k];
+            if (auvid_uncertain_row(code)->from >= INPUT_FROM_HULL) {
+                channel[e->channel_at + k] = uncertain_motion(cell, angle, code, j);
             }
         }
     }
@@ -371,100 +295,4 @@ void auvid_uncertain_channels(auvid_uncertain_t *u, const auvid_metric_t *m,
     if (u->cfg.current > AUVID_C(0.0)) {
         uncertain_current_columns(u, m, cell, channel);
     }
-}
-
-/* ---- priors ---- */
-
-/* Size of the last estimate of this kind in DoF j; drag that drives counts as none. */
-static auvid_real_t uncertain_size(const auvid_uncertain_t *u, const auvid_metric_t *m,
-                                   auvid_parameter_kind_t kind, int j)
-{
-    int p = uncertain_parameter(m, kind, j);
-    auvid_real_t value = p < 0 ? AUVID_C(0.0) : u->pi[p];
-    bool drag = kind == AUVID_PARAMETER_LINEAR_DRAG || kind == AUVID_PARAMETER_QUADRATIC_DRAG;
-    return auvid_max(drag ? -value : value, AUVID_C(0.0));
-}
-
-/* Half the length of the vehicle [m], roughly: twice the radius of gyration. */
-static auvid_real_t uncertain_half_length(const auvid_uncertain_t *u, const auvid_metric_t *m)
-{
-    auvid_real_t inertia = uncertain_size(u, m, AUVID_PARAMETER_INERTIA, AUVID_YAW);
-    auvid_real_t mass = uncertain_size(u, m, AUVID_PARAMETER_MASS, AUVID_SWAY);
-    return mass > AUVID_C(0.0) ? AUVID_C(2.0) * auvid_sqrt(inertia / mass) : AUVID_C(0.0);
-}
-
-/* sqrt(quadratic + linear at half the largest speed). */
-static auvid_real_t uncertain_drag_size(const auvid_uncertain_t *u, const auvid_metric_t *m, int j)
-{
-    auvid_real_t half = AUVID_C(0.5) * auvid_max(auvid_identifier_speed(m, 2 * j),
-                                                 auvid_identifier_speed(m, 2 * j + 1));
-    auvid_real_t linear = uncertain_size(u, m, AUVID_PARAMETER_LINEAR_DRAG, j);
-    return uncertain_size(u, m, AUVID_PARAMETER_QUADRATIC_DRAG, j) +
-           (half > AUVID_C(0.0) ? linear / half : AUVID_C(0.0));
-}
-
-static auvid_real_t uncertain_own_sigma(const auvid_uncertain_t *u, const auvid_metric_t *m,
-                                        int code, int j)
-{
-    const auvid_uncertain_config_t *cfg = &u->cfg;
-    auvid_real_t half_length = uncertain_half_length(u, m);
-    auvid_real_t surge = uncertain_size(u, m, AUVID_PARAMETER_QUADRATIC_DRAG, AUVID_SURGE);
-    auvid_real_t dry = u->id->dry_mass_kg;
-    switch (code) {
-    case INPUT_DELAY:
-        return cfg->delay_s;
-    case INPUT_ASYMMETRY:
-        return cfg->asymmetry * uncertain_drag_size(u, m, j);
-    case INPUT_FORCE:
-        return cfg->force * m->cfg.tau_max[j];
-    case INPUT_CROSS:
-        return cfg->cross * uncertain_size(u, m, AUVID_PARAMETER_LINEAR_DRAG, AUVID_SWAY) *
-               half_length;
-    case INPUT_LIFT:
-        return cfg->cross * surge *
-               (j == AUVID_SWAY  ? AUVID_C(1.0)
-                : j == AUVID_YAW ? AUVID_C(0.67) * half_length
-                                 : AUVID_C(0.5));
-    default: /* centre of gravity */
-        if (!(dry > AUVID_C(0.0))) {
-            dry = AUVID_C(0.6) * uncertain_size(u, m, AUVID_PARAMETER_MASS, AUVID_SURGE);
-        }
-        return cfg->gravity_m * GRAVITY * dry;
-    }
-}
-
-/* As configured. */
-static auvid_real_t uncertain_configured_sigma(const auvid_uncertain_t *u, const auvid_metric_t *m,
-                                               int code, int j)
-{
-    const auvid_uncertain_config_t *cfg = &u->cfg;
-    auvid_real_t max_N = AUVID_C(0.0);
-    switch (code) {
-    case AUVID_UNCERTAIN_BACKWARD:
-        return cfg->backward;
-    case AUVID_UNCERTAIN_DEAD_BAND:
-        for (int i = 0; i < u->allocation->cfg.thrusters; ++i) {
-            max_N = auvid_max(max_N, u->allocation->cfg.thruster[i].max_N);
-        }
-        return cfg->dead_band * max_N;
-    case AUVID_UNCERTAIN_CURVE:
-        return cfg->curve;
-    case AUVID_UNCERTAIN_INFLOW:
-        return cfg->inflow;
-    case AUVID_UNCERTAIN_SAG:
-        return cfg->sag;
-    case AUVID_UNCERTAIN_LAG:
-        return cfg->lag_s;
-    case AUVID_UNCERTAIN_CURRENT_X:
-    case AUVID_UNCERTAIN_CURRENT_Y:
-        return cfg->current;
-    default:
-        return code < OWN_INPUTS ? cfg->gain : uncertain_own_sigma(u, m, code, j);
-    }
-}
-
-auvid_real_t auvid_uncertain_sigma(const auvid_uncertain_t *u, const auvid_metric_t *m, int code,
-                                   int j)
-{
-    return u->scale * uncertain_configured_sigma(u, m, code, j);
 }

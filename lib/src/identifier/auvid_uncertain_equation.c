@@ -17,7 +17,7 @@ int auvid_uncertain_joint_column(const uncertain_t *u, const auvid_metric_t *m, 
     if (k == e->order - 1) {
         return JOINT_ORDER - 1;
     }
-    return k < e->inputs ? u->code[e->column_at + k]
+    return k < e->inputs ? u->code[e->channel_at + k]
                          : PARAMETERS_AT + auvid_metric_row_parameters(m, j)[k - e->inputs];
 }
 
@@ -73,7 +73,7 @@ static void uncertain_prepare_values(uncertain_t *u, const auvid_metric_t *m, in
     p->drag_at[0] = p->drag_at[1] = e->order;
     for (int k = 0; k < e->order; ++k) {
         p->value[k] = k < e->own         ? u->own[e->own_at + k]
-                      : k < e->inputs    ? u->shared[u->code[e->column_at + k]]
+                      : k < e->inputs    ? u->shared[u->code[e->channel_at + k]]
                       : k < e->order - 1 ? u->pi[index[k - e->inputs]]
                                          : AUVID_C(-1.0);
         p->residual[k] = -p->value[k];
@@ -88,11 +88,11 @@ static void uncertain_prepare_values(uncertain_t *u, const auvid_metric_t *m, in
     }
     p->sag_at = e->order;
     for (int k = 0; k < e->inputs; ++k) {
-        if (u->code[e->column_at + k] == AUVID_UNCERTAIN_SAG) {
+        if (u->code[e->channel_at + k] == AUVID_UNCERTAIN_SAG) {
             p->sag_at = (uint8_t)k;
             p->residual[e->order - 1] += u->work.sag_from * p->value[k];
         }
-        if (!auvid_uncertain_of_hull(u->code[e->column_at + k])) {
+        if (auvid_uncertain_row(u->code[e->channel_at + k])->from != INPUT_FROM_HULL) {
             continue;
         }
         uncertain_project(u, j, k);
@@ -164,7 +164,7 @@ static void uncertain_prepare_slopes(uncertain_t *u, const auvid_metric_t *m, in
             share = lambda;
             side = mass > AUVID_C(0.0) ? a[index[k - e->inputs]] / mass : AUVID_C(0.0);
             p->slope[k] = share * side;
-        } else if (auvid_uncertain_of_thrust(u->code[e->column_at + k])) {
+        } else if ((e->of_thrust >> k & 1u) != 0) {
             side = zz > AUVID_C(0.0) ? uncertain_product(u, j, k, e->order - 1, weight) / zz
                                      : AUVID_C(0.0);
             side -= k == p->sag_at ? u->work.sag_from : AUVID_C(0.0);
@@ -255,7 +255,7 @@ void auvid_uncertain_add_own_prior(uncertain_t *u, const auvid_metric_t *m, int 
 {
     const auvid_uncertain_equation_t *e = &u->equation[j];
     auvid_real_t row[AUVID_UNCERTAIN_ORDER] = {AUVID_C(0.0)};
-    auvid_real_t sigma = auvid_uncertain_sigma(u, m, u->code[e->column_at + k], j);
+    auvid_real_t sigma = auvid_uncertain_sigma(u, m, u->code[e->channel_at + k], j);
     row[k] = AUVID_C(1.0) / auvid_max(sigma, AUVID_C(1e-6));
     auvid_qr_update(u->work.part.factor, e->order, k, row);
 }
@@ -264,10 +264,10 @@ void auvid_uncertain_keep_own(uncertain_t *u, const auvid_metric_t *m, int j)
 {
     const auvid_uncertain_equation_t *e = &u->equation[j];
     auvid_real_t *factor = u->work.part.factor, *side = u->work.part.own_side;
+    memcpy(u->work.own_rows + e->own_rows_at, factor,
+           (size_t)auvid_qr_row(e->order, e->own) * sizeof *factor);
     for (int i = 0; i < e->own; ++i) {
         const auvid_real_t *r = factor + auvid_qr_row(e->order, i) - i;
-        auvid_real_t *to = u->work.own_rows[e->own_at + i];
-        memcpy(to + i, r + i, (size_t)(e->order - i) * sizeof *r);
         side[i] = auvid_abs(r[i]) > AUVID_C(0.0) ? side[i] / r[i] : AUVID_C(0.0);
         for (int k = i + 1; k < e->order - 1; ++k) {
             auvid_real_t *from =

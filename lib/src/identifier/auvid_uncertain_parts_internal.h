@@ -5,22 +5,9 @@
 #ifndef AUVID_UNCERTAIN_PARTS_INTERNAL_H
 #define AUVID_UNCERTAIN_PARTS_INTERNAL_H
 
-#include "auvid/uncertain.h"
+#include "auvid_uncertain_table_internal.h"
 #include "../metric/auvid_confidence_notes_internal.h"
 #include "../metric/auvid_metric_evaluator_internal.h"
-
-/** What a column is: below OWN_INPUTS one of auvid_uncertain_input_t. */
-enum {
-    OWN_INPUTS = AUVID_UNCERTAIN_SHARED,
-    INPUT_DELAY = OWN_INPUTS,
-    INPUT_ASYMMETRY,
-    INPUT_FORCE,
-    INPUT_CROSS,
-    INPUT_LIFT,
-    INPUT_ROLL,  /* centre of gravity astern */
-    INPUT_PITCH, /* centre of gravity to port */
-    INPUTS
-};
 
 /** Where a parameter is in the joint factor; its last column is the thrust. */
 enum { PARAMETERS_AT = AUVID_UNCERTAIN_SHARED, JOINT_ORDER = AUVID_UNCERTAIN_JOINT };
@@ -45,28 +32,12 @@ enum {
     SOLVE_DONE
 };
 
-/** Is the column formed from the thrust? Else from the motion. */
-static inline bool auvid_uncertain_of_thrust(int code)
-{
-    return code <= AUVID_UNCERTAIN_LAG || (code >= AUVID_UNCERTAIN_GAIN && code <= INPUT_DELAY);
-}
-
-/** Is it a force of the hull, made orthogonal to its drag? */
-static inline bool auvid_uncertain_of_hull(int code)
-{
-    return code >= INPUT_ASYMMETRY && code <= INPUT_LIFT;
-}
-
 /** Lay out the columns of all equations. @return AUVID_OK; AUVID_ERR_SIZE */
 auvid_status_t auvid_uncertain_lay_out(auvid_uncertain_t *u, const auvid_metric_t *m);
 
 /** Compute the channels of a cell: the inputs of each equation, and last its thrust. */
 void auvid_uncertain_channels(auvid_uncertain_t *u, const auvid_metric_t *m,
                               const auvid_sample_t *cell, bool first, auvid_real_t *channel);
-
-/** Returns the standard deviation of the prior of a column of DoF j. */
-auvid_real_t auvid_uncertain_sigma(const auvid_uncertain_t *u, const auvid_metric_t *m, int code,
-                                   int j);
 
 /** Forget the rows. */
 void auvid_uncertain_restart(auvid_uncertain_t *u);
@@ -101,6 +72,13 @@ void auvid_uncertain_keep_own(auvid_uncertain_t *u, const auvid_metric_t *m, int
 /** Rotate row i of the DoF's factor, an own input's no more, into the joint factor. */
 void auvid_uncertain_transfer(auvid_uncertain_t *u, const auvid_metric_t *m, int j, int i);
 
+/** Row of own input i of an equation, by column, from column i on. */
+static inline const auvid_real_t *
+auvid_uncertain_own_row(const auvid_uncertain_t *u, const auvid_uncertain_equation_t *e, int i)
+{
+    return u->work.own_rows + e->own_rows_at + auvid_qr_row(e->order, i) - i;
+}
+
 /** Row i of the joint factor, by column, from column i on. */
 static inline const auvid_real_t *auvid_uncertain_joint_row(const auvid_uncertain_t *u, int i)
 {
@@ -123,9 +101,6 @@ void auvid_uncertain_begin_search(auvid_uncertain_t *u);
 
 /** Evaluate a point. @return has the search ended? Then its result is kept. */
 bool auvid_uncertain_search(auvid_uncertain_t *u);
-
-/** Returns the class of an input; AUVID_CAUSE_COUNT: it has none. */
-auvid_cause_class_t auvid_uncertain_class(int code);
 
 /** Consider input k of DoF j as a cause. */
 void auvid_uncertain_consider(auvid_uncertain_t *u, int j, int k);

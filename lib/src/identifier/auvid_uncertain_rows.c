@@ -40,7 +40,7 @@ static void uncertain_rotate_pending(auvid_uncertain_t *u)
         if ((u->recorded.pending >> k & 1) != 0 && !auvid_uncertain_reads(u, k / 2)) {
             const auvid_uncertain_equation_t *e = &u->equation[k / 2];
             auvid_qr_update(u->factor[k % 2] + e->factor_at, e->order, 0,
-                            u->recorded.band[k % 2] + e->column_at);
+                            u->recorded.band[k % 2] + e->row_at);
             u->recorded.pending = (uint16_t)(u->recorded.pending & ~(1u << k));
             --most;
         }
@@ -72,19 +72,19 @@ static void uncertain_accumulate(void *context, uint32_t slot, bool begins,
     auvid_uncertain_t *u = context;
     auvid_real_t *row = u->recorded.accumulator[slot];
     if (begins) {
-        auvid_clear(row, AUVID_UNCERTAIN_COLUMNS);
+        auvid_clear(row, AUVID_UNCERTAIN_CHANNELS);
     }
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
         const auvid_uncertain_equation_t *e = &u->equation[j];
         const auvid_real_t by[2] = {motion[j >= AUVID_ROLL], thrust[j >= AUVID_ROLL]};
-        const auvid_real_t *from = u->recorded.channel + e->column_at;
-        auvid_real_t *to = row + e->column_at;
+        const auvid_real_t *from = u->recorded.channel + e->channel_at;
+        auvid_real_t *to = row + e->channel_at;
         uint32_t of_thrust = e->of_thrust;
         for (int k = 0; k < e->inputs; ++k, of_thrust >>= 1) {
             to[k] += by[of_thrust & 1u] * from[k];
         }
         if (e->order > 0) {
-            to[e->order - 1] += by[1] * from[e->order - 1];
+            to[e->inputs] += by[1] * from[e->inputs];
         }
     }
 }
@@ -95,13 +95,16 @@ static void uncertain_take(void *context, int j, uint32_t slot, const auvid_real
     auvid_uncertain_t *u = context;
     auvid_uncertain_rows_t *r = &u->recorded;
     const auvid_uncertain_equation_t *e = &u->equation[j];
-    int at = e->column_at;
-    auvid_real_t *row = r->accumulator[slot] + at;
+    int at = e->row_at;
+    const auvid_real_t *channel = r->accumulator[slot] + e->channel_at;
+    auvid_real_t row[AUVID_UNCERTAIN_ORDER];
     if (regressor == NULL || e->order == 0 || r->begun_before > 0) {
         r->successive[j] = 0;
         return;
     }
+    memcpy(row, channel, e->inputs * sizeof *row);
     memcpy(row + e->inputs, regressor, (size_t)(e->order - 1 - e->inputs) * sizeof *row);
+    row[e->order - 1] = channel[e->inputs];
     if (auvid_all_within(row, e->order, METRIC_LARGEST_ENTRY) != AUVID_OK) {
         r->successive[j] = 0;
         return;

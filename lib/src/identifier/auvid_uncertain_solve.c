@@ -62,7 +62,7 @@ static void uncertain_keep(uncertain_t *u, const auvid_metric_t *m, const auvid_
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
         const auvid_uncertain_equation_t *e = &u->equation[j];
         for (int i = auvid_uncertain_has_rows(u, j) ? e->own - 1 : -1; i >= 0; --i) {
-            const auvid_real_t *r = u->work.own_rows[e->own_at + i];
+            const auvid_real_t *r = auvid_uncertain_own_row(u, e, i);
             auvid_real_t sum = AUVID_C(0.0);
             for (int k = i + 1; k < e->order; ++k) {
                 sum += r[k] * (k < e->own ? u->own[e->own_at + k]

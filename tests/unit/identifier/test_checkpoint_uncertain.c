@@ -382,6 +382,12 @@ static void test_impossible_values_are_refused(void)
     OF_INPUTS(scale = 3);
     OF_INPUTS(estimate.covariance[0] = AUVID_C(2e37));
     OF_INPUTS(estimate.confidence.note[0] = AUVID_NOTE_UNCHECKED + 1);
+    OF_INPUTS(causes.order[0] = AUVID_CAUSE_COUNT);
+    uncertain.causes.cause[0].named = true;
+    OF_INPUTS(causes.cause[0].input = AUVID_UNCERTAIN_GAIN); /* of no class */
+    uncertain.causes.cause[0].named = false;
+    OF_INPUTS(causes.cause[AUVID_CAUSE_SAG].sigma = (auvid_real_t)NAN);
+    OF_INPUTS(work.causes.cause[0].dof = AUVID_DOF_COUNT);
     OF_INPUTS(work.solving = false); /* what was to be assessed then is lost */
     OF_INPUTS(work.phase = SOLVE_DONE + 1);
     OF_INPUTS(work.pass = PASSES);
@@ -396,7 +402,7 @@ static void test_impossible_values_are_refused(void)
     OF_INSTRUMENTS(waiting = 1 << AUVID_ROLL);
     OF_INSTRUMENTS(past[31].nu[5] = AUVID_C(1e30));
     OF_INSTRUMENTS(rows[0] = -1);
-    OF_INSTRUMENTS(wide[0][0] = (auvid_real_t)NAN);
+    OF_INSTRUMENTS(wide[0] = (auvid_real_t)NAN);
     OF_INSTRUMENTS(lagged[0][0] = (auvid_real_t)NAN);
     run_to_phase(SOLVE_SHARED);
     OF_INPUTS(work.dof = 0); /* of no DoF */

@@ -1,0 +1,134 @@
+/**
+ * @file auvid_uncertain_table_internal.h
+ * Private: the kinds of uncertain inputs, one row each. Columns, priors, causes and sentences read
+ * this table. A new input is a row, its enumerator, its member of auvid_uncertain_config_t, and its
+ * formula in auvid_uncertain_columns.c.
+ */
+#ifndef AUVID_UNCERTAIN_TABLE_INTERNAL_H
+#define AUVID_UNCERTAIN_TABLE_INTERNAL_H
+
+#include "auvid/uncertain.h"
+
+/** What a column is: below OWN_INPUTS one of auvid_uncertain_input_t. */
+enum {
+    OWN_INPUTS = AUVID_UNCERTAIN_SHARED,
+    INPUT_DELAY = OWN_INPUTS,
+    INPUT_ASYMMETRY,
+    INPUT_FORCE,
+    INPUT_CROSS,
+    INPUT_LIFT,
+    INPUT_ROLL,  /* centre of gravity astern */
+    INPUT_PITCH, /* centre of gravity to port */
+    INPUTS
+};
+
+/** What a column is formed from. Those of the hull are made orthogonal to its drag. */
+enum {
+    INPUT_FROM_THRUST, /* of all thrusters */
+    INPUT_FROM_GAIN,   /* of one thruster */
+    INPUT_FROM_CURRENT,
+    INPUT_FROM_HULL,
+    INPUT_FROM_WEIGHT
+};
+
+#define UNCERTAIN_TIMING                                                                           \
+    "thrust acts later than told, by ", "thrust acts earlier than told, by ", "s",                 \
+        "check time stamps and the propellers' lag"
+#define UNCERTAIN_WATER "use the DVL's water lock, or look for a cable"
+#define UNCERTAIN_MOUNT "check lever arms and mounting of DVL and IMU"
+#define UNCERTAIN_TRIM "check the trim and the IMU's mounting"
+
+/**
+ * ROW(input, deviation, from, equations, prior, class, above, below, unit, remedy), in the order of
+ * the inputs; the gains of all thrusters have one row:
+ *   input      what the column is
+ *   deviation  member of auvid_uncertain_config_t; 0: there is no column
+ *   from       INPUT_FROM_<from>
+ *   equations  of which DoF: a sum of names, PLANAR is SURGE + SWAY + YAW; or of those with thrust
+ *              (ACTUATED), quadratic drag (DRAGGED), no constant force as parameter (UNFORCED)
+ *   prior      the column's standard deviation: AS_CONFIGURED, or by a function of
+ *              auvid_uncertain_table.c; then the cause's value is in the unit of the COLUMN(), or
+ *              RELATIVE(), as configured
+ *   class      AUVID_CAUSE_<class>; COUNT: never a cause
+ * and the sentence of the cause:
+ *   above      what a value above zero means
+ *   below      and one below
+ *   unit       of its size; "%...": a part of one; NULL: no size
+ *   remedy
+ */
+#define AUVID_UNCERTAIN_TABLE(ROW)                                                                 \
+    ROW(AUVID_UNCERTAIN_BACKWARD, backward, THRUST, ACTUATED, AS_CONFIGURED, CURVE,                \
+        "backward thrust is weaker than told, by ", "backward thrust is stronger than told, by ",  \
+        "%", "measure the thrusters astern")                                                       \
+    ROW(AUVID_UNCERTAIN_DEAD_BAND, dead_band, THRUST, ACTUATED, COLUMN(table_dead_band), CURVE,    \
+        "the dead band is wider than told, by ", "the dead band is narrower than told, by ", "N",  \
+        "measure the thrusters at small commands")                                                 \
+    ROW(AUVID_UNCERTAIN_CURVE, curve, THRUST, ACTUATED, AS_CONFIGURED, CURVE,                      \
+        "the thrust curve's exponent is higher than told, by ",                                    \
+        "the thrust curve's exponent is lower than told, by ", "",                                 \
+        "measure thrust at half command")                                                          \
+    ROW(AUVID_UNCERTAIN_INFLOW, inflow, THRUST, ACTUATED, AS_CONFIGURED, INFLOW,                   \
+        "thrust falls with speed, by ", "thrust rises with speed, by ", "% per m/s",               \
+        "measure it under way, or check the drag's law")                                           \
+    ROW(AUVID_UNCERTAIN_SAG, sag, THRUST, ACTUATED, AS_CONFIGURED, SAG,                            \
+        "thrust falls with time, by ", "thrust rises with time, by ", "% in 4 minutes",            \
+        "watch the battery, look for fouling")                                                     \
+    ROW(AUVID_UNCERTAIN_LAG, lag_s, THRUST, ACTUATED, AS_CONFIGURED, TIMING, UNCERTAIN_TIMING)     \
+    ROW(AUVID_UNCERTAIN_CURRENT_X, current, CURRENT, PLANAR, AS_CONFIGURED, CURRENT,               \
+        "a current sets to the north, with ", "a current sets to the south, with ", "m/s",         \
+        UNCERTAIN_WATER)                                                                           \
+    ROW(AUVID_UNCERTAIN_CURRENT_Y, current, CURRENT, PLANAR, AS_CONFIGURED, CURRENT,               \
+        "a current sets to the east, with ", "a current sets to the west, with ", "m/s",           \
+        UNCERTAIN_WATER)                                                                           \
+    ROW(AUVID_UNCERTAIN_GAIN, gain, GAIN, ACTUATED, AS_CONFIGURED, COUNT, NULL, NULL, NULL, NULL)  \
+    ROW(INPUT_DELAY, delay_s, THRUST, ACTUATED, AS_CONFIGURED, TIMING, UNCERTAIN_TIMING)           \
+    ROW(INPUT_ASYMMETRY, asymmetry, HULL, DRAGGED, RELATIVE(table_asymmetry), ASYMMETRY,           \
+        "drag is larger forward, by ", "drag is smaller forward, by ", "%",                        \
+        "the model has one drag for both directions")                                              \
+    ROW(INPUT_FORCE, force, HULL, UNFORCED, COLUMN(table_force), MOUNTING,                         \
+        "a constant force acts, of ", "a constant force acts, of -", "N", UNCERTAIN_MOUNT)         \
+    ROW(INPUT_CROSS, cross, HULL, SWAY + YAW, RELATIVE(table_cross), MOUNTING,                     \
+        "sway and yaw act on each other", "sway and yaw act on each other", NULL, UNCERTAIN_MOUNT) \
+    ROW(INPUT_LIFT, cross, HULL, SWAY + HEAVE + YAW, RELATIVE(table_lift), MOUNTING,               \
+        "the hull has lift", "the hull has lift", NULL, UNCERTAIN_MOUNT)                           \
+    ROW(INPUT_ROLL, gravity_m, WEIGHT, YAW, RELATIVE(table_weight), MOUNTING,                      \
+        "the centre of gravity is astern, by ", "the centre of gravity is ahead, by ", "m",        \
+        UNCERTAIN_TRIM)                                                                            \
+    ROW(INPUT_PITCH, gravity_m, WEIGHT, YAW, RELATIVE(table_weight), MOUNTING,                     \
+        "the centre of gravity is to port, by ", "the centre of gravity is to starboard, by ",     \
+        "m", UNCERTAIN_TRIM)
+
+/** The numbers of a row. */
+typedef struct {
+    auvid_real_t (*prior)(const auvid_uncertain_t *u, const auvid_metric_t *m,
+                          auvid_real_t deviation, int j);
+    bool relative;
+    uint8_t deviation_at; /* in auvid_uncertain_config_t [bytes] */
+    uint8_t from, class;
+    uint16_t equations;
+} auvid_uncertain_row_t;
+
+extern const auvid_uncertain_row_t auvid_uncertain_table[];
+
+/** Row of an input. */
+#define UNCERTAIN_ROW(input)                                                                       \
+    ((int)(input) < (int)AUVID_UNCERTAIN_GAIN ? (int)(input)                                       \
+     : (int)(input) < (int)OWN_INPUTS         ? (int)AUVID_UNCERTAIN_GAIN                          \
+                                              : (int)(input) - (AUVID_MAX_THRUSTERS - 1))
+
+static inline const auvid_uncertain_row_t *auvid_uncertain_row(int input)
+{
+    return &auvid_uncertain_table[UNCERTAIN_ROW(input)];
+}
+
+/** Returns the configured standard deviation of an input. */
+auvid_real_t auvid_uncertain_configured(const auvid_uncertain_t *u, int input);
+
+/** Returns the standard deviation of the prior of a column of DoF j. */
+auvid_real_t auvid_uncertain_sigma(const auvid_uncertain_t *u, const auvid_metric_t *m, int input,
+                                   int j);
+
+/** Has DoF j's equation a column of this input? */
+bool auvid_uncertain_has(const auvid_uncertain_t *u, const auvid_metric_t *m, int input, int j);
+
+#endif

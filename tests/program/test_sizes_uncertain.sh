@@ -1,0 +1,80 @@
+#!/usr/bin/env bash
+# AUVID_MAX_UNCERTAIN: which columns of uncertain inputs fit, and what is refused?
+set -uo pipefail
+cd "$(dirname "$0")/../.." || exit 1
+scratch=$(mktemp -d)
+trap 'rm -rf "$scratch"' EXIT
+
+cat >"$scratch/fits.c" <<'END_C'
+#include <stdio.h>
+#include <string.h>
+#include "auvid/auvid.h"
+static auvid_identifier_t id, before;
+static auvid_uncertain_t uncertain;
+static auvid_allocation_t thrusters;
+int main(int count, char **option)
+{
+    auvid_identifier_config_t cfg;
+    auvid_uncertain_config_t inputs;
+    auvid_uncertain_defaults(&inputs);
+#if AUVID_MAX_PARAMETERS >= 22
+    auvid_identifier_defaults(&cfg, &auvid_bluerov2_heavy);
+    auvid_allocation_init(&thrusters, &auvid_allocation_bluerov2_heavy);
+#else
+    auvid_identifier_defaults(&cfg, &auvid_girona500);
+    auvid_allocation_init(&thrusters, &auvid_allocation_girona500);
+#endif
+    if (count > 1) {
+        inputs.current = 0;
+    }
+    if (count > 1 && strcmp(option[1], "exact") == 0) {
+        inputs = (auvid_uncertain_config_t){.nominal_lag_s = AUVID_C(0.15)};
+    }
+    if (auvid_identifier_init(&id, &cfg) < 0) {
+        return 1;
+    }
+    before = id;
+    auvid_status_t status = auvid_identifier_attach_uncertain(&id, &uncertain, &inputs, &thrusters);
+    printf("%s, %u bytes\n", auvid_status_str(status), (unsigned)sizeof uncertain);
+    return status == AUVID_OK ? 0 : status == AUVID_ERR_SIZE && memcmp(&id, &before, sizeof id) == 0
+           ? 2 : 1;
+}
+END_C
+
+# report WHAT EXPECTED ACTUAL
+report() {
+    if [ "$2" = "$3" ]; then
+        echo "ok - $1"
+    else
+        echo "not ok - $1: $3 instead of $2"
+        cat "$scratch/output"
+    fi
+}
+# The library without the bus and the models in one translation unit: it takes a second.
+printf '#include "%s"\n' "$PWD"/lib/src/{base,navigation,metric,search,excitation,identifier}/*.c \
+    "$scratch/fits.c" >"$scratch/unity.c"
+build() {
+    gcc -std=c11 -ffp-contract=off -O0 -Ilib/include "$@" -o "$scratch/fits" "$scratch/unity.c" \
+        lib/src/models/*.c >"$scratch/output" 2>&1
+    report "builds with sizes $*" 0 $?
+}
+attaches() {
+    "$scratch/fits" "$@" >"$scratch/output" 2>&1
+    echo $?
+}
+bytes() {
+    "$scratch/fits" | sed 's/.*, \(.*\) bytes/\1/'
+}
+
+build -DAUVID_REAL_FLOAT
+report "default: Girona500 with five thrusters" 0 "$(attaches)"
+default=$(bytes)
+build -DAUVID_MAX_UNCERTAIN=49
+report "49 columns: refused" 2 "$(attaches)"
+report "49 columns: all but the current" 0 "$(attaches still)"
+report "49 columns: a tenth less memory" 1 $((10 * $(bytes) < 9 * default))
+build -DAUVID_MAX_UNCERTAIN=0
+report "no columns: refused" 2 "$(attaches exact)"
+report "no columns: a third of the memory" 1 $((3 * $(bytes) < default))
+build -DAUVID_MAX_PARAMETERS=22 -DAUVID_MAX_UNCERTAIN=98
+report "98 columns: BlueROV2 Heavy in six degrees of freedom" 0 "$(attaches)"
