@@ -12,9 +12,9 @@
  * the oldest first. The prediction reveals a changed vehicle, and an estimate worse than the one
  * before. On the regressor path the cost is convex, and the R factor gives its minimum within the
  * bounds: the search confirms it, with one population and one poll of the directions, unless it is
- * `paper` (types.h). For a model on the residual path the delay is one more parameter of the search, and one
- * set can wait; while it waits, no rows are recorded. In the regressor path (sets - 1) / 2 sets can
- * wait; when more are completed, the oldest is lost.
+ * `paper` (types.h). For a model on the residual path the delay is one more parameter of the
+ * search, and one set can wait; while it waits, no rows are recorded. In the regressor path (sets -
+ * 1) / 2 sets can wait; when more are completed, the oldest is lost.
  *
  * Cost of step: one prediction of the filter, the updates that arrived, at most
  * AUVID_CELLS_PER_STEP cells of the recorder. Cost of work: at most `budget` units. A unit is about

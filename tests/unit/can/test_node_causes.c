@@ -46,7 +46,12 @@ static void name_cause(auvid_cause_class_t class, int input, auvid_dof_t dof, au
 {
     auvid_causes_t *c = &uncertain.causes;
     auvid_real_t share = AUVID_C(0.3) - AUVID_C(0.04) * (auvid_real_t)c->named;
-    c->cause[class] = (auvid_cause_t){value, AUVID_C(0.01), share, (uint8_t)input, dof, true};
+    c->cause[class] = (auvid_cause_t){.value = value,
+                                      .sigma = AUVID_C(0.01),
+                                      .share = share,
+                                      .input = (uint8_t)input,
+                                      .dof = (uint8_t)dof,
+                                      .named = true};
     c->order[c->named++] = (uint8_t) class;
 }
 
@@ -166,7 +171,7 @@ static void test_a_node_without_uncertain_inputs_does_not_report_them(void)
 static void test_a_receiver_says_the_same_words_on_every_input(void)
 {
     for (int input = 0; input < INPUTS; ++input) {
-        auvid_cause_class_t class = auvid_uncertain_class(input);
+        auvid_cause_class_t class = auvid_uncertain_row(input)->class;
         for (int dof = 0; dof < AUVID_DOF_COUNT && class < AUVID_CAUSE_COUNT; ++dof) {
             setUp();
             memset(&uncertain.causes, 0, sizeof uncertain.causes);

@@ -404,6 +404,10 @@ static void test_impossible_values_are_refused(void)
     OF_INSTRUMENTS(rows[0] = -1);
     OF_INSTRUMENTS(wide[0] = (auvid_real_t)NAN);
     OF_INSTRUMENTS(lagged[0][0] = (auvid_real_t)NAN);
+}
+
+static void test_impossible_steps_of_a_solution_are_refused(void)
+{
     run_to_phase(SOLVE_SHARED);
     OF_INPUTS(work.dof = 0); /* of no DoF */
     OF_INPUTS(work.row = AUVID_UNCERTAIN_SHARED);
@@ -525,6 +529,7 @@ int main(void)
     RUN_TEST(test_one_of_other_inputs_or_thrusters_is_refused);
     RUN_TEST(test_every_damaged_byte_is_detected_and_every_cut);
     RUN_TEST(test_impossible_values_are_refused);
+    RUN_TEST(test_impossible_steps_of_a_solution_are_refused);
     RUN_TEST(test_a_forged_checkpoint_is_refused_or_harmless);
     return UNITY_END();
 }
