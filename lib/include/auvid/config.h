@@ -137,10 +137,11 @@
 #endif
 
 /** Largest number of columns of uncertain inputs (uncertain.h), all equations together. With the
- * default priors Girona500 and its five thrusters need 55, a BlueROV2 Heavy in six degrees of
- * freedom 98. An error of all thrusters has a column in each equation with thrust, the gain of one
- * thruster in each equation in which it acts, and a current in three. An input with a deviation of
- * 0 has none. 0: no code for them, auvid_identifier_attach_uncertain is refused. 0..256. */
+ * default priors Girona500 and its five thrusters need 55, an ROV with four horizontal and two
+ * vertical ones 62, a BlueROV2 Heavy in six degrees of freedom 98. An error of all thrusters has a
+ * column in each equation with thrust, the gain of one thruster in each equation in which it acts,
+ * and a current in three. An input with a deviation of 0 has none. 0: no code for them,
+ * auvid_identifier_attach_uncertain is refused. 0..256. */
 #ifndef AUVID_MAX_UNCERTAIN
 #define AUVID_TOKEN_UNCERTAIN 0
 #if AUVID_MAX_PARAMETERS >= 22
