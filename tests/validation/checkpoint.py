@@ -31,8 +31,8 @@ KEPT = tuple("actuation." + name for name in (
     "excitation.sequence_us", "excitation.run_us", "excitation.heaves",
     "guard.cfg.", "guard.ready"))
 # Members of unions are used in other phases of work than the rest.
-ASK, LINEARISE, CONFIDENCE, GLOBAL, LOCAL = 6, 9, 10, 1, 6
-LIVE = (("confidence.", CONFIDENCE, GLOBAL), ("optimum.", LINEARISE, GLOBAL),
+MERGE, ASK, CONFIDENCE, GLOBAL, LOCAL = 5, 6, 10, 1, 6
+LIVE = (("confidence.", CONFIDENCE, GLOBAL), ("optimum.", MERGE, GLOBAL),
         ("optimizer.crs.", ASK, GLOBAL),
         ("optimizer.", ASK, LOCAL), ("", ASK, GLOBAL))
 # Pointers that saving follows. Of the last two, it saves whether they are NULL.
@@ -116,8 +116,9 @@ class Subject:
         self.id.work.phase, self.id.work.searching = phase, phase == ASK
         self.id.metric.result.excited = self.id.metric.result.dof_rows[0] = self.id.work.active = 1
         self.id.metric.sets.held = True
-        self.vehicle.path = self.regressor if phase == LINEARISE else self.residual
-        if phase == LINEARISE:
+        self.vehicle.path = self.regressor if phase == MERGE else self.residual
+        self.id.work.seeks_optimum = self.id.work.spent = phase == MERGE
+        if phase == MERGE:
             self.id.optimum.n = 1
             return
         if phase == CONFIDENCE:
