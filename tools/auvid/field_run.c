@@ -64,8 +64,10 @@ void field_run_identifier(const field_run_config_t *config, auvid_averaged_t *av
         cfg->metric.tau_max[j] = (auvid_real_t)amplitude[j]; /* 0: auvid's choice */
     }
     if (field->vehicle == FIELD_ROV20) {
-        (void)auvid_averaged_init(averaged, model, cfg->recorder.cell_us, DVL_US);
-        cfg->vehicle = cfg->metric.vehicle = &averaged->vehicle;
+        if (model->path == &auvid_path_regressor) {
+            (void)auvid_averaged_init(averaged, model, cfg->recorder.cell_us, DVL_US);
+            cfg->vehicle = cfg->metric.vehicle = &averaged->vehicle;
+        }
         cfg->metric.half_width[1] = 4;
     }
     cfg->search.seed = field->seed;
@@ -282,8 +284,11 @@ bool field_run(field_run_t *run, const field_run_config_t *config, field_record_
     memset(run, 0, sizeof *run);
     memset(record, 0, sizeof *record);
     field_run_identifier(config, &run->averaged, cfg);
-    if (!field_init(&run->field, &config->field) || auvid_identifier_init(&run->id, cfg) < 0 ||
-        auvid_identifier_attach_change_test(&run->id, &run->change) < 0 || !attach(run, config)) {
+    if (!field_init(&run->field, &config->field) ||
+        (config->configure != NULL && !config->configure(cfg)) ||
+        auvid_identifier_init(&run->id, cfg) < 0 ||
+        auvid_identifier_attach_change_test(&run->id, &run->change) < 0 || !attach(run, config) ||
+        (config->attach != NULL && !config->attach(&run->id))) {
         return false;
     }
     record_motion(run, config, record);

@@ -27,6 +27,10 @@ typedef struct {
     bool reference; /**< with the reference of the driver (uncertain.h); without uncertain
                          inputs these are exact */
     const auvid_vehicle_t *model; /**< NULL: as above; else the first parameters are Girona500's */
+    /** With a model: completes its configuration; attaches what it needs. NULL: nothing. Returns
+     * false if the library refuses it. */
+    bool (*configure)(auvid_identifier_config_t *cfg);
+    bool (*attach)(auvid_identifier_t *id);
     uint32_t sets;   /**< excited: number of sets of 30 s; the plan is repeated as needed */
     uint32_t budget; /**< work units per tick */
 } field_run_config_t;

@@ -10,7 +10,12 @@
  * first recorded set is tested against the record. If the two do not belong to the same vehicle,
  * the record is discarded; then the identifier behaves as after a cold start.
  *
- * A model on the residual path uses the record's parameters only as a point to search from.
+ * A model on the residual path uses a record's parameters only as a point to search from. The prior
+ * of auvid_prior_set and auvid_thrusters_attach_prior acts there. The search counts it 15 times as
+ * much as its standard errors say: errors of the model must not move what is known. It is tested
+ * after the search, against 15 times the usual limit; if it is discarded, the identifier searches
+ * again without it. At least one mass or gain must be known (metric.fixed): a prior does not keep
+ * the scale of all forces from shrinking.
  *
  * Called from the control task, between ticks. Cost: checksums over the record and the names of the
  * model. Memory: the record, which the caller owns. The bytes are the same on every machine:
@@ -29,7 +34,7 @@ extern "C" {
 enum { AUVID_PRIOR_BYTES = 236 };
 
 /** Prior knowledge: parameters estimated before the first set was recorded. */
-typedef struct {
+typedef struct auvid_prior {
     auvid_real_t pi[AUVID_MAX_PARAMETERS];    /**< means, in the parameters' units */
     auvid_real_t sigma[AUVID_MAX_PARAMETERS]; /**< standard errors, > 0 */
     /** mean square of the effective noise divided by that of the residual (estimate.h), > 0 */

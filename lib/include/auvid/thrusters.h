@@ -33,6 +33,10 @@
  * metric.free). auvid_thrusters_configure also accepts a known parameter with little effect, but
  * then the estimates are poor.
  *
+ * Prior: In field mixtures (tests/vehicles/test_thrusters_field.c) free thrusters absorb what the
+ * model does not contain, and then masses and drags are wrong. If there is a data sheet, fix the
+ * forward gain, fill `sheet`, and call auvid_thrusters_attach_prior.
+ *
  * A restart (checkpoint.h) also needs the log. Save `state` and the log's bytes together with the
  * checkpoint, and restore them after auvid_thrusters_configure.
  *
@@ -67,6 +71,8 @@ extern "C" {
 #endif
 
 struct auvid_identifier_config; /* identifier.h */
+struct auvid_identifier;
+struct auvid_prior; /* prior.h */
 
 /** Largest number of groups of equal thrusters. */
 #define AUVID_THRUSTERS_GROUPS 4
@@ -85,6 +91,21 @@ typedef enum {
  * contains a margin of 9 s for the lag and the recorder's delay. period_us: slot length [us]. */
 #define AUVID_THRUSTERS_SLOTS(sets, set_us, period_us)                                             \
     ((((sets) + 1u) * (set_us) + 9000000u) / (period_us))
+
+/** What a data sheet says of a group of thrusters, and its standard deviations. Only
+ * auvid_thrusters_attach_prior uses it. A deviation of 0: this parameter has no prior; others are
+ * 1e-4..1. */
+typedef struct {
+    auvid_real_t gain;            /**< forward [N per unit], 0..gain_max, if the forward gain is
+                                       free; default 0: free gains have no prior */
+    auvid_real_t backward;        /**< backward gain over forward gain, 0..100; default 1 */
+    auvid_real_t dead_band;       /**< [units], 0..dead_band_max; default 0 */
+    auvid_real_t lag_s;           /**< [s], 0..2; default 0.15 */
+    auvid_real_t gain_sigma;      /**< relative; default 0.05 */
+    auvid_real_t backward_sigma;  /**< relative; default 0.05 */
+    auvid_real_t dead_band_sigma; /**< relative to command_max; default 0.012 */
+    auvid_real_t lag_sigma_s;     /**< [s]; default 0.06 */
+} auvid_thrusters_sheet_t;
 
 /** Configuration; copied at init. */
 typedef struct {
@@ -113,6 +134,7 @@ typedef struct {
                              time */
     int16_t *log;       /**< [slots * thrusters], owned by the caller, must outlive the thrusters */
     uint32_t slots;     /**< see AUVID_THRUSTERS_SLOTS; >= 1, slots * period_us <= 4e9 */
+    auvid_thrusters_sheet_t sheet[AUVID_THRUSTERS_GROUPS]; /**< by group */
 } auvid_thrusters_config_t;
 
 /** Geometry of rows in the log. Private. */
@@ -183,6 +205,22 @@ auvid_status_t auvid_thrusters_init(auvid_thrusters_t *thrusters,
  * AUVID_ERR_SIZE (the log is too short for this number of sets). If refused, nothing changes. */
 auvid_status_t auvid_thrusters_configure(auvid_thrusters_t *thrusters,
                                          struct auvid_identifier_config *cfg);
+
+#define auvid_thrusters_attach_prior AUVID_SIZED(auvid_thrusters_attach_prior)
+/** Attaches the data sheet of each group (auvid_thrusters_config_t.sheet) to the identifier as a
+ * prior of the free parameters. Call it once, between auvid_identifier_init and the first step, in
+ * place of auvid_identifier_attach_prior; prior.h says what it does on the residual path.
+ *
+ * The forward gains are best known (metric.fixed), as in the data sheet. Then the hull's
+ * parameters scale with the thrust, and their standard errors contain
+ * auvid_uncertainty_t.thrust_scale.
+ * @param storage written; must outlive the identifier
+ * @return AUVID_OK; AUVID_ERR_NULL; AUVID_ERR_STATE (thrusters or identifier not initialised);
+ * AUVID_ERR_MODEL (the identifier has another model); AUVID_ERR_ATTACHED (a prior is attached
+ * already); AUVID_ERR_STARTED (it has stepped). After an error nothing has changed. */
+auvid_status_t auvid_thrusters_attach_prior(auvid_thrusters_t *thrusters,
+                                            struct auvid_identifier *id,
+                                            struct auvid_prior *storage);
 
 #define auvid_thrusters_command AUVID_SIZED(auvid_thrusters_command)
 /** Logs commands that are applied from t_us on. The identifier calls it; call it yourself only if

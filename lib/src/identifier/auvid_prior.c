@@ -26,9 +26,6 @@
 /* Factor of the standard errors of the previous dive: it halves their weight. */
 #define AGED AUVID_C(1.4142136)
 
-/* Typical variance inflation: of runs at 0 to 3 N, 1 to 3.5. */
-#define COMMON_VARIANCE_INFLATION AUVID_C(2.0)
-
 /* Upper bound of the standard errors of known parameters. */
 #define MAX_SIGMA AUVID_C(1e30)
 
@@ -167,6 +164,7 @@ auvid_status_t auvid_identifier_attach_prior(auvid_identifier_t *id, auvid_prior
     if (status == AUVID_OK) {
         memset(storage, 0, sizeof *storage);
         id->metric.add_rows = auvid_prior_add_rows;
+        id->metric.prior_squares = auvid_prior_squares;
         id->metric.add_rows_context = storage;
     }
     return status;
@@ -185,7 +183,7 @@ static auvid_status_t prior_begin(auvid_identifier_t *id, const auvid_prior_t *p
 {
     auvid_status_t status = auvid_prior_check(&id->metric, prior);
     if (status == AUVID_OK) {
-        if (!auvid_metric_stores_rows(&id->metric)) { /* that path uses the point only */
+        if (!scale_errors || !auvid_metric_stores_rows(&id->metric)) { /* else a point only */
             *(auvid_prior_t *)id->metric.add_rows_context = *prior;
         }
         prior_publish(id, prior, scale_errors);
@@ -242,7 +240,7 @@ auvid_status_t auvid_prior_set(auvid_identifier_t *id, const auvid_real_t *pi,
         prior.pi[i] = pi[i];
         prior.sigma[i] = sigma[i];
         prior.variance_inflation[identifier_vehicle(id)->parameter[i].dof] =
-            COMMON_VARIANCE_INFLATION;
+            AUVID_PRIOR_INFLATION;
     }
     return prior_begin(id, &prior, false);
 }

@@ -14,10 +14,22 @@
 /* The prior is discarded above this F. A wrong discard costs little: a cold start. */
 #define PRIOR_LIMIT AUVID_C(6.0)
 
+/* Residual path: additional weight of the prior in a search. What the model does not contain leaves
+ * residuals that are alike in all sets, and so count as few independent ones. Chosen with the
+ * mixtures of tests/vehicles/test_thrusters_field.c, seeds 1 to 30. The R factors do without it:
+ * they are for the standard errors. */
+#define STORED_WEIGHT AUVID_C(15.0)
+
 /* Larger values are not accepted as parameters (detail/optimizer.h). */
 #define LARGEST_VALUE AUVID_C(1e18)
 /* Standard errors and variance inflations are below this and above its inverse. */
 #define LARGEST_ERROR AUVID_C(2e30)
+
+/* Does parameter i have a prior in DoF j's equation? */
+static bool prior_is_in(const auvid_metric_t *m, const auvid_prior_t *prior, int j, int i)
+{
+    return (int)m->cfg.vehicle->parameter[i].dof == j && (prior->known >> i & 1u) != 0;
+}
 
 /* Rotate the prior of column k into DoF j's R factor. */
 static void prior_add_row(auvid_metric_t *m, const auvid_prior_t *prior, int j, int k,
@@ -41,19 +53,18 @@ static bool prior_apply(auvid_metric_t *m, const auvid_prior_t *prior, int j)
 {
     auvid_equation_t e = auvid_metric_equation(m, j);
     auvid_real_t before = auvid_metric_unexplained(m, j);
-    auvid_real_t square =
-        prior->variance_inflation[j] * before / (auvid_real_t)m->result.dof_rows[j];
+    auvid_real_t square = prior->variance_inflation[j] * before / auvid_metric_merged_rows(m, j);
     auvid_real_t degrees = AUVID_C(0.0);
     for (int k = 0; k < e.count; ++k) {
-        int i = e.index[k];
-        if ((int)m->cfg.vehicle->parameter[i].dof == j && (prior->known >> i & 1u)) {
+        if (prior_is_in(m, prior, j, e.index[k])) {
             prior_add_row(m, prior, j, k, auvid_sqrt(square));
             degrees += AUVID_C(1.0);
         }
     }
     auvid_real_t more = auvid_metric_unexplained(m, j) - before;
     auvid_metric_solve_again(m, j, before);
-    return more <= PRIOR_LIMIT * degrees * square;
+    auvid_real_t weight = auvid_metric_stores_rows(m) ? STORED_WEIGHT : AUVID_C(1.0);
+    return more <= PRIOR_LIMIT * weight * degrees * square;
 }
 
 auvid_status_t auvid_prior_add_rows(auvid_metric_t *m, uint32_t *budget)
@@ -81,6 +92,20 @@ auvid_status_t auvid_prior_add_rows(auvid_metric_t *m, uint32_t *budget)
         }
     }
     return AUVID_OK;
+}
+
+auvid_real_t auvid_prior_squares(const auvid_metric_t *m, int j)
+{
+    const auvid_prior_t *prior = m->add_rows_context;
+    const auvid_real_t *pi = auvid_metric_candidate(m);
+    auvid_real_t sum = AUVID_C(0.0);
+    for (int i = 0; i < m->cfg.vehicle->parameters; ++i) {
+        if (prior_is_in(m, prior, j, i)) {
+            auvid_real_t off = (pi[i] - prior->pi[i]) / prior->sigma[i];
+            sum += STORED_WEIGHT * prior->variance_inflation[j] * off * off;
+        }
+    }
+    return sum;
 }
 
 static bool prior_is_valid_error(auvid_real_t x)

@@ -36,6 +36,33 @@ void auvid_thrusters_defaults(auvid_thrusters_config_t *cfg)
                                           .dead_band_max = AUVID_C(0.5),
                                           .lag_max_s = AUVID_C(0.5),
                                           .period_us = 20000};
+        for (int g = 0; g < AUVID_THRUSTERS_GROUPS; ++g) {
+            cfg->sheet[g] = (auvid_thrusters_sheet_t){.backward = AUVID_C(1.0),
+                                                      .lag_s = AUVID_C(0.15),
+                                                      .gain_sigma = AUVID_C(0.05),
+                                                      .backward_sigma = AUVID_C(0.05),
+                                                      .dead_band_sigma = AUVID_C(0.012),
+                                                      .lag_sigma_s = AUVID_C(0.06)};
+        }
+    }
+}
+
+/* Check what the data sheet says of a group. */
+static void thrusters_check_sheet(const auvid_thrusters_config_t *cfg, int group,
+                                  auvid_refusal_t *why)
+{
+    const auvid_thrusters_sheet_t *sheet = &cfg->sheet[group];
+    const auvid_real_t sigma[] = {sheet->gain_sigma, sheet->backward_sigma, sheet->dead_band_sigma,
+                                  sheet->lag_sigma_s};
+    auvid_check_element(why, group);
+    auvid_check_in(why, "sheet.gain", sheet->gain, AUVID_C(0.0), cfg->gain_max);
+    auvid_check_in(why, "sheet.backward", sheet->backward, AUVID_C(0.0), AUVID_C(100.0));
+    auvid_check_in(why, "sheet.dead_band", sheet->dead_band, AUVID_C(0.0), cfg->dead_band_max);
+    auvid_check_in(why, "sheet.lag_s", sheet->lag_s, AUVID_C(0.0), AUVID_C(2.0));
+    for (size_t k = 0; k < sizeof sigma / sizeof sigma[0]; ++k) {
+        bool none = auvid_abs(sigma[k]) <= AUVID_C(0.0);
+        auvid_check_in(why, "sheet: sigma", none ? AUVID_C(1.0) : sigma[k], AUVID_C(1e-4),
+                       AUVID_C(1.0));
     }
 }
 
@@ -57,6 +84,9 @@ static auvid_status_t thrusters_check(const auvid_thrusters_config_t *cfg)
     auvid_check_in(&why, "lag_max_s", cfg->lag_max_s, AUVID_C(0.01), AUVID_C(2.0));
     auvid_check_count(&why, AUVID_ERR_RANGE, "thrusters", cfg->thrusters, AUVID_MAX_COMMANDS);
     auvid_check_that(&why, fits, AUVID_ERR_RANGE, "slots");
+    for (int g = 0; g < AUVID_THRUSTERS_GROUPS; ++g) {
+        thrusters_check_sheet(cfg, g, &why);
+    }
     return why.status;
 }
 

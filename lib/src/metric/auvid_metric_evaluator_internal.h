@@ -172,6 +172,30 @@ void auvid_metric_rotate(auvid_metric_t *m, const auvid_set_t *set, int band, in
  * `constant`. */
 void auvid_metric_solve_dof(auvid_metric_t *m, int j);
 
+/** Residual path: distance in rows of the windows that are linearised, the standard deviation of a
+ * window, sqrt(window_length - 1) / 2. Regressor path: 1. */
+static inline int auvid_metric_stride(const auvid_metric_t *m)
+{
+    int stride = 1;
+    while (4 * (stride + 1) * (stride + 1) <= m->layout.window_length - 1) {
+        ++stride;
+    }
+    return stride;
+}
+
+/** Returns the number of DoF j's rows in the merged R factor; on the residual path about that, and
+ * of its independent residuals. */
+static inline auvid_real_t auvid_metric_merged_rows(const auvid_metric_t *m, int j)
+{
+    return (auvid_real_t)m->result.dof_rows[j] / (auvid_real_t)auvid_metric_stride(m);
+}
+
+/** Returns the parameters of the residual path's candidate. */
+static inline const auvid_real_t *auvid_metric_candidate(const auvid_metric_t *m)
+{
+    return m->evaluator.pi;
+}
+
 /** Rows from outside, auvid_metric_t.add_rows: where it stands. */
 static inline auvid_metric_cursor_t *auvid_metric_cursor(auvid_metric_t *m)
 {

@@ -196,22 +196,11 @@ static bool metric_is_perturbed(const auvid_metric_t *m, int v)
            (m->cfg.free >> i & 1u) != 0;
 }
 
-/* Distance in rows of the windows that are linearised: the standard deviation of the window,
- * sqrt(window_length - 1) / 2. */
-static int metric_stride(const auvid_metric_t *m)
-{
-    int stride = 1;
-    while (4 * (stride + 1) * (stride + 1) <= m->layout.window_length - 1) {
-        ++stride;
-    }
-    return stride;
-}
-
 /* Linearise all windows of one set. @return true if they are complete */
 static bool metric_linearise_set(auvid_metric_t *m, auvid_set_t *set, uint32_t *budget)
 {
     auvid_metric_cursor_t *at = &m->evaluator.at;
-    int values = 2 * m->cfg.vehicle->parameters + 3, stride = metric_stride(m);
+    int values = 2 * m->cfg.vehicle->parameters + 3, stride = auvid_metric_stride(m);
     for (; at->row < set->rows; at->row = (uint16_t)(at->row + stride), at->part = 0) {
         if (at->part == 0) {
             if (!metric_has_window(m, at->set, at->row)) {

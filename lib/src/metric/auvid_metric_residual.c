@@ -172,6 +172,17 @@ static auvid_real_t metric_smoothed_residual(const auvid_metric_t *m, int j)
     return e;
 }
 
+/* What DoF j's prior adds to the cost: with P its squared distance, N log(SSE) + P is least where
+ * SSE (1 + P / N) is, for P << N independent residuals. The noise need not be known. */
+static auvid_real_t metric_prior_cost(const auvid_metric_t *m, int j)
+{
+    const auvid_metric_evaluator_t *ev = &m->evaluator;
+    return m->prior_squares == NULL || !auvid_metric_is_excited(m, j)
+               ? AUVID_C(0.0)
+               : ev->weight[j] * ev->band_sse[0][j] * m->prior_squares(m, j) /
+                     auvid_metric_merged_rows(m, j);
+}
+
 /* J = sum over stored rows, oldest set first. The sum is compensated because it contains the
  * constant part. */
 static auvid_status_t metric_sample_cost(auvid_metric_t *m, uint32_t *budget)
@@ -194,7 +205,7 @@ static auvid_status_t metric_sample_cost(auvid_metric_t *m, uint32_t *budget)
                 if ((set->excited >> j & 1) != 0 && ev->window_of[j] == m->layout.window_length) {
                     auvid_real_t e = metric_smoothed_residual(m, j);
                     squares += ev->weight[j] * e * e;
-                    ev->band_sse[0][j] += at->pass == PASS_MEASURE ? e * e : AUVID_C(0.0);
+                    ev->band_sse[0][j] += e * e;
                 }
             }
             auvid_real_t term = squares - ev->compensation, total = ev->sum + term;
@@ -203,6 +214,9 @@ static auvid_status_t metric_sample_cost(auvid_metric_t *m, uint32_t *budget)
         }
     }
     m->result.cost = ev->sum;
+    for (int j = 0; j < AUVID_DOF_COUNT && at->pass == PASS_COST; ++j) {
+        m->result.cost += metric_prior_cost(m, j);
+    }
     return AUVID_OK;
 }
 
@@ -213,6 +227,7 @@ static void metric_begin_samples(auvid_metric_t *m, const auvid_real_t *pi, auvi
     for (int i = 0; i < m->cfg.vehicle->parameters; ++i) {
         ev->pi[i] = m->cfg.free == 0 || (m->cfg.free >> i & 1u) ? pi[i] : m->cfg.fixed[i];
     }
+    memset(ev->band_sse, 0, sizeof ev->band_sse);
     ev->at.spent = 0;
 }
 

@@ -304,6 +304,49 @@ static void test_memory_is_attached_once_before_the_first_step(void)
     TEST_ASSERT_EQUAL(AUVID_ERR_STARTED, auvid_identifier_attach_prior(&chain.id, &memory));
 }
 
+/* ---- the residual path ---- */
+
+/* Without X_uu: the model contains the true one. */
+static void blind_residual(const void *context, const auvid_sample_t *s, const auvid_real_t *pi,
+                           auvid_real_t *residual)
+{
+    auvid_real_t other[AUVID_MAX_PARAMETERS];
+    memcpy(other, pi, sizeof other);
+    other[AUVID_G500_X_UU] = auvid_girona500_paper[AUVID_G500_X_UU];
+    by_residual_predict(context, s, other, residual);
+}
+
+static void test_on_the_residual_path_a_prior_is_all_there_is_of_what_the_data_do_not_show(void)
+{
+    static auvid_row_t rows[3 * 60];
+    static auvid_vehicle_t vehicle;
+    auvid_real_t pi[AUVID_MAX_PARAMETERS], sigma[AUVID_MAX_PARAMETERS];
+    const double mean = -150, error = 10;
+    by_residual_surge(&cfg.id, &vehicle, rows, 2);
+    vehicle.residual = blind_residual;
+    memset(&cfg.id.uncertainty, 0, sizeof cfg.id.uncertainty);
+    cfg.budget = 0;
+    memcpy(pi, auvid_girona500_paper, sizeof auvid_girona500_paper);
+    for (int i = 0; i < AUVID_MAX_PARAMETERS; ++i) {
+        sigma[i] = AUVID_C(1e6); /* a guess */
+    }
+    pi[AUVID_G500_X_UU] = (auvid_real_t)mean;
+    sigma[AUVID_G500_X_UU] = (auvid_real_t)error;
+    TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &cfg));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_prior_set(&chain.id, pi, sigma));
+    chain.id.estimate.number = 0; /* the search does not begin at the means */
+    while (chain.id.metric.sets.recorded < 2) {
+        chain_tick(&chain);
+    }
+    (void)chain_finish(&chain, 100000, 100000);
+    const auvid_estimate_t *e = &chain.id.estimate;
+    TEST_ASSERT_TRUE(e->number > 0);
+    TEST_ASSERT_DOUBLE_WITHIN(0.5, mean, (double)e->pi[AUVID_G500_X_UU]);
+    double found = (double)e->confidence.sigma[AUVID_G500_X_UU];
+    TEST_ASSERT_TRUE(found > 0.5 * error && found < 2.0 * error);
+    TEST_ASSERT_DOUBLE_WITHIN(0.1 * 248.8, 248.8, (double)e->pi[AUVID_G500_M_U]);
+}
+
 /* ---- a record with wrong content and a correct checksum ---- */
 
 enum { KNOWN = 8, COLOUR = 12, VALUE = 36, SIGMA = 164, CHECK = 232 };
@@ -650,6 +693,7 @@ int main(void)
     RUN_TEST(test_a_record_saved_again_is_the_same);
     RUN_TEST(test_a_prior_by_itself_is_not_saved_again);
     RUN_TEST(test_every_damaged_byte_is_detected);
+    RUN_TEST(test_on_the_residual_path_a_prior_is_all_there_is_of_what_the_data_do_not_show);
     RUN_TEST(test_a_record_of_another_model_is_refused);
     RUN_TEST(test_a_model_without_a_name_is_another_model);
     RUN_TEST(test_calls_out_of_order_are_refused);

@@ -8,6 +8,7 @@
 #include <string.h>
 
 #include "auvid/checkpoint.h"
+#include "auvid/prior.h"
 #include "auvid/thrusters.h"
 #include "binomial.h"
 #include "chain.h"
@@ -59,6 +60,8 @@ static auvid_thrusters_config_t cfg;
 static auvid_identifier_config_t id_config;
 static auvid_thrusters_t thrusters;
 static auvid_identifier_t id, ideal;
+static auvid_prior_t prior;
+static bool with_prior;
 
 /* Two thrusters at the stern with the same command. */
 void setUp(void)
@@ -70,6 +73,7 @@ void setUp(void)
     cfg.gain_max = 300;
     cfg.log = commands;
     cfg.slots = SLOTS;
+    with_prior = false;
 }
 
 void tearDown(void)
@@ -303,6 +307,24 @@ static void test_init_refuses_values_out_of_range(void)
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_thrusters_init(&thrusters, &cfg));
     cfg.hull = &thrusters.vehicle; /* it would call itself */
     TEST_ASSERT_EQUAL(AUVID_ERR_MODEL, auvid_thrusters_init(&thrusters, &cfg));
+    auvid_real_t *const sheet[] = {&cfg.sheet[0].gain,
+                                   &cfg.sheet[0].backward,
+                                   &cfg.sheet[0].dead_band,
+                                   &cfg.sheet[0].lag_s,
+                                   &cfg.sheet[0].gain_sigma,
+                                   &cfg.sheet[0].backward_sigma,
+                                   &cfg.sheet[0].dead_band_sigma,
+                                   &cfg.sheet[3].lag_sigma_s};
+    const auvid_real_t beyond[] = {301, 101, (auvid_real_t)0.6, 3, 2, 2, 2, (auvid_real_t)1e-5};
+    for (size_t k = 0; k < sizeof sheet / sizeof sheet[0]; ++k) {
+        cfg = good;
+        *sheet[k] = beyond[k];
+        TEST_ASSERT_EQUAL(AUVID_ERR_RANGE, auvid_thrusters_init(&thrusters, &cfg));
+        *sheet[k] = -1;
+        TEST_ASSERT_EQUAL(AUVID_ERR_RANGE, auvid_thrusters_init(&thrusters, &cfg));
+        *sheet[k] = (auvid_real_t)NAN;
+        TEST_ASSERT_EQUAL(AUVID_ERR_NOT_FINITE, auvid_thrusters_init(&thrusters, &cfg));
+    }
     cfg = good;
     cfg.matrix[AUVID_YAW][0] = (auvid_real_t)INFINITY;
     TEST_ASSERT_EQUAL(AUVID_ERR_NOT_FINITE, auvid_thrusters_init(&thrusters, &cfg));
@@ -556,6 +578,9 @@ static void configure(uint64_t seed, uint16_t set_s, uint16_t row_cells)
     TEST_ASSERT_EQUAL(AUVID_OK,
                       auvid_excitation_plan(&acting.excitation, amplitude, set_s, SETS, seed));
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&id, &id_config));
+    if (with_prior) {
+        TEST_ASSERT_EQUAL(AUVID_OK, auvid_thrusters_attach_prior(&thrusters, &id, &prior));
+    }
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_attach_actuation(&id, &actuation, &acting, NULL));
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&ideal, &plain));
 }
@@ -703,6 +728,101 @@ static void test_with_a_small_budget_rows_are_dropped_and_errors_are_within_3_si
 
 /* The wrench of rows before and after a pause equals that of a log without it. If there are too
  * many pauses, the log drops the oldest one and everything before it. */
+/* ---- the data sheet as a prior ---- */
+
+/* A data sheet of the thrusters of seed 1, with a lag `by` times the true one. */
+static void use_sheet(double by, double lag_sigma_s)
+{
+    sim_config_t world;
+    draw_world(&world, 1, 0.0);
+    with_prior = true;
+    cfg.sheet[0].gain = (auvid_real_t)truth[FORWARD];
+    cfg.sheet[0].backward = (auvid_real_t)(truth[BACKWARD] / truth[FORWARD]);
+    cfg.sheet[0].dead_band = (auvid_real_t)truth[DEAD_BAND];
+    cfg.sheet[0].lag_s = (auvid_real_t)(by * truth[LAG]);
+    cfg.sheet[0].lag_sigma_s = (auvid_real_t)lag_sigma_s;
+}
+
+static void test_the_sheet_is_a_prior_of_the_free_parameters(void)
+{
+    const double nominal[] = {80, 64, 0.05, 0.15}, sigma[] = {4, 64 * sqrt(0.005), 0.012, 0.06};
+    cfg.sheet[0].gain = 80;
+    cfg.sheet[0].backward = (auvid_real_t)0.8;
+    cfg.sheet[0].dead_band = (auvid_real_t)0.05;
+    begin();
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&id, &id_config));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_thrusters_attach_prior(&thrusters, &id, &prior));
+    TEST_ASSERT_EQUAL_HEX32(15u << HULL, prior.known);
+    for (int k = 0; k < AUVID_THRUSTERS_PER_GROUP; ++k) {
+        TEST_ASSERT_DOUBLE_WITHIN(1e-5 * nominal[k], nominal[k], (double)prior.pi[HULL + k]);
+        TEST_ASSERT_DOUBLE_WITHIN(1e-5 * sigma[k], sigma[k], (double)prior.sigma[HULL + k]);
+    }
+    TEST_ASSERT_TRUE(thrusters.vehicle.own_thrust);
+    cfg.sheet[0].gain = 0;
+    cfg.sheet[0].lag_sigma_s = 0;
+    begin();
+    id_config.metric.free &= ~(1u << FORWARD);
+    id_config.metric.fixed[FORWARD] = 50; /* known: the backward gain follows */
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&id, &id_config));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_thrusters_attach_prior(&thrusters, &id, &prior));
+    TEST_ASSERT_EQUAL_HEX32(1u << BACKWARD | 1u << DEAD_BAND, prior.known);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-4, 40.0, (double)prior.pi[BACKWARD]);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-5, 2.0, (double)prior.sigma[BACKWARD]);
+    TEST_ASSERT_FALSE(thrusters.vehicle.own_thrust);
+}
+
+static void test_a_prior_is_attached_to_the_identifier_of_its_thrusters_before_it_steps(void)
+{
+    auvid_input_t in = {.t_us = 1};
+    auvid_output_t out;
+    auvid_identifier_config_t plain;
+    memset(&thrusters, 0, sizeof thrusters);
+    memset(&id, 0, sizeof id);
+    TEST_ASSERT_EQUAL(AUVID_ERR_NULL, auvid_thrusters_attach_prior(NULL, &id, &prior));
+    TEST_ASSERT_EQUAL(AUVID_ERR_NULL, auvid_thrusters_attach_prior(&thrusters, NULL, &prior));
+    TEST_ASSERT_EQUAL(AUVID_ERR_NULL, auvid_thrusters_attach_prior(&thrusters, &id, NULL));
+    TEST_ASSERT_EQUAL(AUVID_ERR_STATE, auvid_thrusters_attach_prior(&thrusters, &id, &prior));
+    begin();
+    TEST_ASSERT_EQUAL(AUVID_ERR_STATE, auvid_thrusters_attach_prior(&thrusters, &id, &prior));
+    auvid_identifier_defaults(&plain, &hull);
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&id, &plain));
+    TEST_ASSERT_EQUAL(AUVID_ERR_MODEL, auvid_thrusters_attach_prior(&thrusters, &id, &prior));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&id, &id_config));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_thrusters_attach_prior(&thrusters, &id, &prior));
+    TEST_ASSERT_EQUAL(AUVID_ERR_ATTACHED, auvid_thrusters_attach_prior(&thrusters, &id, &prior));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&id, &id_config));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_step(&id, &in, &out));
+    TEST_ASSERT_EQUAL(AUVID_ERR_STARTED, auvid_thrusters_attach_prior(&thrusters, &id, &prior));
+}
+
+static void test_a_sharp_prior_fixes_a_parameter_and_one_that_the_data_contradict_is_discarded(void)
+{
+    identify(1, 1.0, 30, 5, 0);
+    auvid_real_t sigma = id.estimate.confidence.sigma[LAG];
+    use_sheet(1.02, 1e-4);
+    identify(1, 1.0, 30, 5, 0);
+    TEST_ASSERT_DOUBLE_WITHIN(2e-4, 1.02 * truth[LAG], (double)id.estimate.pi[LAG]);
+    TEST_ASSERT_TRUE(id.estimate.confidence.sigma[LAG] < sigma / 2);
+    TEST_ASSERT_EQUAL_HEX32(15u << HULL, prior.known);
+    use_sheet(2.0, 1e-4);
+    identify(1, 1.0, 30, 5, 0);
+    TEST_ASSERT_EQUAL_HEX32(0, prior.known);
+    TEST_ASSERT_TRUE(fabs(error_of(LAG)) < 0.1);
+}
+
+/* All deviations 0. */
+static void test_a_sheet_without_deviations_changes_no_bit(void)
+{
+    static auvid_estimate_t without;
+    identify(1, 1.0, 30, 5, 0);
+    without = id.estimate;
+    use_sheet(2.0, 0.0);
+    cfg.sheet[0].gain_sigma = cfg.sheet[0].backward_sigma = cfg.sheet[0].dead_band_sigma = 0;
+    identify(1, 1.0, 30, 5, 0);
+    TEST_ASSERT_EQUAL_HEX32(0, prior.known);
+    TEST_ASSERT_EQUAL_MEMORY(&without, &id.estimate, sizeof without);
+}
+
 static void test_the_log_skips_a_pause_and_keeps_the_commands_before_it(void)
 {
     const uint64_t pause_us = 3600000000u;
@@ -794,7 +914,7 @@ static void restart(bool with_log)
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_checkpoint_restore(&id, saved, bytes));
 }
 
-static void test_a_restart_with_checkpoint_and_log_continues_to_the_same_bits(void)
+static void check_restart(void)
 {
     static auvid_estimate_t expected_estimate;
     identify(1, 0.0, 30, 5, 0);
@@ -812,6 +932,14 @@ static void test_a_restart_with_checkpoint_and_log_continues_to_the_same_bits(vo
     TEST_ASSERT_EQUAL_UINT32(number + 1, finish_search(&id));
     TEST_ASSERT_EQUAL_MEMORY(expected_estimate.pi, id.estimate.pi, sizeof id.estimate.pi);
     TEST_ASSERT_EQUAL_MEMORY(&expected_estimate.cost, &id.estimate.cost, sizeof id.estimate.cost);
+}
+
+static void test_a_restart_with_checkpoint_and_log_continues_to_the_same_bits(void)
+{
+    check_restart();
+    use_sheet(1.0, 0.5);
+    check_restart();
+    TEST_ASSERT_NOT_EQUAL(0, prior.known);
 }
 
 static void test_sets_whose_log_was_lost_in_a_restart_are_dropped(void)
@@ -849,6 +977,10 @@ int main(void)
     RUN_TEST(test_thrusters_and_drag_are_within_5_percent_and_drag_of_the_ideal_one_is_20_off);
     RUN_TEST(test_under_a_disturbance_of_1_N_they_are_within_5_percent_after_eight_minutes);
     RUN_TEST(test_with_a_small_budget_rows_are_dropped_and_errors_are_within_3_sigma);
+    RUN_TEST(test_the_sheet_is_a_prior_of_the_free_parameters);
+    RUN_TEST(test_a_prior_is_attached_to_the_identifier_of_its_thrusters_before_it_steps);
+    RUN_TEST(test_a_sharp_prior_fixes_a_parameter_and_one_that_the_data_contradict_is_discarded);
+    RUN_TEST(test_a_sheet_without_deviations_changes_no_bit);
     RUN_TEST(test_the_log_skips_a_pause_and_keeps_the_commands_before_it);
     RUN_TEST(test_sets_whose_commands_are_lost_are_dropped_with_the_next_set);
     RUN_TEST(test_a_restart_with_checkpoint_and_log_continues_to_the_same_bits);

@@ -192,7 +192,7 @@ typedef struct {
     auvid_real_t weight[AUVID_DOF_COUNT]; /* 1 / (tau_max^2 rows) */
     auvid_real_t band_weight[AUVID_METRIC_BANDS][AUVID_DOF_COUNT];
     auvid_real_t band_sse[AUVID_METRIC_BANDS][AUVID_DOF_COUNT];
-    auvid_real_t high_wrench[AUVID_DOF_COUNT];      /* sum of squares of the high band's wrench */
+    auvid_real_t high_wrench[AUVID_DOF_COUNT];     /* sum of squares of the high band's wrench */
     auvid_real_t coupled_squares[AUVID_DOF_COUNT]; /* sum of squares of the force of coupling */
     auvid_real_t disagreement[AUVID_DOF_COUNT]; /* relative, of the parameters shared with excited
                                                    DoF: see auvid_metric_coupled.c */
@@ -251,7 +251,10 @@ typedef struct auvid_metric {
     /* Rotates rows from outside into the merged factors, after those of the sets (prior.h). NULL:
      * there are none. Returns AUVID_OK; AUVID_PENDING; AUVID_EMPTY (repeat the last pass) */
     auvid_status_t (*add_rows)(struct auvid_metric *m, uint32_t *budget);
-    void *add_rows_context;
+    /* Residual path: returns the squared distance of the candidate from the means of DoF j's prior,
+     * in mean squares of the residual. NULL: there is no prior */
+    auvid_real_t (*prior_squares)(const struct auvid_metric *m, int j);
+    void *add_rows_context; /* of both */
     /* More columns of the regressor path's rows, outside of the metric (uncertain.h). NULL: none */
     const struct auvid_metric_extra *extra;
     void *extra_context;
