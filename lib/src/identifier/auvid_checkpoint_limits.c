@@ -54,7 +54,7 @@ enum {
     ALL_DOF = (1 << AUVID_DOF_COUNT) - 1,
     MAX_ROWS = 60000 /* of all sets */,
     MAX_OVERLAP = AUVID_MAX_OVERLAP,
-    MAX_ORDER = AUVID_UNCERTAIN_ORDER
+    UNCERTAIN_MAX_ORDER = AUVID_UNCERTAIN_ORDER
 };
 
 const auvid_checkpoint_limit_t auvid_checkpoint_limit[] = {
@@ -259,7 +259,7 @@ static const auvid_checkpoint_limit_t checkpoint_limit_uncertain[] = {
     BYTE(uncertain, work.pass, work.pass, 3),
     FLAG(uncertain, work.solving, work.solving),
     VALUE(uncertain, work.joint, work.weight),
-    BYTE(uncertain, work.part.drag_at, work.part.sag_at, MAX_ORDER),
+    BYTE(uncertain, work.part.drag_at, work.part.sag_at, UNCERTAIN_MAX_ORDER),
     VALUE(uncertain, work.part.factor, work.part.scale),
     VALUE(uncertain, factor, factor),
     UP_TO(uncertain, rows, rows, AUVID_C(1e9)),

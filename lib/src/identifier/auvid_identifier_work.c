@@ -363,7 +363,7 @@ static uint32_t identifier_prior(const auvid_identifier_t *id)
     return prior == NULL ? 0 : prior->known;
 }
 
-/* Residual path: if the sets contradict the prior that was searched with, search again without it. */
+/* Residual path: if the sets contradict the prior of the search, search again without it. */
 static auvid_status_t identifier_linearise(auvid_identifier_t *id, uint32_t *budget)
 {
     if (!auvid_metric_stores_rows(&id->metric)) {

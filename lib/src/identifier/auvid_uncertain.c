@@ -142,7 +142,7 @@ static void uncertain_assess(auvid_identifier_t *id)
     auvid_confidence_job_t *job = &id->confidence;
     const auvid_vehicle_t *vehicle = id->metric.cfg.vehicle;
     auvid_estimate_t *e = &u->estimate;
-    auvid_real_t sigma[AUVID_MAX_PARAMETERS];
+    auvid_real_t sigma[AUVID_MAX_PARAMETERS] = {AUVID_C(0.0)};
     *e = id->estimate;
     e->evaluations_crs = u->work.searched.crs;
     e->evaluations_line = u->work.searched.line_search;
