@@ -168,7 +168,8 @@ static bool identify(run_t *run, const options_t *options, uint64_t seed, progre
         exciting += world->actuation.guard.state == AUVID_GUARD_EXCITING;
         list_estimate(run);
         log_tick(&run->logger, world);
-        bool busy = world_work(world, options->budget);
+        bool settles = world->actuation.guard.state == AUVID_GUARD_SETTLING;
+        bool busy = world_work(world, options->budget) || settles;
         for (int i = 0; i < world->nodes; ++i) {
             busy = busy || !is_over(&world->node[i].id, options);
         }
