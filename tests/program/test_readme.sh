@@ -69,7 +69,7 @@ static void telemetry(const auvid_estimate_t *estimate)
     last = *estimate;
 }
 
-static uint8_t flash[1 << 15];
+static uint8_t flash[1 << 16];
 static uint32_t flashed;
 
 static void flash_write(const uint8_t *page, uint32_t bytes)
