@@ -470,10 +470,12 @@ static bool checkpoint_check_identifier(const subject_t *s)
 /* Do the members of a part agree? @param first offset of its block */
 static bool checkpoint_check_part(const subject_t *s, uint32_t bit, uint8_t root, size_t first)
 {
-    return (s->view->parts & bit) == 0 ||
-           checkpoint_part(s->id, root)
-               ->check(s->id, checkpoint_find(s->view, root, first, 1), s->view->parts,
-                       WORD(work.phase));
+    if ((s->view->parts & bit) == 0) {
+        return true;
+    }
+    const auvid_checkpoint_part_t *part = checkpoint_part(s->id, root);
+    const uint8_t *state = checkpoint_find(s->view, root, first, 1);
+    return part->check(s->id, state, s->view->parts, WORD(work.phase));
 }
 
 auvid_status_t auvid_checkpoint_validate(const auvid_identifier_t *id,

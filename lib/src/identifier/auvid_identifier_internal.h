@@ -134,10 +134,11 @@ auvid_minimum_t auvid_identifier_take_optimum(auvid_identifier_t *id, auvid_real
                                               auvid_real_t *pi);
 
 /** Begin a search of the parameters in work.active. This sets work.parameter_of.
- * @param scale units of the steps, by the parameters' number in the model
+ * @param scale [AUVID_MAX_PARAMETERS] units of the steps, by the parameters' number in the model;
+ * overwritten
  * @param last a known point; NULL: none
  * @param minimum of the cost, at pi; NULL: not known */
-auvid_status_t auvid_identifier_begin_search(auvid_identifier_t *id, const auvid_real_t *scale,
+auvid_status_t auvid_identifier_begin_search(auvid_identifier_t *id, auvid_real_t *scale,
                                              const auvid_real_t *last,
                                              const auvid_minimum_t *minimum,
                                              const auvid_real_t *pi);

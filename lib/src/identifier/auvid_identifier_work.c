@@ -44,30 +44,30 @@ static bool identifier_searches_delay(const auvid_identifier_t *id)
     return auvid_metric_stores_rows(&id->metric) && id->metric.cfg.estimate_delay;
 }
 
-auvid_status_t auvid_identifier_begin_search(auvid_identifier_t *id, const auvid_real_t *scale,
+auvid_status_t auvid_identifier_begin_search(auvid_identifier_t *id, auvid_real_t *scale,
                                              const auvid_real_t *last,
                                              const auvid_minimum_t *minimum, const auvid_real_t *pi)
 {
     auvid_search_config_t *search = &id->optimizer.cfg;
-    auvid_real_t step[AUVID_MAX_PARAMETERS], known[AUVID_MAX_PARAMETERS];
+    auvid_real_t known[AUVID_MAX_PARAMETERS];
     *search = id->search;
     search->seed += id->work.searches;
     auvid_identifier_select(search, id->work.active, id->work.parameter_of);
-    for (int i = 0; i < search->n; ++i) {
+    for (int i = 0; i < search->n; ++i) { /* in place: the i-th is the i-th or a later one */
         auvid_real_t half = AUVID_C(0.5) * (search->upper[i] - search->lower[i]);
         int p = id->work.parameter_of[i];
-        step[i] = auvid_min(scale[p], half);
+        scale[i] = auvid_min(scale[p], half);
         known[i] = last != NULL ? last[p] : AUVID_C(0.0);
     }
     if (identifier_searches_delay(id)) {
         int n = search->n++;
-        search->lower[n] = step[n] = AUVID_C(0.0);
+        search->lower[n] = scale[n] = AUVID_C(0.0);
         search->upper[n] = auvid_metric_longest_delay(&id->metric);
         search->good[n] = id->metric.cfg.delay_s[0];
         known[n] = auvid_identifier_common_delay(&id->estimate);
     }
     auvid_status_t status =
-        auvid_optimizer_init(&id->optimizer, search, search->scale_by_bounds ? NULL : step);
+        auvid_optimizer_init(&id->optimizer, search, search->scale_by_bounds ? NULL : scale);
     if (status >= 0 && last != NULL) {
         (void)auvid_optimizer_add_point(&id->optimizer, known);
     }
@@ -292,7 +292,7 @@ static bool identifier_found_minimum(const auvid_identifier_t *id)
 
 /* A set has entered the ring: measure again. On the regressor path this ends a search of the
  * uncertain inputs. */
-static void identifier_measure_again(auvid_identifier_t *id)
+static void identifier_restart_measure(auvid_identifier_t *id)
 {
     if (!auvid_metric_stores_rows(&id->metric)) {
         id->work.searching = id->work.seeks_optimum = false;
@@ -391,9 +391,9 @@ static const auvid_work_phase_row_t identifier_phases[AUVID_WORK_PHASE_COUNT] = 
     [AUVID_WORK_MEASURE] = {auvid_metric_measure, NULL, identifier_begin_linearise,
                             identifier_begin_measure},
     [AUVID_WORK_LINEARISE] = {NULL, identifier_linearise, identifier_begin_confidence,
-                              identifier_measure_again},
+                              identifier_restart_measure},
     [AUVID_WORK_CONFIDENCE] = {NULL, identifier_confidence, identifier_publish_estimate,
-                               identifier_measure_again},
+                               identifier_restart_measure},
 };
 
 static const auvid_work_phase_row_t *identifier_phase(const auvid_identifier_t *id)
