@@ -41,7 +41,7 @@
  *
  * Regressor path only. Attach it once; a program without it does not contain it. A checkpoint
  * (checkpoint.h) contains its state. Cost: a solution takes 19.3k units of work for Girona500 and
- * 21.8k for an ROV with six thrusters. Memory: sizeof(auvid_uncertain_t), 22 KiB with default
+ * 21.8k for an ROV with six thrusters. Memory: sizeof(auvid_uncertain_t), 23 KiB with default
  * sizes; AUVID_MAX_UNCERTAIN chooses for how many columns.
  *
  * Sources: Fuller 1987 (errors in variables); Ljung 1999, 7 (prediction error); Schmidt 1966
