@@ -13,7 +13,6 @@
  */
 #include <string.h>
 
-#include "auvid/prior.h"
 #include "auvid_identifier_internal.h"
 #include "../base/auvid_math_internal.h"
 #include "../metric/auvid_metric_evaluator_internal.h"
@@ -356,22 +355,14 @@ static void identifier_begin_linearise(auvid_identifier_t *id)
     }
 }
 
-/* Parameters with a prior, bit i. */
-static uint32_t identifier_prior(const auvid_identifier_t *id)
-{
-    const auvid_prior_t *prior = id->metric.add_rows_context;
-    return prior == NULL ? 0 : prior->known;
-}
-
 /* Residual path: if the sets contradict the prior of the search, search again without it. */
 static auvid_status_t identifier_linearise(auvid_identifier_t *id, uint32_t *budget)
 {
     if (!auvid_metric_stores_rows(&id->metric)) {
         return id->attached.uncertain_functions->solve(id, budget);
     }
-    uint32_t known = identifier_prior(id);
     auvid_status_t status = auvid_metric_linearise(&id->metric, budget);
-    if (known != identifier_prior(id)) {
+    if (status == AUVID_EMPTY) {
         identifier_begin_merge(id);
         status = AUVID_PENDING;
     }

@@ -192,9 +192,8 @@ static uint32_t uncertain_price(const uncertain_t *u)
     case SOLVE_SIDES:
     case SOLVE_SIGMA:
         return joint / 18u;
-    case SOLVE_CAUSES:
-        return joint / 70u;
     case SOLVE_TRANSFER:
+    case SOLVE_CAUSES:
         return joint / 40u;
     default:
         return order * order / 40u;

@@ -222,8 +222,9 @@ void auvid_metric_judge_width(auvid_metric_t *m, int j);
  * @return true if they are doubled */
 bool auvid_metric_lengthen(auvid_metric_t *m);
 
-/** Continue the passes of a merge from the present one on. @return true if they are complete */
-bool auvid_metric_merge_sets(auvid_metric_t *m, uint32_t *budget);
+/** Continue the passes of a merge from the present one on. @return AUVID_OK; AUVID_PENDING;
+ * AUVID_EMPTY: the rows from outside were discarded, and the last pass begins again */
+auvid_status_t auvid_metric_merge_sets(auvid_metric_t *m, uint32_t *budget);
 
 /* ---- the residual path ---- */
 

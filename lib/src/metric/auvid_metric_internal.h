@@ -37,10 +37,10 @@ struct auvid_path {
      * @return AUVID_OK; AUVID_PENDING */
     auvid_status_t (*evaluate)(auvid_metric_t *m, uint32_t *budget);
     /** Merges the sets before a search; NULL: the cost needs no R factors.
-     * @return true if they are merged */
-    bool (*merge)(auvid_metric_t *m, uint32_t *budget);
+     * @return AUVID_OK; AUVID_PENDING; AUVID_EMPTY (a pass begins again: call it again) */
+    auvid_status_t (*merge)(auvid_metric_t *m, uint32_t *budget);
     /** Forms R factors at a result, from rows d residual / d pi. NULL: they are exact as they are.
-     * @return AUVID_OK; AUVID_PENDING */
+     * @return AUVID_OK; AUVID_PENDING; AUVID_EMPTY (as for merge: search again) */
     auvid_status_t (*linearise)(auvid_metric_t *m, uint32_t *budget);
 };
 

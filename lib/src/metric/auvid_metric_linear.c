@@ -248,11 +248,11 @@ auvid_status_t auvid_metric_linearise_sets(auvid_metric_t *m, uint32_t *budget)
         }
         auvid_metric_restart_pass(m, PASS_LAST);
     }
-    if (!auvid_metric_merge_sets(m, budget)) {
-        return AUVID_PENDING;
+    auvid_status_t status = auvid_metric_merge_sets(m, budget);
+    if (status == AUVID_OK) {
+        m->result.constant = AUVID_C(0.0); /* the cost of this path contains it */
     }
-    m->result.constant = AUVID_C(0.0); /* the cost of this path contains it */
-    return AUVID_OK;
+    return status;
 }
 
 #endif

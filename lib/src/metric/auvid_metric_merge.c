@@ -294,20 +294,16 @@ static bool metric_finish_dofs(auvid_metric_t *m, uint32_t *budget)
     return true;
 }
 
-bool auvid_metric_merge_sets(auvid_metric_t *m, uint32_t *budget)
+auvid_status_t auvid_metric_merge_sets(auvid_metric_t *m, uint32_t *budget)
 {
     auvid_metric_cursor_t *at = &m->evaluator.at;
-    auvid_status_t status = AUVID_EMPTY;
-    while (status == AUVID_EMPTY) {
-        if (at->pass == PASS_ADDED) {
-            status = m->add_rows == NULL ? AUVID_OK : m->add_rows(m, budget);
-        } else if (auvid_metric_for_each_row(m, budget) && metric_finish_dofs(m, budget)) {
-            auvid_metric_restart_pass(m, (uint8_t)(at->pass + 1));
-        } else {
-            status = AUVID_PENDING;
+    while (at->pass != PASS_ADDED) {
+        if (!auvid_metric_for_each_row(m, budget) || !metric_finish_dofs(m, budget)) {
+            return AUVID_PENDING;
         }
+        auvid_metric_restart_pass(m, (uint8_t)(at->pass + 1));
     }
-    return status == AUVID_OK;
+    return m->add_rows == NULL ? AUVID_OK : m->add_rows(m, budget);
 }
 
 void auvid_metric_weigh_dof(auvid_metric_t *m, int j)
@@ -356,5 +352,9 @@ auvid_status_t auvid_metric_merge(auvid_metric_t *metric, uint32_t *budget)
         return AUVID_ERR_NO_DATA;
     }
     const auvid_path_t *path = auvid_metric_path(m);
-    return path->merge == NULL || path->merge(m, budget) ? AUVID_OK : AUVID_PENDING;
+    auvid_status_t status = AUVID_OK;
+    do {
+        status = path->merge == NULL ? AUVID_OK : path->merge(m, budget);
+    } while (status == AUVID_EMPTY);
+    return status;
 }

@@ -18,6 +18,7 @@
 #include "binomial.h"
 #include "by_residual.h"
 #include "chain.h"
+#include "save_checkpoint.h"
 #include "unity.h"
 
 enum {
@@ -109,15 +110,6 @@ static void begin(world_t world)
     }
 }
 
-static uint32_t save(const auvid_identifier_t *from, uint8_t *to)
-{
-    auvid_checkpoint_t cursor;
-    uint32_t bytes = MOST;
-    TEST_ASSERT_EQUAL(AUVID_OK, auvid_checkpoint_begin(&cursor, from));
-    TEST_ASSERT_EQUAL(AUVID_OK, auvid_checkpoint_next(&cursor, to, &bytes));
-    return bytes;
-}
-
 static uint32_t kind_of(const auvid_identifier_t *id)
 {
     const auvid_metric_t *m = &id->metric;
@@ -157,7 +149,7 @@ static void run(world_t world, double seconds)
             moment_t *m = &moment[world][moments[world]++];
             ++count[kind];
             m->chain = chain;
-            m->bytes = save(&chain.id, m->saved);
+            m->bytes = save_checkpoint(&chain.id, m->saved, MOST);
         }
     }
     TEST_ASSERT_EQUAL_HEX32(0, chain.events & AUVID_EVENT_ABORTED);

@@ -11,13 +11,14 @@
 #include "binomial.h"
 #include "chain.h"
 #include "identifier/auvid_checkpoint_layout_internal.h"
+#include "save_checkpoint.h"
 #include "unity.h"
 #include "identifier/auvid_uncertain_parts_internal.h"
 
 enum {
     TICK_US = 20000,
     SAMPLE = 10,             /* ticks between velocities of the body */
-    SPLIT = 997,             /* ticks, besides those in a solution */
+    SPLIT = 997,             /* ticks from one split to the next, outside of solutions */
     PHASES = SOLVE_DONE + 1, /* of a solution */
     PASSES = 4,
     SET_ROWS = 40,
@@ -164,18 +165,9 @@ static void tick(void)
 
 /* ---- saving ---- */
 
-static uint32_t save_from(const auvid_identifier_t *from, uint8_t *to)
-{
-    auvid_checkpoint_t cursor;
-    uint32_t size = MOST;
-    TEST_ASSERT_EQUAL(AUVID_OK, auvid_checkpoint_begin(&cursor, from));
-    TEST_ASSERT_EQUAL(AUVID_OK, auvid_checkpoint_next(&cursor, to, &size));
-    return size;
-}
-
 static uint32_t save(uint8_t *to)
 {
-    return save_from(id, to);
+    return save_checkpoint(id, to, MOST);
 }
 
 /* Also from a copy, as during a dive. */
@@ -186,7 +178,7 @@ static void check_saves_the_same(void)
     untouched = instruments;
     same.attached.uncertain = &before;
     before.instruments = uncertain.instruments != NULL ? &untouched : NULL;
-    TEST_ASSERT_EQUAL_UINT32(bytes, save_from(&same, again));
+    TEST_ASSERT_EQUAL_UINT32(bytes, save_checkpoint(&same, again, MOST));
     TEST_ASSERT_EQUAL_MEMORY(saved, again, bytes);
     TEST_ASSERT_EQUAL_UINT32(bytes, save(again));
     TEST_ASSERT_EQUAL_MEMORY(saved, again, bytes);

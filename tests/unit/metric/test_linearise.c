@@ -291,6 +291,37 @@ static void test_any_split_of_the_budget_linearises_to_the_same_bits(void)
     }
 }
 
+/* Rows from outside that are discarded the first time. */
+static auvid_status_t discard_once(auvid_metric_t *m, uint32_t *budget)
+{
+    int *left = m->add_rows_context;
+    (void)budget;
+    if (*left == 0) {
+        return AUVID_OK;
+    }
+    --*left;
+    auvid_metric_restart_pass(m, PASS_LAST);
+    return AUVID_EMPTY;
+}
+
+static void test_it_tells_that_a_prior_was_discarded(void)
+{
+    uint32_t budget = UINT32_MAX;
+    int left = 1;
+    use_residual_path(5, 30);
+    start();
+    world_t w = world_of(&cfg);
+    (void)feed_set(&w, 0, 5);
+    merge_all(&metric);
+    (void)squares_of(&metric, truth, 0.1);
+    metric.add_rows = discard_once;
+    metric.add_rows_context = &left;
+    auvid_metric_linearise_begin(&metric, truth, 0, cfg.sets);
+    TEST_ASSERT_EQUAL(AUVID_EMPTY, auvid_metric_linearise(&metric, &budget));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_metric_linearise(&metric, &budget));
+    TEST_ASSERT_EQUAL(0, left);
+}
+
 /* ---- the points at which the model is called ---- */
 
 enum { POINTS = 5, NEWTONS_PER_S = 100 };
@@ -563,6 +594,7 @@ int main(void)
     RUN_TEST(test_the_rms_residual_is_that_of_the_measurement);
     RUN_TEST(test_linearising_takes_the_units_that_the_header_says);
     RUN_TEST(test_any_split_of_the_budget_linearises_to_the_same_bits);
+    RUN_TEST(test_it_tells_that_a_prior_was_discarded);
     RUN_TEST(test_derivatives_are_central_differences_over_the_steps_that_the_header_says);
     RUN_TEST(test_change_is_the_pooled_minus_the_separate_sum_of_squares);
     RUN_TEST(test_an_estimated_delay_widens_the_standard_error_as_the_costs_curvature_says);

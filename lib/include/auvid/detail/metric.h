@@ -421,7 +421,8 @@ void auvid_metric_linearise_begin(auvid_metric_t *metric, const auvid_real_t *pi
  * @param budget units of work left, reduced by those used: vehicle->work for each of the 2 n + 3
  * calls of the model (four if it has a regressor), for each window of residuals and each row of
  * that window. Windows are about one standard deviation of their weights apart
- * @return AUVID_OK; AUVID_PENDING (budget used up); AUVID_ERR_NULL. */
+ * @return AUVID_OK; AUVID_PENDING (budget used up); AUVID_EMPTY (the sets contradict the prior,
+ * which is discarded: search again); AUVID_ERR_NULL. */
 auvid_status_t auvid_metric_linearise(auvid_metric_t *metric, uint32_t *budget);
 
 #define auvid_metric_longest_delay AUVID_SIZED(auvid_metric_longest_delay)
