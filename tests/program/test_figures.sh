@@ -82,7 +82,7 @@ def field():
         for vehicle, (flagged, _, low, high) in (("girona500", row[:4]), ("rov20", row[4:])):
             if LONG:
                 d = json.loads(run(auvid, "demo", *options.split(), "--vehicle", vehicle, "--runs",
-                                   "300", "--seed", "100001", "--json"))
+                                   "400", "--seed", "200001", "--json"))
                 shares = [100 * d[key]["all"]["value"] for key in ("flagged", "wrong")]
                 print(options, vehicle, shares)
                 assert abs(shares[0] - flagged) < 3 and low <= shares[1] <= high
