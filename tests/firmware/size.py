@@ -2,7 +2,7 @@
 """Flash, RAM and stack of the firmware's example, from the output of `make firmware`.
 
 usage: size.py BOARD... >FIGURES.csv
-       size.py --readme                 README's table, from tests/firmware/size.csv
+       size.py --readme [write]         README's table, from tests/firmware/size.csv
 Prints lines "what/board/name,bytes", and the same as tables on stderr. Exit status 1 if a maximum
 stack is unknown (recursion, a frame of unknown size, a call through a pointer that is not in
 POINTERS), or exceeds the RAM that is left for it.
@@ -307,21 +307,33 @@ def tables(figures, chains):
 
 
 def readme():
+    """README's table."""
     lines = pathlib.Path("tests/firmware/size.csv").read_text().splitlines()
     size = {key: int(number) for key, number in (line.split(",") for line in lines[1:])}
     boards = run(BOARD, "list").split()
-    print(f"{'bytes':<28}" + "".join(f"{board:>9}" for board in boards))
+    table = [f"{'bytes':<28}" + "".join(f"{board:>9}" for board in boards)]
     for title, keys in (("flash: all", ["image/{}/text"]),
                         ("       auvid's part", ["flash/{}/library"]),
                         ("RAM: static", ["image/{}/data", "image/{}/bss"]),
                         ("     stack, at most", ["stack/{}/main", "stack/{}/interrupt"])):
-        print(f"{title:<28}" + "".join(
+        table.append(f"{title:<28}" + "".join(
             f"{sum(size[key.format(board)] for key in keys):>9}" for board in boards))
+    return "\n".join(table) + "\n"
+
+
+def write_readme():
+    page = pathlib.Path("README.md")
+    head = "<!-- output of: tests/firmware/size.py --readme -->\n```text\n"
+    before, rest = page.read_text().split(head)
+    page.write_text(before + head + readme() + rest[rest.index("```"):])
 
 
 if __name__ == "__main__":
     if sys.argv[1:] == ["--readme"]:
-        sys.exit(readme())
+        print(readme(), end="")
+        sys.exit()
+    if sys.argv[1:] == ["--readme", "write"]:
+        sys.exit(write_readme())
     try:
         tables(*main())
     except NoBound as why:
