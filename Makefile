@@ -155,6 +155,9 @@ COUNTED_IMAGES := build/firmware/count_plugin.so \
     $(foreach level,O2 Os,build/firmware/m4f-$(level)/tests/unit/identifier/test_hostile_inputs.elf)
 UNIT_IMAGES := $(filter-out $(patsubst %.c,%.elf,$(call unit_listed,long)),\
     $(UNIT_IMAGES_LONG))
+# The example with port/cortex_m/optional/soft_float.c, and that with link-time optimization.
+SOFT_FLOAT := port/cortex_m/optional/soft_float.c
+SOFT_FLOAT_IMAGES := build/firmware/m0plus-Os/soft_float.elf build/firmware/m0plus-Os/soft_float_lto.elf
 GOLDEN_IMAGE := build/firmware/m4f-O2/tests/golden/test_core.elf
 # Its bytes are compared, see tests/firmware/test_checkpoint.sh; as a unit test it is left to the
 # long form.
@@ -190,7 +193,7 @@ test-long: build/auvid $(TEST_PROGRAMS_LONG) | setup ## The same with long campa
 test test-long: $(CAN_LIBRARIES) $(VCAN_PROGRAMS) $(filter-out %/large.so,$(VALIDATION_LIBRARIES))
 test-long: $(VALIDATION_LIBRARIES)
 test test-long test-firmware: $(IMAGES) $(UNIT_IMAGES) $(FIRMWARE_HOSTS) $(COUNTED_IMAGES)
-test test-long test-firmware: $(GOLDEN_IMAGE) $(CHECKPOINT_IMAGES)
+test test-long test-firmware: $(GOLDEN_IMAGE) $(CHECKPOINT_IMAGES) $(SOFT_FLOAT_IMAGES)
 test-long: $(IMAGES_LONG) $(UNIT_IMAGES_LONG) $(FIRMWARE_HOSTS_LONG)
 
 test-vcan: build/auvid $(VCAN_PROGRAMS) | setup ## Tests on real CAN, in a virtual machine if needed
@@ -379,6 +382,19 @@ build/firmware/$(1)-$(2)/rows.elf: $(patsubst %.c,build/firmware/$(1)-$(2)/%.o,\
 	$$(Q)`$(BOARD) $(1) link` -o $$@ $$^
 endef
 $(foreach board,$(BOARDS),$(foreach level,Os O2,$(eval $(call firmware_rules,$(board),$(level)))))
+
+build/firmware/m0plus-Os/soft_float.elf: port/cortex_m/firmware.ld \
+        $(patsubst %.c,build/firmware/m0plus-Os/%.o,\
+        $(LIB) $(FIRMWARE_START) $(FIRMWARE_EXAMPLE) $(SOFT_FLOAT))
+	@echo "  $@"
+	$(Q)`$(BOARD) m0plus link` -Wl,-Map=$(@:.elf=.map) -o $@ $(filter %.o,$^)
+
+build/firmware/m0plus-Os/soft_float_lto.elf: port/cortex_m/firmware.ld \
+        $(LIB) $(FIRMWARE_START) $(FIRMWARE_EXAMPLE) $(SOFT_FLOAT) \
+        $(PUBLIC) $(wildcard lib/src/*/*.h port/cortex_m/*.h) Makefile | firmware-setup
+	@mkdir -p $(@D); echo "  $@"
+	$(Q)`$(BOARD) m0plus link` -Os -flto=auto -std=c11 -ffp-contract=off -ffunction-sections \
+	    -Ilib/include -Iport/cortex_m -Wl,-Map=$(@:.elf=.map) -o $@ $(filter %.c,$^)
 
 build/firmware/count_plugin.so: tests/firmware/count_plugin.c
 	@mkdir -p $(@D); echo "  $@"

@@ -53,7 +53,7 @@ static void start(void)
 
 __attribute__((naked)) void machine_reset(void)
 {
-    __asm__ volatile("b start");
+    __asm__ volatile("bl start"); /* a plain branch does not reach far */
 }
 
 /* Ends the run with a distinct status instead of hanging. */

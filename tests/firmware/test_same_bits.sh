@@ -87,6 +87,15 @@ for level in "${levels[@]}"; do
     done
 done
 
+# With multiplication and sums of port/cortex_m/optional/soft_float.c.
+for image in build/firmware/m0plus-Os/soft_float*.elf; do
+    name=$(basename "$image" .elf)
+    run "m0plus-$name" "$top/port/cortex_m/board.sh" m0plus run "$top/$image"
+    if grep -Eq '(mul|add|sub)sf3\.o' "${image%.elf}.map"; then
+        echo "not ok $name: the compiler's functions are linked too"
+    fi
+done
+
 # A complete identification in 20 KiB of RAM.
 error=$(tests/firmware/estimates.py "$work/m3_20k-Os/sent.log" "$work/node.json") || error="none 99"
 echo "$error" | awk '{ print ($2 < 3 ? "ok" : "not ok"), "m3_20k, rms error below 3 %:", $0 }'
