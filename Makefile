@@ -157,7 +157,7 @@ UNIT_IMAGES := $(filter-out $(patsubst %.c,%.elf,$(call unit_listed,long)),\
     $(UNIT_IMAGES_LONG))
 # The example with port/cortex_m/optional/soft_float.c, and that with link-time optimization.
 SOFT_FLOAT := port/cortex_m/optional/soft_float.c
-SOFT_FLOAT_IMAGES := build/firmware/m0plus-Os/soft_float.elf build/firmware/m0plus-Os/soft_float_lto.elf
+SOFT_FLOAT_IMAGES := $(addprefix build/firmware/m0plus-Os/,soft_float.elf soft_float_lto.elf)
 GOLDEN_IMAGE := build/firmware/m4f-O2/tests/golden/test_core.elf
 # Its bytes are compared, see tests/firmware/test_checkpoint.sh; as a unit test it is left to the
 # long form.
@@ -191,7 +191,7 @@ test-long: build/auvid $(TEST_PROGRAMS_LONG) | setup ## The same with long campa
 	    tests/statuses/test_statuses.sh
 
 test test-long: $(CAN_LIBRARIES) $(VCAN_PROGRAMS) $(filter-out %/large.so,$(VALIDATION_LIBRARIES))
-test-long: $(VALIDATION_LIBRARIES)
+test-long: $(VALIDATION_LIBRARIES) $(BENCH_PROGRAMS) # these are only built
 test test-long test-firmware: $(IMAGES) $(UNIT_IMAGES) $(FIRMWARE_HOSTS) $(COUNTED_IMAGES)
 test test-long test-firmware: $(GOLDEN_IMAGE) $(CHECKPOINT_IMAGES) $(SOFT_FLOAT_IMAGES)
 test-long: $(IMAGES_LONG) $(UNIT_IMAGES_LONG) $(FIRMWARE_HOSTS_LONG)
@@ -338,7 +338,8 @@ build/release/tests/%.cpp.o: tests/%.cpp Makefile | setup
 
 build/bench/tests/bench/%: tests/bench/%.c $(call objects,bench,$(LIB) $(BENCH_SUPPORT))
 	@mkdir -p $(@D); echo "  $@"
-	$(Q)$(CC) -std=c11 $(WAY_bench) $(FLAGS) -Itests/support -Itools/simulator $(CFLAGS) \
+	$(Q)$(CC) -std=c11 $(WAY_bench) $(FLAGS) -Ilib/src -Itests/support -Itools/simulator \
+	    $(CFLAGS) \
 	    -MF $@.d -MT $@ -o $@ $< $(call objects,bench,$(LIB) $(BENCH_SUPPORT)) -lm
 
 # Unity 2.4.3 takes a machine of 32 bits for one without integers of 64.

@@ -4,8 +4,8 @@
  * (IEEE 754, to nearest even, with subnormal numbers). Only a NaN may differ: here it is always the
  * same quiet one.
  *
- * The names are those of ARM's run-time ABI (IHI 0043, table 4). The compiler writes the calls, also
- * after link-time optimization has looked for them; so they count as used. */
+ * The names are those of ARM's run-time ABI (IHI 0043, table 4). The compiler writes the calls,
+ * some only after link-time optimization has dropped what is not called; hence "used". */
 #include <stdbool.h>
 #include <stdint.h>
 
