@@ -339,8 +339,7 @@ build/release/tests/%.cpp.o: tests/%.cpp Makefile | setup
 build/bench/tests/bench/%: tests/bench/%.c $(call objects,bench,$(LIB) $(BENCH_SUPPORT))
 	@mkdir -p $(@D); echo "  $@"
 	$(Q)$(CC) -std=c11 $(WAY_bench) $(FLAGS) -Ilib/src -Itests/support -Itools/simulator \
-	    $(CFLAGS) \
-	    -MF $@.d -MT $@ -o $@ $< $(call objects,bench,$(LIB) $(BENCH_SUPPORT)) -lm
+	    $(CFLAGS) -MF $@.d -MT $@ -o $@ $< $(call objects,bench,$(LIB) $(BENCH_SUPPORT)) -lm
 
 # Unity 2.4.3 takes a machine of 32 bits for one without integers of 64.
 UNITY_64 := -DUNITY_SUPPORT_64 -DUNITY_INCLUDE_DOUBLE=
