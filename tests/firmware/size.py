@@ -105,13 +105,18 @@ def flash(folder):
     return sizes
 
 
+def compiled(folder, ending):
+    """What the compiler made of the example's sources. Optional objects are not part of it."""
+    return [path for source in ("lib/src/*/*", "port/cortex_m/*", "port/cortex_m/example/*")
+            for path in sorted(folder.glob(source + ending))]
+
+
 def library_frames(board, folder):
     """{name: (frame, callees)} of the compiler's libraries, for all functions auvid may call."""
     tools, link = (run(BOARD, board, what).split() for what in ("tools", "link"))
     with tempfile.TemporaryDirectory() as scratch:
         image = scratch + "/whole.elf"
-        objects = sorted(map(str, folder.glob("lib/src/*/*.o"))) + sorted(
-            map(str, folder.glob("port/cortex_m/**/*.o")))
+        objects = map(str, compiled(folder, ".o"))
         run(*link, "-Wl,--no-gc-sections,--defsym=FLASH_LENGTH=0x400000",
             "-Wl,--defsym=RAM_LENGTH=0x200000", "-o", image, *objects)
         names = {}
@@ -149,8 +154,7 @@ class Graph:
     def __init__(self, board):
         folder = pathlib.Path(f"build/firmware/{board}-Os")
         self.board, self.frames, self.calls, self.done = board, {}, {}, {}
-        for path in sorted(folder.glob("lib/src/*/*.ci")) + sorted(
-                folder.glob("port/cortex_m/**/*.ci")):
+        for path in compiled(folder, ".ci"):
             text = path.read_text()
             for title, label in re.findall(r'^node: \{ title: "([^"]+)" label: "([^"]+)"', text,
                                            re.M):
