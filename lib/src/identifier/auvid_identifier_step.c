@@ -168,7 +168,7 @@ auvid_status_t auvid_identifier_step(auvid_identifier_t *id, const auvid_input_t
                                      auvid_output_t *out)
 {
     if (out != NULL) {
-        memset(out, 0, sizeof *out);
+        auvid_zero(out, sizeof *out);
     }
     if (id == NULL || in == NULL || out == NULL) {
         identifier_refuse(id, in, out);
