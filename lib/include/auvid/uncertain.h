@@ -254,6 +254,9 @@ typedef struct auvid_uncertain {
     const struct auvid_checkpoint_part *checkpoint; /* how a checkpoint is checked */
     auvid_uncertain_equation_t equation[AUVID_DOF_COUNT];
     uint8_t code[AUVID_UNCERTAIN_CHANNELS]; /* what each input is */
+    uint16_t place[AUVID_UNCERTAIN_CHANNELS]; /* where its channel is, and that of the thrust */
+    uint16_t section[5]; /* ends of the channels: none; of forces, formed from motion, then from
+                            thrust; of moments likewise */
     uint8_t rows_at_once;                   /* of both bands, from one row of the metric */
     /* state: from here on, see checkpoint.h */
     uint64_t begin_us;         /* of the first cell of the rows; 0: none */

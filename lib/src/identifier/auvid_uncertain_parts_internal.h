@@ -72,6 +72,13 @@ void auvid_uncertain_keep_own(auvid_uncertain_t *u, const auvid_metric_t *m, int
 /** Rotate row i of the DoF's factor, an own input's no more, into the joint factor. */
 void auvid_uncertain_transfer(auvid_uncertain_t *u, const auvid_metric_t *m, int j, int i);
 
+/** Channel of input k of an equation; of its thrust for k = inputs. */
+static inline int auvid_uncertain_channel(const auvid_uncertain_t *u,
+                                          const auvid_uncertain_equation_t *e, int k)
+{
+    return u->place[e->channel_at + k];
+}
+
 /** Row of own input i of an equation, by column, from column i on. */
 static inline const auvid_real_t *
 auvid_uncertain_own_row(const auvid_uncertain_t *u, const auvid_uncertain_equation_t *e, int i)

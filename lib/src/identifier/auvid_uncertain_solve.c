@@ -49,7 +49,8 @@ typedef auvid_uncertain_t uncertain_t;
 
 static void uncertain_add_shared_prior(uncertain_t *u, const auvid_metric_t *m, int code)
 {
-    auvid_real_t row[JOINT_ORDER] = {AUVID_C(0.0)}, sigma = auvid_uncertain_sigma(u, m, code, 0);
+    auvid_real_t row[JOINT_ORDER], sigma = auvid_uncertain_sigma(u, m, code, 0);
+    auvid_clear(row, JOINT_ORDER);
     row[code] = AUVID_C(1.0) / auvid_max(sigma, AUVID_C(1e-6));
     auvid_qr_update(u->work.joint, JOINT_ORDER, code, row);
 }
@@ -96,8 +97,9 @@ void auvid_uncertain_finish(uncertain_t *u, const auvid_metric_t *m, bool known)
 static void uncertain_scale(uncertain_t *u, const auvid_metric_t *m, int k)
 {
     auvid_uncertain_solution_t *w = &u->work;
-    auvid_real_t x[JOINT_ORDER] = {AUVID_C(0.0)}, variance = AUVID_C(0.0);
+    auvid_real_t x[JOINT_ORDER], variance = AUVID_C(0.0);
     auvid_real_t sigma = auvid_uncertain_sigma(u, m, k, 0);
+    auvid_clear(x, JOINT_ORDER);
     if (sigma > AUVID_C(0.0)) {
         auvid_real_t ratio = u->scale * u->shared[k] / sigma;
         x[k] = AUVID_C(1.0) / sigma;
@@ -128,7 +130,8 @@ static void uncertain_solve_side(uncertain_t *u, int j)
 static void uncertain_find_covariance(uncertain_t *u, const auvid_metric_t *m, int i)
 {
     int n = m->cfg.vehicle->parameters;
-    auvid_real_t x[JOINT_ORDER] = {AUVID_C(0.0)}, *row = u->work.part.factor + auvid_qr_row(n, i);
+    auvid_real_t x[JOINT_ORDER], *row = u->work.part.factor + auvid_qr_row(n, i);
+    auvid_clear(x, JOINT_ORDER);
     x[PARAMETERS_AT + i] = AUVID_C(1.0);
     auvid_qr_solve_transposed(u->work.joint, JOINT_ORDER, JOINT_ORDER - 1, x);
     (void)auvid_qr_solve(u->work.joint, JOINT_ORDER, JOINT_ORDER - 1, AUVID_C(1e-6), x);
@@ -160,7 +163,7 @@ void auvid_uncertain_begin(auvid_uncertain_t *u)
         auvid_clear(u->own, AUVID_UNCERTAIN_OWN);
         u->scale = AUVID_C(1.0);
     }
-    memset(&u->work, 0, sizeof u->work);
+    auvid_zero(&u->work, sizeof u->work);
     u->work.solving = true;
     u->work.sag_from = auvid_max(u->recorded.elapsed - LONGEST_SAG, AUVID_C(0.0));
     u->work.dof = uncertain_next_dof(u, 0);
@@ -320,10 +323,14 @@ auvid_status_t auvid_uncertain_solve(auvid_uncertain_t *u, const auvid_metric_t 
                                      uint32_t *budget)
 {
     while (u->work.phase != SOLVE_DONE && *budget > 0) {
-        --*budget;
-        if (++u->work.spent < uncertain_price(u)) {
-            continue;
+        uint32_t price = uncertain_price(u), spent = u->work.spent;
+        uint32_t left = price > spent ? price - spent : 1u;
+        if (*budget < left) {
+            u->work.spent = (uint16_t)(spent + *budget);
+            *budget = 0;
+            break;
         }
+        *budget -= left;
         u->work.spent = 0;
         bool again = uncertain_step(u, m);
         if (!again && ++u->work.row >=
