@@ -13,7 +13,7 @@
 void auvid_identifier_set_scale(auvid_identifier_t *id, const auvid_allocation_t *allocation);
 
 /** Units that the start of a search costs: it draws a population. */
-enum { SEARCH_START_COST = 100 };
+enum { SEARCH_START_COST = 140 };
 
 /** Values of work.spent. */
 enum { WORK_OPTIMUM = 1, WORK_START, WORK_LAST_SPENT = WORK_START + SEARCH_START_COST - 1 };

@@ -177,29 +177,46 @@ bool auvid_uncertain_reads(const auvid_uncertain_t *u, int j)
     return u->work.solving && u->work.phase <= SOLVE_ROWS && u->work.dof == j;
 }
 
-/* Returns the cost of the present step [units]. */
+/* Returns the cost of rotating a row of n columns into a factor [units]. */
+static uint32_t uncertain_rotation(int n)
+{
+    return (uint32_t)(n * (n + 8)) / 36u;
+}
+
+/* Returns the cost of the present step [units]: about 230 instructions each on a Cortex-M4F. */
 static uint32_t uncertain_price(const uncertain_t *u)
 {
-    uint32_t order = u->work.dof < AUVID_DOF_COUNT ? u->equation[u->work.dof].order : JOINT_ORDER;
-    uint32_t joint = JOINT_ORDER * JOINT_ORDER, parameters = u->id->metric.cfg.vehicle->parameters;
+    const auvid_metric_t *m = &u->id->metric;
+    int i = u->work.row, j = u->work.dof < AUVID_DOF_COUNT ? u->work.dof : 0;
+    const auvid_uncertain_equation_t *e = &u->equation[j];
+    const uint32_t joint = JOINT_ORDER * JOINT_ORDER;
     switch (u->work.phase) {
     case SOLVE_PREPARE:
-        return order * order / 7u;
-    case SOLVE_FINISH:
-    case SOLVE_KEEP:
-        return joint / 13u;
+        return (uint32_t)(e->order * e->order) / 6u;
+    case SOLVE_ROWS:
+    case SOLVE_OWN:
+        return uncertain_rotation(e->order);
+    case SOLVE_TRANSFER:
+        return uncertain_rotation(JOINT_ORDER - auvid_uncertain_joint_column(u, m, j, e->own + i));
+    case SOLVE_SHARED:
+        return uncertain_rotation(JOINT_ORDER - i);
+    case SOLVE_LEFT:
+        return uncertain_rotation(m->cfg.vehicle->parameters);
     case SOLVE_START:
         return SEARCH_START_COST;
+    case SOLVE_OPTIMUM:
     case SOLVE_SEARCH:
-        return 4u + parameters * parameters / 40u;
+        return uncertain_rotation(m->cfg.vehicle->parameters) / 2u + 2u;
+    case SOLVE_FINISH:
+    case SOLVE_KEEP:
+        return joint / 10u;
+    case SOLVE_SCALE:
+        return joint / 55u;
     case SOLVE_SIDES:
     case SOLVE_SIGMA:
-        return joint / 18u;
-    case SOLVE_TRANSFER:
-    case SOLVE_CAUSES:
-        return joint / 40u;
-    default:
-        return order * order / 40u;
+        return joint / 15u;
+    default: /* SOLVE_CAUSES */
+        return joint / 24u;
     }
 }
 
@@ -331,6 +348,7 @@ auvid_status_t auvid_uncertain_solve(auvid_uncertain_t *u, const auvid_metric_t 
             break;
         }
         *budget -= left;
+        *budget -= spent < *budget ? spent : *budget; /* no call does more than it is given */
         u->work.spent = 0;
         bool again = uncertain_step(u, m);
         if (!again && ++u->work.row >=

@@ -264,7 +264,7 @@ static void metric_weigh_bands(auvid_metric_t *m, int j)
     ev->band_weight[1][j] = AUVID_C(1.0) / ev->band_weight[0][j];
 }
 
-/* Complete a pass, one DoF at a time, at eight units each. @return true if all are complete */
+/* Complete a pass, one DoF at a time, at the cost of five rows each. @return true if all are complete */
 static bool metric_finish_dofs(auvid_metric_t *m, uint32_t *budget)
 {
     auvid_metric_cursor_t *at = &m->evaluator.at;
@@ -272,8 +272,8 @@ static bool metric_finish_dofs(auvid_metric_t *m, uint32_t *budget)
         int j = at->dof;
         if (auvid_metric_order(m, j) > 0 &&
             (at->pass != PASS_COUPLED || auvid_metric_may_be_coupled(m, j))) {
-            if (!auvid_metric_spend(at, budget, 2 * AUVID_METRIC_ROTATION)) {
-                return false; /* the work of two rows */
+            if (!auvid_metric_spend(at, budget, 5 * AUVID_METRIC_ROTATION)) {
+                return false;
             }
             if (at->pass == PASS_RESIDUAL) {
                 metric_weigh_bands(m, j);
