@@ -70,6 +70,8 @@ typedef struct auvid_change_functions {
 
 /** What the identifier calls of the uncertain inputs, if they are attached. */
 typedef struct auvid_uncertain_functions {
+    /** No cell is complete: there is time for rows that wait. */
+    void (*rotate)(auvid_identifier_t *id);
     /** After a search without them. @return true: a solution with them has begun */
     bool (*begin)(auvid_identifier_t *id);
     /** Continues it. @return AUVID_OK: it is complete; AUVID_PENDING */

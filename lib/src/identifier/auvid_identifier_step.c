@@ -43,6 +43,9 @@ static void identifier_take_cells(auvid_identifier_t *id, int max_cells)
             identifier_pass_cell(id, NULL);
             id->events |= AUVID_EVENT_GAP;
         } else if (status != AUVID_OK) {
+            if (i == 0 && id->attached.uncertain_functions != NULL) {
+                id->attached.uncertain_functions->rotate(id);
+            }
             return;
         } else {
             auvid_metric_set_velocity_us(&id->metric, id->recorder.velocity_us);

@@ -26,7 +26,6 @@
 #define SMALLEST_CURVE AUVID_C(1e-4)
 /* Step of the current for the difference [m/s]. */
 #define CURRENT_STEP AUVID_C(0.05)
-#define CURRENT_BOTH 3u
 
 /* ---- which columns there are ---- */
 
@@ -233,37 +232,31 @@ static void uncertain_thrust_columns(auvid_uncertain_t *u, const auvid_metric_t 
     }
 }
 
-/* Add scale * Y(sample) pi to the columns of the current in all equations; bit 0 of `axes`: of
- * CURRENT_X, bit 1: of CURRENT_Y. */
-static void uncertain_add_prediction(const auvid_uncertain_t *u, const auvid_metric_t *m,
-                                     const auvid_sample_t *sample, auvid_real_t scale,
-                                     unsigned axes, auvid_real_t *channel)
+/* Write Y(sample) pi of all equations. */
+static void uncertain_predict(const auvid_uncertain_t *u, const auvid_metric_t *m,
+                              const auvid_sample_t *sample, auvid_real_t wrench[AUVID_DOF_COUNT])
 {
     const auvid_vehicle_t *vehicle = m->cfg.vehicle;
     auvid_regressor_t y;
     auvid_zero(&y, sizeof y);
     vehicle->regressor(vehicle->context, sample, NULL, &y);
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
-        const auvid_uncertain_equation_t *e = &u->equation[j];
-        for (int k = e->own; k < e->inputs; ++k) {
-            unsigned axis = u->code[e->channel_at + k] - (unsigned)AUVID_UNCERTAIN_CURRENT_X;
-            bool takes = axis < 2 && (axes >> axis & 1u) != 0;
-            auvid_real_t *to = channel + auvid_uncertain_channel(u, e, k);
-            uint32_t columns = takes ? vehicle->columns[j] : 0u;
-            for (int i = 0; columns != 0; ++i, columns >>= 1) {
-                *to += (columns & 1u) != 0 ? scale * y.row[j][i] * u->pi[i] : AUVID_C(0.0);
-            }
+        const uint8_t *index = auvid_metric_row_parameters(m, j);
+        auvid_real_t sum = AUVID_C(0.0);
+        for (int k = u->equation[j].order - 1 - u->equation[j].inputs; k > 0; --k, ++index) {
+            sum += y.row[j][*index] * u->pi[*index];
         }
+        wrench[j] = sum;
     }
 }
 
 static void uncertain_current_columns(const auvid_uncertain_t *u, const auvid_metric_t *m,
                                       const auvid_sample_t *cell, auvid_real_t *channel)
 {
-    auvid_real_t r[3][3];
+    auvid_real_t r[3][3], still[AUVID_DOF_COUNT], moving[2][AUVID_DOF_COUNT];
     const auvid_real_t *omega = cell->nu + AUVID_ROLL;
     auvid_rotation(cell->phi, cell->theta, cell->psi, r);
-    uncertain_add_prediction(u, m, cell, AUVID_C(-1.0) / CURRENT_STEP, CURRENT_BOTH, channel);
+    uncertain_predict(u, m, cell, still);
     for (int axis = 0; axis < 2; ++axis) {
         auvid_sample_t moved = *cell;
         const auvid_real_t *c = r[axis]; /* the world's axis in the body */
@@ -272,7 +265,17 @@ static void uncertain_current_columns(const auvid_uncertain_t *u, const auvid_me
             moved.nu[i] -= CURRENT_STEP * c[i];
             moved.nu_dot[i] += CURRENT_STEP * (omega[p] * c[q] - omega[q] * c[p]);
         }
-        uncertain_add_prediction(u, m, &moved, AUVID_C(1.0) / CURRENT_STEP, 1u << axis, channel);
+        uncertain_predict(u, m, &moved, moving[axis]);
+    }
+    for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
+        const auvid_uncertain_equation_t *e = &u->equation[j];
+        for (int k = e->own; k < e->inputs; ++k) {
+            unsigned axis = u->code[e->channel_at + k] - (unsigned)AUVID_UNCERTAIN_CURRENT_X;
+            if (axis < 2) {
+                channel[auvid_uncertain_channel(u, e, k)] =
+                    (moving[axis][j] - still[j]) * (AUVID_C(1.0) / CURRENT_STEP);
+            }
+        }
     }
 }
 

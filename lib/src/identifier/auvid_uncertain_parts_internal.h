@@ -39,6 +39,9 @@ auvid_status_t auvid_uncertain_lay_out(auvid_uncertain_t *u, const auvid_metric_
 void auvid_uncertain_channels(auvid_uncertain_t *u, const auvid_metric_t *m,
                               const auvid_sample_t *cell, bool first, auvid_real_t *channel);
 
+/** Rotate rows that wait into the factors, at most this many, one band of a DoF each. */
+void auvid_uncertain_rotate(auvid_uncertain_t *u, int most);
+
 /** Forget the rows. */
 void auvid_uncertain_restart(auvid_uncertain_t *u);
 

@@ -3,7 +3,7 @@
  *
  * The columns pass the metric's smoother. Sums and differences of successive rows are the low and
  * the high band, as in auvid_metric_regressor.c. A row is rotated in while the next one is formed,
- * a few DoF with each cell: the work of a tick stays small.
+ * one band of a DoF in each call that brings no cell: the work of a tick stays small.
  */
 #include <string.h>
 
@@ -33,10 +33,8 @@ static bool uncertain_takes_rows(auvid_uncertain_t *u)
     return excites || !u->excited;
 }
 
-/* Rotate some of the rows that wait: all are done within five cells. */
-static void uncertain_rotate_pending(auvid_uncertain_t *u)
+void auvid_uncertain_rotate(auvid_uncertain_t *u, int most)
 {
-    int most = (u->rows_at_once + 4) / 5;
     for (int k = 0; k < 2 * AUVID_DOF_COUNT && most > 0; ++k) {
         if ((u->recorded.pending >> k & 1) != 0 && !auvid_uncertain_reads(u, k / 2)) {
             const auvid_uncertain_equation_t *e = &u->equation[k / 2];
@@ -52,7 +50,7 @@ static void uncertain_cell(void *context, const auvid_metric_t *m, const auvid_s
                            bool first)
 {
     auvid_uncertain_t *u = context;
-    uncertain_rotate_pending(u);
+    auvid_uncertain_rotate(u, (u->rows_at_once + 4) / 5); /* all are done within five cells */
     u->recorded.takes_rows = uncertain_takes_rows(u);
     if (first) {
         memset(u->recorded.successive, 0, sizeof u->recorded.successive);

@@ -43,8 +43,6 @@
 #define SEEN_RIGHT AUVID_C(3.0)    /* prior of the scale, as a number of inputs */
 #define LARGEST_SCALE AUVID_C(2.0) /* and its inverse the smallest */
 
-enum { SOLVE_PASSES = 3 };
-
 typedef auvid_uncertain_t uncertain_t;
 
 static void uncertain_add_shared_prior(uncertain_t *u, const auvid_metric_t *m, int code)
@@ -206,7 +204,7 @@ static uint32_t uncertain_price(const uncertain_t *u)
         return SEARCH_START_COST;
     case SOLVE_OPTIMUM:
     case SOLVE_SEARCH:
-        return uncertain_rotation(m->cfg.vehicle->parameters) / 2u + 2u;
+        return uncertain_rotation(m->cfg.vehicle->parameters) / 2u + 3u;
     case SOLVE_FINISH:
     case SOLVE_KEEP:
         return joint / 10u;
@@ -316,6 +314,12 @@ static bool uncertain_step(uncertain_t *u, const auvid_metric_t *m)
     return false;
 }
 
+/* Steps of Gauss-Newton. While the excitation runs, a later solution continues from the last one. */
+static int uncertain_passes(const uncertain_t *u)
+{
+    return u->excited && u->estimate.number > 0 ? 1 : 3;
+}
+
 /* Begin the next phase. */
 static void uncertain_next_phase(uncertain_t *u)
 {
@@ -324,7 +328,7 @@ static void uncertain_next_phase(uncertain_t *u)
     if (w->phase == SOLVE_TRANSFER) {
         w->dof = uncertain_next_dof(u, w->dof + 1);
         w->phase = w->dof < AUVID_DOF_COUNT ? SOLVE_PREPARE : SOLVE_SHARED;
-    } else if (w->phase == SOLVE_SCALE && ++w->pass < SOLVE_PASSES) {
+    } else if (w->phase == SOLVE_SCALE && ++w->pass < uncertain_passes(u)) {
         auvid_clear(w->joint, sizeof w->joint / sizeof w->joint[0]);
         w->dof = uncertain_next_dof(u, 0);
         w->phase = SOLVE_PREPARE;
