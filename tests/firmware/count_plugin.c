@@ -5,8 +5,9 @@
  *     -plugin count_plugin.so,functions=FILE,out=FILE
  *
  * functions: lines "address T name" of all functions, as `nm --defined-only` prints them.
- * out: lines "name calls total max". The line "tick" is the sum over one tick of a node: calls of
- * auvid_node_take, _step, _work and _report, up to the end of the last.
+ * out: lines "name calls total max longest". The line "tick" is the sum over one tick of a node:
+ * calls of auvid_node_take, _step, _work and _report, up to the end of the last. `longest` is the
+ * function's part of the longest tick.
  *
  * A function has returned when the instruction after its call is executed. The plugin does not
  * depend on the core. A jump to the first instruction of a function counts as a call. It ends with
@@ -43,6 +44,7 @@ EXPORTED int qemu_plugin_install(qemu_plugin_id_t, const qemu_info_t *, int, cha
 
 typedef struct {
     uint64_t at, calls, total, most;
+    uint64_t before_tick, in_longest;
     char name[100];
 } function_t;
 
@@ -78,14 +80,26 @@ static bool is_in_tick(const char *name)
            !strcmp(name, "auvid_node_work") || !strcmp(name, "auvid_node_report");
 }
 
+/* A tick ends: what did each function take of it? */
+static void end_tick(void)
+{
+    bool longest = in_tick > tick.most;
+    record(&tick, in_tick);
+    in_tick = 0;
+    for (size_t i = 0; i < n_functions; ++i) {
+        function_t *f = &functions[i];
+        f->in_longest = longest ? f->total - f->before_tick : f->in_longest;
+        f->before_tick = f->total;
+    }
+}
+
 static void returned(function_t *f, uint64_t count)
 {
     record(f, count);
     if (is_in_tick(f->name)) {
         in_tick += count;
         if (!strcmp(f->name, "auvid_node_report")) {
-            record(&tick, in_tick);
-            in_tick = 0;
+            end_tick();
         }
     }
 }
@@ -146,12 +160,14 @@ static void at_exit(qemu_plugin_id_t id, void *data)
         perror(out);
         exit(1);
     }
+    tick.in_longest = tick.most;
     functions[n_functions++] = tick; /* there is space: see read_functions */
     for (size_t i = 0; i < n_functions; ++i) {
         const function_t *f = &functions[i];
         if (f->calls > 0) {
-            fprintf(file, "%s %llu %llu %llu\n", f->name, (unsigned long long)f->calls,
-                    (unsigned long long)f->total, (unsigned long long)f->most);
+            fprintf(file, "%s %llu %llu %llu %llu\n", f->name, (unsigned long long)f->calls,
+                    (unsigned long long)f->total, (unsigned long long)f->most,
+                    (unsigned long long)f->in_longest);
         }
     }
     fclose(file);

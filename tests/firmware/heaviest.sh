@@ -1,9 +1,10 @@
 #!/usr/bin/env bash
-# Prints the longest tick of the firmware's example with another budget, optionally passive, and
-# with port/cortex_m/optional/soft_float.c. Run `make bench-firmware` first: this uses its log and
-# objects.
+# Prints the instructions of a tick of the firmware's example, and its memory, with another budget.
+# Optionally it is passive, has uncertain inputs, or has port/cortex_m/optional/soft_float.c.
+# Run `make bench-firmware` first: this uses its log and objects.
 #
-# usage: tests/firmware/heaviest.sh BOARD-LEVEL BUDGET [passive] [soft]   e.g. m0plus-Os 2 passive
+# usage: tests/firmware/heaviest.sh BOARD-LEVEL BUDGET [passive] [uncertain] [soft]
+# e.g. m0plus-Os 2 passive. The instructions of all functions are in build/firmware/heaviest/count.
 set -euo pipefail
 cd "$(dirname "$0")/../.."
 top=$PWD board=${1%-*} objects=build/firmware/$1 here=build/firmware/heaviest
@@ -22,6 +23,18 @@ if [[ " $* " == *" passive "* ]]; then
     grep -q 'false && configure' "$here/main.c" ||
         { echo "heaviest: main.c configures its excitation elsewhere" >&2; exit 1; }
 fi
+if [[ " $* " == *" uncertain "* ]]; then
+    sed -i -e 's/exact_inputs = true/exact_inputs = false/' -e '/^static bool configure(void)/i \
+static bool attach_uncertain(void) \
+{ \
+    static auvid_uncertain_t uncertain; \
+    auvid_uncertain_config_t inputs; \
+    auvid_uncertain_defaults(&inputs); \
+    return auvid_node_attach_uncertain(&node, &uncertain, &inputs) >= 0; \
+}' -e '/return auvid_node_init/s/ \&\&$/ \&\& attach_uncertain() \&\&/' "$here/main.c"
+    [ "$(grep -c -e 'attach_uncertain() &&' -e 'inputs = false' "$here/main.c")" = 2 ] ||
+        { echo "heaviest: main.c configures its inputs elsewhere" >&2; exit 1; }
+fi
 $compile "-${1#*-}" -std=c11 -ffp-contract=off -Ilib/include \
     -Iport/cortex_m/example "-DBUDGET=$2" -c -o "$here/main.o" "$here/main.c"
 $(port/cortex_m/board.sh "$board" link) -Wl,--wrap=machine_timer,--wrap=machine_sleep \
@@ -33,3 +46,5 @@ awk -v what="$*" '{ sub(/^auvid_node_/, "", $1); mean[$1] = $3 / $2; most[$1] = 
     END { printf "%s: instructions, mean / max: tick %d / %d; step %d / %d; work %d / %d\n", what,
         mean["tick"], most["tick"], mean["step"], most["step"], mean["work"], most["work"] }' \
     "$here/count"
+"$(port/cortex_m/board.sh "$board" tools)size" "$here/image.elf" | awk -v what="$*" \
+    'NR == 2 { printf "%s: flash %d, static RAM %d bytes\n", what, $1 + $2, $2 + $3 }'

@@ -434,9 +434,10 @@ auvid_status_t auvid_identifier_attach_change_test(auvid_identifier_t *id,
                                                    auvid_change_detector_t *storage);
 
 #define auvid_identifier_work AUVID_SIZED(auvid_identifier_work)
-/** Optimize for the time that is left.
+/** Optimize for the time that is left. The first call after a set is complete only begins: the step
+ * before it has taken longer.
  * @param budget units of work; 0 does nothing
- * @return AUVID_OK (nothing to do until the next set completes); AUVID_PENDING (budget used up);
+ * @return AUVID_OK (nothing to do until the next set completes); AUVID_PENDING (call again);
  * AUVID_ERR_NULL; AUVID_ERR_STATE (not initialised); AUVID_ERR_NO_DATA (no degree of freedom moved
  * in the stored sets; the search ends, the last estimate stays). */
 auvid_status_t auvid_identifier_work(auvid_identifier_t *id, uint32_t budget);

@@ -11,8 +11,9 @@
  *
  * z is the supplied thrust behind a nominal lag of the propellers' speed. The noise is in the
  * acceleration, not in the thrust: in the column of the mass, u' becomes u' + e / m (prediction
- * error, three Gauss-Newton steps). Otherwise columns that contain the thrust would shrink it. In
- * the moments, which thrusters form as small differences, half of e is ascribed to the thrust.
+ * error, three Gauss-Newton steps; one if an excitation continues). Otherwise columns that contain
+ * the thrust would shrink it. In the moments, which thrusters form as small differences, half of e
+ * is ascribed to the thrust.
  * Columns of the hull are made orthogonal to its drag, so that X_u and X_uu remain the best drag of
  * the model for the motion that was seen.
  *
@@ -40,9 +41,9 @@
  * wrench, there is no estimate with uncertain inputs.
  *
  * Regressor path only. Attach it once; a program without it does not contain it. A checkpoint
- * (checkpoint.h) contains its state. Cost: a solution takes 19.3k units of work for Girona500 and
- * 21.8k for an ROV with six thrusters. Memory: sizeof(auvid_uncertain_t), 23 KiB with default
- * sizes; AUVID_MAX_UNCERTAIN chooses for how many columns.
+ * (checkpoint.h) contains its state. Cost: 15k units of work a solution for Girona500, on average
+ * over eight sets of an excitation. Memory: sizeof(auvid_uncertain_t), 23 KiB with default sizes;
+ * AUVID_MAX_UNCERTAIN chooses for how many columns.
  *
  * Sources: Fuller 1987 (errors in variables); Ljung 1999, 7 (prediction error); Schmidt 1966
  * (considered parameters). None of it is in the paper.
@@ -254,6 +255,9 @@ typedef struct auvid_uncertain {
     const struct auvid_checkpoint_part *checkpoint; /* how a checkpoint is checked */
     auvid_uncertain_equation_t equation[AUVID_DOF_COUNT];
     uint8_t code[AUVID_UNCERTAIN_CHANNELS]; /* what each input is */
+    uint16_t place[AUVID_UNCERTAIN_CHANNELS]; /* where its channel is, and that of the thrust */
+    uint16_t section[5]; /* ends of the channels: none; of forces, formed from motion, then from
+                            thrust; of moments likewise */
     uint8_t rows_at_once;                   /* of both bands, from one row of the metric */
     /* state: from here on, see checkpoint.h */
     uint64_t begin_us;         /* of the first cell of the rows; 0: none */

@@ -22,9 +22,9 @@ static inline void linalg_rotate(auvid_real_t *factor, int n, int first, int end
         auvid_real_t c = r[0] * inverse, s = row[i] * inverse;
         r[0] = rho;
         for (int j = i + 1; j < n; ++j) {
-            auvid_real_t old = r[j - i];
-            r[j - i] = c * old + s * row[j];
-            row[j] = c * row[j] - s * old;
+            auvid_real_t old = r[j - i], a = row[j];
+            r[j - i] = c * old + s * a;
+            row[j] = c * a - s * old;
         }
     }
 }
@@ -68,6 +68,9 @@ void auvid_qr_solve_transposed(const auvid_real_t *factor, int n, int m, auvid_r
 {
     for (int i = 0; i < m; ++i) {
         const auvid_real_t *r = factor + auvid_qr_row(n, i);
+        if (auvid_is_zero(x[i])) {
+            continue;
+        }
         x[i] = auvid_abs(r[0]) > AUVID_C(0.0) ? x[i] / r[0] : AUVID_C(0.0);
         for (int j = i + 1; j < m; ++j) {
             x[j] -= r[j - i] * x[i];

@@ -61,14 +61,30 @@ auvid_real_t auvid_max(auvid_real_t a, auvid_real_t b)
     return a > b ? a : b;
 }
 
+void auvid_zero(void *object, size_t bytes)
+{
+#if defined(__GNUC__)
+    typedef uint32_t __attribute__((may_alias)) word_t;
+    word_t *x = object;
+    size_t n = bytes / sizeof *x;
+    for (; n >= 4; n -= 4, x += 4) { /* compilers do not replace this by memset() */
+        x[0] = x[1] = x[2] = x[3] = 0;
+    }
+    if (n >= 2) {
+        x[0] = x[1] = 0;
+        x += 2;
+    }
+    if (n % 2 > 0) {
+        x[0] = 0;
+    }
+#else
+    memset(object, 0, bytes);
+#endif
+}
+
 void auvid_clear(auvid_real_t *x, size_t n)
 {
-    for (; n >= 6; n -= 6, x += 6) { /* compilers do not replace this by memset() */
-        x[0] = x[1] = x[2] = x[3] = x[4] = x[5] = AUVID_C(0.0);
-    }
-    for (; n > 0; --n) {
-        x[n - 1] = AUVID_C(0.0);
-    }
+    auvid_zero(x, n * sizeof *x);
 }
 
 bool auvid_all_finite(const auvid_real_t *x, size_t n)

@@ -87,7 +87,11 @@ static inline auvid_real_t auvid_r2(auvid_real_t unexplained, auvid_real_t total
     return total > AUVID_C(0.0) && auvid_is_finite(part) ? AUVID_C(1.0) - part : AUVID_C(0.0);
 }
 
-/** Sets n values to zero. memset() of small C libraries works byte by byte. */
+/** Sets an object that consists of whole words of 4 bytes to zero. memset() of small C libraries
+ * works byte by byte, which is noticed in a tick. */
+void auvid_zero(void *object, size_t bytes);
+
+/** Sets n values to zero. */
 void auvid_clear(auvid_real_t *x, size_t n);
 
 /** Returns true if all n values are finite. */

@@ -104,12 +104,10 @@ auvid_status_t auvid_can_receiver_take(auvid_can_receiver_t *receiver,
     }
     /* a command expires by the clock, not by timestamps */
     can_receiver_check_timeout(receiver, frame->t_us, !receiver->strict);
-    auvid_can_message_t unpacked;
-    auvid_status_t status = auvid_can_unpack(&receiver->ids, frame, &unpacked);
+    auvid_status_t status = auvid_can_unpack(&receiver->ids, frame, message);
     if (status == AUVID_OK) {
-        status = can_receiver_check_counter(receiver, unpacked.counter);
+        status = can_receiver_check_counter(receiver, message->counter);
         receiver->seen_us = frame->t_us;
-        *message = unpacked;
     } else if (status == AUVID_ERR_CHECKSUM) {
         ++receiver->checksum;
     } else {

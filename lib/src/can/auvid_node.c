@@ -131,7 +131,7 @@ _Static_assert(AUVID_CAN_IMU_ATTITUDE_VALUES == 3 && AUVID_CAN_IMU_RATES_VALUES 
 static void node_take_sample(auvid_node_t *node, const auvid_can_message_t *m)
 {
     auvid_can_node_kind_t received = auvid_can_node_kind(m->kind);
-    auvid_input_sample_t sample = {.present = true};
+    auvid_input_sample_t sample;
     uint32_t age_ms;
     int i = 0;
     while (i < AUVID_INPUT_ALTITUDE && node_samples[i] != received) {
@@ -144,6 +144,7 @@ static void node_take_sample(auvid_node_t *node, const auvid_can_message_t *m)
     if ((m->absent != 0 && !dvl) || !node_has_age(node, age_ms)) {
         return;
     }
+    sample.present = true;
     sample.t_us = node_age_us(age_ms);
     auvid_input_set(&node->in, i, &sample);
     if (dvl) {

@@ -107,13 +107,14 @@ static void node_set_sample_times(auvid_node_t *node, uint64_t tick_us)
 static AUVID_NOINLINE void node_record_thrust(auvid_node_t *node)
 {
     const auvid_allocation_config_t *cfg = &node->allocation.cfg;
-    auvid_real_t force_N[AUVID_MAX_THRUSTERS] = {AUVID_C(0.0)};
+    auvid_real_t force_N[AUVID_MAX_THRUSTERS];
     auvid_real_t *wrench = node->in.applied.wrench, *command = node->in.applied.command;
     bool covers_tick = node->feedback && node->counters.ticks > 0; /* the previous tick is known */
     node->feedback = false;
     if (!covers_tick) {
         return;
     }
+    auvid_clear(force_N, AUVID_MAX_THRUSTERS);
     for (int i = 0; i < cfg->thrusters; ++i) {
         auvid_real_t part = node->thrust[i];
         const auvid_thruster_t *t = &cfg->thruster[i];
@@ -130,24 +131,31 @@ static AUVID_NOINLINE void node_record_thrust(auvid_node_t *node)
 
 /* ---- thruster commands ---- */
 
+/* Returns the force of thruster i as a fraction of its maximum; 0: there is none. */
+static auvid_real_t node_command_part(const auvid_allocation_config_t *cfg,
+                                      const auvid_real_t *force_N, int i)
+{
+    if (i >= cfg->thrusters || force_N == NULL) {
+        return AUVID_C(0.0);
+    }
+    auvid_real_t max_N =
+        force_N[i] > AUVID_C(0.0) ? cfg->thruster[i].max_N : -cfg->thruster[i].min_N;
+    return max_N > AUVID_C(0.0) ? force_N[i] / max_N : AUVID_C(0.0);
+}
+
 /* Sends the forces as fractions of the maximum force of each thruster; NULL: zero. */
 static void node_send_command(auvid_node_t *node, const auvid_real_t *force_N,
                               auvid_can_frame_t *frame, int *count)
 {
     const auvid_allocation_config_t *cfg = &node->allocation.cfg;
-    auvid_real_t part[AUVID_CAN_THRUSTERS] = {AUVID_C(0.0)};
-    for (int i = 0; i < cfg->thrusters && force_N != NULL; ++i) {
-        auvid_real_t max_N =
-            force_N[i] > AUVID_C(0.0) ? cfg->thruster[i].max_N : -cfg->thruster[i].min_N;
-        part[i] = max_N > AUVID_C(0.0) ? force_N[i] / max_N : AUVID_C(0.0);
-    }
-    auvid_can_message_t a = {.kind = AUVID_CAN_THRUSTER_COMMAND_A};
-    auvid_can_message_t b = {.kind = AUVID_CAN_THRUSTER_COMMAND_B};
-    memcpy(a.as.thruster_command_a.thrust, part, sizeof a.as.thruster_command_a.thrust);
-    memcpy(b.as.thruster_command_b.thrust, part + 4, sizeof b.as.thruster_command_b.thrust);
-    auvid_node_send(node, &a, frame, count);
-    if (cfg->thrusters > 4) {
-        auvid_node_send(node, &b, frame, count);
+    for (int first = 0; first < cfg->thrusters; first += 4) {
+        auvid_can_message_t m;
+        m.kind = first == 0 ? AUVID_CAN_THRUSTER_COMMAND_A : AUVID_CAN_THRUSTER_COMMAND_B;
+        m.absent = 0;
+        for (int i = 0; i < 4; ++i) { /* both have the same signals */
+            m.as.thruster_command_a.thrust[i] = node_command_part(cfg, force_N, first + i);
+        }
+        auvid_node_send(node, &m, frame, count);
     }
 }
 
@@ -188,8 +196,8 @@ static void node_count_drops(auvid_node_t *node, uint32_t events)
 static void node_clear_samples(auvid_input_t *in)
 {
     const size_t after = offsetof(auvid_input_t, imu) + sizeof in->imu;
-    memset(in, 0, offsetof(auvid_input_t, imu));
-    memset((unsigned char *)in + after, 0, sizeof *in - after);
+    auvid_zero(in, offsetof(auvid_input_t, imu));
+    auvid_zero((unsigned char *)in + after, sizeof *in - after);
 }
 
 auvid_status_t auvid_node_step(auvid_node_t *node, const uint64_t *t_us, auvid_can_frame_t *frame,

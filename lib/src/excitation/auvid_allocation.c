@@ -294,12 +294,13 @@ static auvid_real_t allocation_max_scale(const auvid_allocation_t *a, const auvi
 auvid_status_t auvid_allocation_solve(const auvid_allocation_t *a, const auvid_real_t wrench[DOFS],
                                       auvid_allocation_result_t *result)
 {
-    auvid_real_t first[AUVID_MAX_THRUSTERS] = {0}, rest[AUVID_MAX_THRUSTERS] = {0};
-    const auvid_real_t none[AUVID_MAX_THRUSTERS] = {0};
+    auvid_real_t first[AUVID_MAX_THRUSTERS], rest[AUVID_MAX_THRUSTERS];
     if (result == NULL) {
         return AUVID_ERR_NULL;
     }
-    memset(result, 0, sizeof *result);
+    auvid_zero(result, sizeof *result);
+    auvid_clear(first, AUVID_MAX_THRUSTERS);
+    auvid_clear(rest, AUVID_MAX_THRUSTERS);
     if (a == NULL || wrench == NULL) {
         return AUVID_ERR_NULL;
     }
@@ -318,7 +319,7 @@ auvid_status_t auvid_allocation_solve(const auvid_allocation_t *a, const auvid_r
             f[j] += a->inverse[j][i] * wrench[i];
         }
     }
-    result->scale_priority = allocation_max_scale(a, none, first);
+    result->scale_priority = allocation_max_scale(a, result->force_N, first); /* still zero */
     for (int j = 0; j < a->cfg.thrusters; ++j) {
         first[j] *= result->scale_priority;
     }

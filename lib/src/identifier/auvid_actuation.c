@@ -25,7 +25,7 @@ static void actuation_fill_guard_input(const auvid_identifier_t *id, bool satura
 {
     const auvid_actuation_t *a = id->actuation;
     auvid_nav_state_t state;
-    memset(in, 0, sizeof *in);
+    auvid_zero(in, sizeof *in);
     in->saturated = saturated || a->saturated;
     in->heaves = a->excitation.heaves;
     in->altitude = a->altitude;

@@ -13,7 +13,7 @@
 void auvid_identifier_set_scale(auvid_identifier_t *id, const auvid_allocation_t *allocation);
 
 /** Units that the start of a search costs: it draws a population. */
-enum { SEARCH_START_COST = 100 };
+enum { SEARCH_START_COST = 140 };
 
 /** Values of work.spent. */
 enum { WORK_OPTIMUM = 1, WORK_START, WORK_LAST_SPENT = WORK_START + SEARCH_START_COST - 1 };
@@ -70,6 +70,8 @@ typedef struct auvid_change_functions {
 
 /** What the identifier calls of the uncertain inputs, if they are attached. */
 typedef struct auvid_uncertain_functions {
+    /** No cell is complete: there is time for rows that wait. */
+    void (*rotate)(auvid_identifier_t *id);
     /** After a search without them. @return true: a solution with them has begun */
     bool (*begin)(auvid_identifier_t *id);
     /** Continues it. @return AUVID_OK: it is complete; AUVID_PENDING */

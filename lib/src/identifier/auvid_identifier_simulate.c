@@ -26,7 +26,7 @@ static void simulate_restart(auvid_identifier_t *id)
     if (id->attached.prediction == NULL) {
         return;
     }
-    memset(id->attached.prediction, 0, sizeof *id->attached.prediction);
+    auvid_zero(id->attached.prediction, sizeof *id->attached.prediction);
     if (e->number > 0) { /* no simulation without acceleration, or if the masses forbid it */
         (void)auvid_validation_init(id->attached.prediction, identifier_vehicle(id), e->pi,
                                     (uint8_t)(e->excited | e->coupled), e->delay_s,

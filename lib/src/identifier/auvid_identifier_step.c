@@ -43,6 +43,9 @@ static void identifier_take_cells(auvid_identifier_t *id, int max_cells)
             identifier_pass_cell(id, NULL);
             id->events |= AUVID_EVENT_GAP;
         } else if (status != AUVID_OK) {
+            if (i == 0 && id->attached.uncertain_functions != NULL) {
+                id->attached.uncertain_functions->rotate(id);
+            }
             return;
         } else {
             auvid_metric_set_velocity_us(&id->metric, id->recorder.velocity_us);
@@ -168,7 +171,7 @@ auvid_status_t auvid_identifier_step(auvid_identifier_t *id, const auvid_input_t
                                      auvid_output_t *out)
 {
     if (out != NULL) {
-        memset(out, 0, sizeof *out);
+        auvid_zero(out, sizeof *out);
     }
     if (id == NULL || in == NULL || out == NULL) {
         identifier_refuse(id, in, out);

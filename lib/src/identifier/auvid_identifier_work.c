@@ -251,7 +251,11 @@ static auvid_status_t identifier_merge(auvid_identifier_t *id, uint32_t *budget)
         return AUVID_PENDING;
     }
     --*budget;
-    return id->work.spent++ == WORK_LAST_SPENT ? identifier_begin_sets_search(id) : AUVID_PENDING;
+    if (id->work.spent++ < WORK_LAST_SPENT) {
+        return AUVID_PENDING;
+    }
+    *budget = 0; /* most of the cost may have been spent in earlier calls, but it is due now */
+    return identifier_begin_sets_search(id);
 }
 
 static void identifier_end_merge(auvid_identifier_t *id)
@@ -423,6 +427,7 @@ auvid_status_t auvid_identifier_work(auvid_identifier_t *id, uint32_t budget)
         return AUVID_ERR_STATE;
     }
     uint32_t left = budget;
+    bool begins = false;
     auvid_status_t status = AUVID_OK;
     if (budget > 0 && auvid_metric_ring_changed(&id->metric) &&
         identifier_phase(id)->restart != NULL) {
@@ -431,8 +436,9 @@ auvid_status_t auvid_identifier_work(auvid_identifier_t *id, uint32_t budget)
     if (budget > 0 && id->work.set_pending && id->work.phase == AUVID_WORK_IDLE) {
         id->work.set_pending = false;
         identifier_begin_sets(id);
+        begins = true; /* the tick has just completed a set: the work continues in the next one */
     }
-    while (left > 0 && id->work.phase != AUVID_WORK_IDLE && status >= 0) {
+    while (left > 0 && !begins && id->work.phase != AUVID_WORK_IDLE && status >= 0) {
         status = identifier_advance(id, &left);
     }
     id->work.last_units = budget - left;

@@ -80,11 +80,9 @@ auvid_status_t auvid_prior_add_rows(auvid_metric_t *m, uint32_t *budget)
             continue;
         }
         uint8_t price = (uint8_t)(AUVID_METRIC_ROTATION * (auvid_metric_equation(m, j).count + 2));
-        do {
-            if (*budget == 0) {
-                return AUVID_PENDING;
-            }
-        } while (!auvid_metric_spend(at, budget, price));
+        if (!auvid_metric_spend(at, budget, price)) {
+            return AUVID_PENDING;
+        }
         if (!prior_apply(m, prior, j)) {
             prior->known = 0;
             auvid_metric_restart_pass(m, PASS_LAST);

@@ -72,6 +72,11 @@ static void uncertain_withdraw(auvid_uncertain_t *u)
     memset(&u->causes, 0, sizeof u->causes);
 }
 
+static void uncertain_rotate(auvid_identifier_t *id)
+{
+    auvid_uncertain_rotate(uncertain_of(id), 1);
+}
+
 static bool uncertain_begin(auvid_identifier_t *id)
 {
     bool ready = uncertain_is_ready(id);
@@ -189,7 +194,8 @@ static void uncertain_publish(auvid_identifier_t *id)
 }
 
 static const auvid_uncertain_functions_t uncertain_table = {
-    uncertain_begin, uncertain_solve, uncertain_publish, uncertain_estimate, uncertain_judge};
+    uncertain_rotate,  uncertain_begin,    uncertain_solve,
+    uncertain_publish, uncertain_estimate, uncertain_judge};
 
 auvid_status_t auvid_identifier_attach_uncertain(auvid_identifier_t *id, auvid_uncertain_t *storage,
                                                  const auvid_uncertain_config_t *cfg,

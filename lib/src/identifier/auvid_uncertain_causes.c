@@ -40,8 +40,9 @@ static auvid_real_t causes_unit(const uncertain_t *u, int code, int j)
 static auvid_real_t causes_deviation(const uncertain_t *u, int j, int own, int shared)
 {
     const auvid_uncertain_equation_t *e = &u->equation[j];
-    auvid_real_t g[AUVID_UNCERTAIN_OWN] = {AUVID_C(0.0)}, v[JOINT_ORDER] = {AUVID_C(0.0)};
-    auvid_real_t variance = AUVID_C(0.0);
+    auvid_real_t g[AUVID_UNCERTAIN_OWN], v[JOINT_ORDER], variance = AUVID_C(0.0);
+    auvid_clear(g, AUVID_UNCERTAIN_OWN);
+    auvid_clear(v, JOINT_ORDER);
     for (int i = own; i >= 0 && i < e->own; ++i) {
         const auvid_real_t *row = auvid_uncertain_own_row(u, e, i);
         g[i] = ((i == own ? AUVID_C(1.0) : AUVID_C(0.0)) - g[i]) / row[i];

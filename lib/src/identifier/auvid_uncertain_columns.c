@@ -26,9 +26,27 @@
 #define SMALLEST_CURVE AUVID_C(1e-4)
 /* Step of the current for the difference [m/s]. */
 #define CURRENT_STEP AUVID_C(0.05)
-#define CURRENT_BOTH 3u
 
 /* ---- which columns there are ---- */
+
+/* Channels of one weight stand together (uncertain_accumulate). */
+static void uncertain_place_channels(auvid_uncertain_t *u)
+{
+    uint16_t next = 0;
+    for (unsigned section = 0; section < 4; ++section) {
+        for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
+            const auvid_uncertain_equation_t *e = &u->equation[j];
+            unsigned moment = j >= AUVID_ROLL;
+            for (int k = 0; e->order > 0 && k <= e->inputs; ++k) {
+                unsigned thrust = k == e->inputs || (e->of_thrust >> k & 1u) != 0;
+                if (section == 2u * moment + thrust) {
+                    u->place[e->channel_at + k] = next++;
+                }
+            }
+        }
+        u->section[section + 1u] = next;
+    }
+}
 
 auvid_status_t auvid_uncertain_lay_out(auvid_uncertain_t *u, const auvid_metric_t *m)
 {
@@ -70,6 +88,7 @@ auvid_status_t auvid_uncertain_lay_out(auvid_uncertain_t *u, const auvid_metric_
             return AUVID_ERR_SIZE;
         }
     }
+    uncertain_place_channels(u);
     return AUVID_OK;
 }
 
@@ -150,26 +169,29 @@ static void uncertain_add_thruster(const auvid_uncertain_t *u, int i, const auvi
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
         const auvid_uncertain_equation_t *e = &u->equation[j];
         auvid_real_t entry = u->allocation->cfg.thruster[i].wrench[j];
-        auvid_real_t *to = channel + e->channel_at;
         if (e->order == 0 || !(auvid_abs(entry) > AUVID_C(0.0))) {
             continue;
         }
-        for (int k = 0; k < e->inputs; ++k) {
-            to[k] += entry * value[u->code[e->channel_at + k]];
+        const uint16_t *place = u->place + e->channel_at;
+        const uint8_t *code = u->code + e->channel_at;
+        for (uint32_t left = e->of_thrust; left != 0; left >>= 1, ++code, ++place) {
+            if ((left & 1u) != 0) {
+                channel[*place] += entry * value[*code];
+            }
         }
-        to[e->inputs] += entry * force;
+        channel[auvid_uncertain_channel(u, e, e->inputs)] += entry * force;
     }
 }
 
 /* Compare the thrusters' forces with the wrench that was recorded. */
 static void uncertain_compare(auvid_uncertain_t *u, const auvid_metric_t *m,
-                              const auvid_sample_t *cell)
+                              const auvid_sample_t *cell, const auvid_real_t *force)
 {
     const auvid_allocation_config_t *cfg = &u->allocation->cfg;
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
         auvid_real_t difference = -cell->tau[j], max = m->cfg.tau_max[j];
         for (int i = 0; i < cfg->thrusters; ++i) {
-            difference += cfg->thruster[i].wrench[j] * uncertain_force(u, i, cell->command[i]);
+            difference += cfg->thruster[i].wrench[j] * force[i];
         }
         if (u->equation[j].order > 0 && max > AUVID_C(0.0)) {
             u->recorded.wrench += cell->tau[j] / max * (cell->tau[j] / max);
@@ -179,15 +201,16 @@ static void uncertain_compare(auvid_uncertain_t *u, const auvid_metric_t *m,
 }
 
 static void uncertain_thrust_columns(auvid_uncertain_t *u, const auvid_metric_t *m,
-                                     const auvid_sample_t *cell, bool first, auvid_real_t *channel)
+                                     const auvid_sample_t *cell, const auvid_real_t *force,
+                                     bool first, auvid_real_t *channel)
 {
+    auvid_real_t value[INPUTS];
     auvid_real_t cell_s = (auvid_real_t)auvid_metric_cell_us(m) * AUVID_C(1e-6);
     auvid_real_t keep = uncertain_decay(AUVID_C(0.5) * cell_s / u->cfg.nominal_lag_s);
     for (int i = 0; i < u->allocation->cfg.thrusters; ++i) {
         const auvid_thruster_t *t = &u->allocation->cfg.thruster[i];
         auvid_real_t max_N = auvid_max(t->max_N, -t->min_N), inflow = AUVID_C(0.0);
-        auvid_real_t force = uncertain_force(u, i, cell->command[i]);
-        uncertain_thrust_t f = uncertain_advance(u, i, force, first, keep, cell_s);
+        uncertain_thrust_t f = uncertain_advance(u, i, force[i], first, keep, cell_s);
         auvid_real_t size = auvid_abs(f.force), width = DEAD_BAND_WIDTH * max_N;
         for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
             inflow += t->wrench[j] * cell->nu[j];
@@ -195,49 +218,45 @@ static void uncertain_thrust_columns(auvid_uncertain_t *u, const auvid_metric_t 
         if (!(max_N > AUVID_C(0.0))) {
             continue;
         }
-        auvid_real_t value[INPUTS] = {
-            [AUVID_UNCERTAIN_BACKWARD] = auvid_min(f.force, AUVID_C(0.0)),
-            [AUVID_UNCERTAIN_DEAD_BAND] = f.force / auvid_sqrt(size * size + width * width),
-            [AUVID_UNCERTAIN_CURVE] =
-                -f.force * uncertain_ln(auvid_max(size / max_N, SMALLEST_CURVE)),
-            [AUVID_UNCERTAIN_INFLOW] = size * inflow,
-            [AUVID_UNCERTAIN_SAG] = f.force * u->recorded.elapsed,
-            [AUVID_UNCERTAIN_LAG] = f.lag,
-            [INPUT_DELAY] = f.delay};
+        auvid_clear(value, INPUTS);
+        value[AUVID_UNCERTAIN_BACKWARD] = auvid_min(f.force, AUVID_C(0.0));
+        value[AUVID_UNCERTAIN_DEAD_BAND] = f.force / auvid_sqrt(size * size + width * width);
+        value[AUVID_UNCERTAIN_CURVE] =
+            -f.force * uncertain_ln(auvid_max(size / max_N, SMALLEST_CURVE));
+        value[AUVID_UNCERTAIN_INFLOW] = size * inflow;
+        value[AUVID_UNCERTAIN_SAG] = f.force * u->recorded.elapsed;
+        value[AUVID_UNCERTAIN_LAG] = f.lag;
+        value[INPUT_DELAY] = f.delay;
         value[AUVID_UNCERTAIN_GAIN + i] = -f.force;
         uncertain_add_thruster(u, i, value, f.force, channel);
     }
 }
 
-/* Add scale * Y(sample) pi to the columns of the current in all equations; bit 0 of `axes`: of
- * CURRENT_X, bit 1: of CURRENT_Y. */
-static void uncertain_add_prediction(const auvid_uncertain_t *u, const auvid_metric_t *m,
-                                     const auvid_sample_t *sample, auvid_real_t scale,
-                                     unsigned axes, auvid_real_t *channel)
+/* Write Y(sample) pi of all equations. */
+static void uncertain_predict(const auvid_uncertain_t *u, const auvid_metric_t *m,
+                              const auvid_sample_t *sample, auvid_real_t wrench[AUVID_DOF_COUNT])
 {
     const auvid_vehicle_t *vehicle = m->cfg.vehicle;
     auvid_regressor_t y;
-    memset(&y, 0, sizeof y);
+    auvid_zero(&y, sizeof y);
     vehicle->regressor(vehicle->context, sample, NULL, &y);
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
-        const auvid_uncertain_equation_t *e = &u->equation[j];
-        for (int k = e->own; k < e->inputs; ++k) {
-            unsigned axis = u->code[e->channel_at + k] - (unsigned)AUVID_UNCERTAIN_CURRENT_X;
-            bool takes = axis < 2 && (axes >> axis & 1u) != 0;
-            for (int i = 0; takes && i < vehicle->parameters; ++i) {
-                channel[e->channel_at + k] += scale * y.row[j][i] * u->pi[i];
-            }
+        const uint8_t *index = auvid_metric_row_parameters(m, j);
+        auvid_real_t sum = AUVID_C(0.0);
+        for (int k = u->equation[j].order - 1 - u->equation[j].inputs; k > 0; --k, ++index) {
+            sum += y.row[j][*index] * u->pi[*index];
         }
+        wrench[j] = sum;
     }
 }
 
 static void uncertain_current_columns(const auvid_uncertain_t *u, const auvid_metric_t *m,
                                       const auvid_sample_t *cell, auvid_real_t *channel)
 {
-    auvid_real_t r[3][3];
+    auvid_real_t r[3][3], still[AUVID_DOF_COUNT], moving[2][AUVID_DOF_COUNT];
     const auvid_real_t *omega = cell->nu + AUVID_ROLL;
     auvid_rotation(cell->phi, cell->theta, cell->psi, r);
-    uncertain_add_prediction(u, m, cell, AUVID_C(-1.0) / CURRENT_STEP, CURRENT_BOTH, channel);
+    uncertain_predict(u, m, cell, still);
     for (int axis = 0; axis < 2; ++axis) {
         auvid_sample_t moved = *cell;
         const auvid_real_t *c = r[axis]; /* the world's axis in the body */
@@ -246,7 +265,17 @@ static void uncertain_current_columns(const auvid_uncertain_t *u, const auvid_me
             moved.nu[i] -= CURRENT_STEP * c[i];
             moved.nu_dot[i] += CURRENT_STEP * (omega[p] * c[q] - omega[q] * c[p]);
         }
-        uncertain_add_prediction(u, m, &moved, AUVID_C(1.0) / CURRENT_STEP, 1u << axis, channel);
+        uncertain_predict(u, m, &moved, moving[axis]);
+    }
+    for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
+        const auvid_uncertain_equation_t *e = &u->equation[j];
+        for (int k = e->own; k < e->inputs; ++k) {
+            unsigned axis = u->code[e->channel_at + k] - (unsigned)AUVID_UNCERTAIN_CURRENT_X;
+            if (axis < 2) {
+                channel[auvid_uncertain_channel(u, e, k)] =
+                    (moving[axis][j] - still[j]) * (AUVID_C(1.0) / CURRENT_STEP);
+            }
+        }
     }
 }
 
@@ -276,7 +305,7 @@ static auvid_real_t uncertain_motion(const auvid_sample_t *cell, const auvid_rea
 void auvid_uncertain_channels(auvid_uncertain_t *u, const auvid_metric_t *m,
                               const auvid_sample_t *cell, bool first, auvid_real_t *channel)
 {
-    auvid_real_t sin_phi, cos_phi, sin_theta, cos_theta;
+    auvid_real_t sin_phi, cos_phi, sin_theta, cos_theta, force[AUVID_MAX_THRUSTERS];
     auvid_sincos(cell->phi, &sin_phi, &cos_phi);
     auvid_sincos(cell->theta, &sin_theta, &cos_theta);
     const auvid_real_t angle[2] = {cos_theta * sin_phi, sin_theta};
@@ -285,13 +314,17 @@ void auvid_uncertain_channels(auvid_uncertain_t *u, const auvid_metric_t *m,
         const auvid_uncertain_equation_t *e = &u->equation[j];
         for (int k = 0; k < e->inputs; ++k) {
             int code = u->code[e->channel_at + k];
-            if (auvid_uncertain_row(code)->from >= INPUT_FROM_HULL) {
-                channel[e->channel_at + k] = uncertain_motion(cell, angle, code, j);
+            if ((e->of_thrust >> k & 1u) == 0 &&
+                auvid_uncertain_row(code)->from >= INPUT_FROM_HULL) {
+                channel[auvid_uncertain_channel(u, e, k)] = uncertain_motion(cell, angle, code, j);
             }
         }
     }
-    uncertain_compare(u, m, cell);
-    uncertain_thrust_columns(u, m, cell, first, channel);
+    for (int i = 0; i < u->allocation->cfg.thrusters; ++i) {
+        force[i] = uncertain_force(u, i, cell->command[i]);
+    }
+    uncertain_compare(u, m, cell, force);
+    uncertain_thrust_columns(u, m, cell, force, first, channel);
     if (u->cfg.current > AUVID_C(0.0)) {
         uncertain_current_columns(u, m, cell, channel);
     }

@@ -153,7 +153,7 @@ static void uncertain_prepare_slopes(uncertain_t *u, const auvid_metric_t *m, in
     auvid_real_t a[AUVID_MAX_PARAMETERS];
     auvid_real_t zz = uncertain_product(u, j, e->order - 1, e->order - 1, weight);
     auvid_confidence_acceleration_row(m->cfg.vehicle, j, &p->regressor, a);
-    memset(&p->regressor, 0, sizeof p->regressor); /* the factor is there from now on */
+    auvid_zero(&p->regressor, sizeof p->regressor); /* the factor is there from now on */
     for (int k = 0; k < e->order - 1 - e->inputs; ++k) {
         mass += a[index[k]] * u->pi[index[k]];
     }
@@ -197,7 +197,7 @@ void auvid_uncertain_prepare(uncertain_t *u, const auvid_metric_t *m, int j)
 {
     auvid_uncertain_part_t *p = &u->work.part;
     auvid_real_t squares[AUVID_METRIC_BANDS] = {AUVID_C(0.0)}, weight[AUVID_METRIC_BANDS];
-    memset(p, 0, sizeof *p);
+    auvid_zero(p, sizeof *p);
     if (u->work.pass == 0) {
         uncertain_fade(u, m, j);
     }
@@ -254,8 +254,9 @@ void auvid_uncertain_add_row(uncertain_t *u, int j, int band, int i)
 void auvid_uncertain_add_own_prior(uncertain_t *u, const auvid_metric_t *m, int j, int k)
 {
     const auvid_uncertain_equation_t *e = &u->equation[j];
-    auvid_real_t row[AUVID_UNCERTAIN_ORDER] = {AUVID_C(0.0)};
+    auvid_real_t row[AUVID_UNCERTAIN_ORDER];
     auvid_real_t sigma = auvid_uncertain_sigma(u, m, u->code[e->channel_at + k], j);
+    auvid_clear(row, AUVID_UNCERTAIN_ORDER);
     row[k] = AUVID_C(1.0) / auvid_max(sigma, AUVID_C(1e-6));
     auvid_qr_update(u->work.part.factor, e->order, k, row);
 }
@@ -280,8 +281,9 @@ void auvid_uncertain_keep_own(uncertain_t *u, const auvid_metric_t *m, int j)
 void auvid_uncertain_transfer(uncertain_t *u, const auvid_metric_t *m, int j, int i)
 {
     const auvid_uncertain_equation_t *e = &u->equation[j];
-    auvid_real_t row[JOINT_ORDER] = {AUVID_C(0.0)};
+    auvid_real_t row[JOINT_ORDER];
     const auvid_real_t *r = u->work.part.factor + auvid_qr_row(e->order, i) - i;
+    auvid_clear(row, JOINT_ORDER);
     for (int k = i; k < e->order; ++k) {
         row[auvid_uncertain_joint_column(u, m, j, k)] = r[k];
     }

@@ -39,6 +39,9 @@ auvid_status_t auvid_uncertain_lay_out(auvid_uncertain_t *u, const auvid_metric_
 void auvid_uncertain_channels(auvid_uncertain_t *u, const auvid_metric_t *m,
                               const auvid_sample_t *cell, bool first, auvid_real_t *channel);
 
+/** Rotate rows that wait into the factors, at most this many, one band of a DoF each. */
+void auvid_uncertain_rotate(auvid_uncertain_t *u, int most);
+
 /** Forget the rows. */
 void auvid_uncertain_restart(auvid_uncertain_t *u);
 
@@ -71,6 +74,13 @@ void auvid_uncertain_keep_own(auvid_uncertain_t *u, const auvid_metric_t *m, int
 
 /** Rotate row i of the DoF's factor, an own input's no more, into the joint factor. */
 void auvid_uncertain_transfer(auvid_uncertain_t *u, const auvid_metric_t *m, int j, int i);
+
+/** Channel of input k of an equation; of its thrust for k = inputs. */
+static inline int auvid_uncertain_channel(const auvid_uncertain_t *u,
+                                          const auvid_uncertain_equation_t *e, int k)
+{
+    return u->place[e->channel_at + k];
+}
 
 /** Row of own input i of an equation, by column, from column i on. */
 static inline const auvid_real_t *

@@ -3,16 +3,17 @@
  *
  * The columns pass the metric's smoother. Sums and differences of successive rows are the low and
  * the high band, as in auvid_metric_regressor.c. A row is rotated in while the next one is formed,
- * a few DoF with each cell: the work of a tick stays small.
+ * one band of a DoF in each call that brings no cell: the work of a tick stays small.
  */
 #include <string.h>
 
 #include "auvid_actuation_internal.h"
 #include "auvid_uncertain_parts_internal.h"
+#include "../metric/auvid_metric_rows_internal.h"
 
 void auvid_uncertain_restart(auvid_uncertain_t *u)
 {
-    memset(u->factor, 0, sizeof u->factor);
+    auvid_zero(u->factor, sizeof u->factor);
     memset(u->rows, 0, sizeof u->rows);
     u->begin_us = 0;
     u->recorded.pending = 0;
@@ -32,10 +33,8 @@ static bool uncertain_takes_rows(auvid_uncertain_t *u)
     return excites || !u->excited;
 }
 
-/* Rotate some of the rows that wait: all are done within five cells. */
-static void uncertain_rotate_pending(auvid_uncertain_t *u)
+void auvid_uncertain_rotate(auvid_uncertain_t *u, int most)
 {
-    int most = (u->rows_at_once + 4) / 5;
     for (int k = 0; k < 2 * AUVID_DOF_COUNT && most > 0; ++k) {
         if ((u->recorded.pending >> k & 1) != 0 && !auvid_uncertain_reads(u, k / 2)) {
             const auvid_uncertain_equation_t *e = &u->equation[k / 2];
@@ -51,7 +50,7 @@ static void uncertain_cell(void *context, const auvid_metric_t *m, const auvid_s
                            bool first)
 {
     auvid_uncertain_t *u = context;
-    uncertain_rotate_pending(u);
+    auvid_uncertain_rotate(u, (u->rows_at_once + 4) / 5); /* all are done within five cells */
     u->recorded.takes_rows = uncertain_takes_rows(u);
     if (first) {
         memset(u->recorded.successive, 0, sizeof u->recorded.successive);
@@ -74,17 +73,12 @@ static void uncertain_accumulate(void *context, uint32_t slot, bool begins,
     if (begins) {
         auvid_clear(row, AUVID_UNCERTAIN_CHANNELS);
     }
-    for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
-        const auvid_uncertain_equation_t *e = &u->equation[j];
-        const auvid_real_t by[2] = {motion[j >= AUVID_ROLL], thrust[j >= AUVID_ROLL]};
-        const auvid_real_t *from = u->recorded.channel + e->channel_at;
-        auvid_real_t *to = row + e->channel_at;
-        uint32_t of_thrust = e->of_thrust;
-        for (int k = 0; k < e->inputs; ++k, of_thrust >>= 1) {
-            to[k] += by[of_thrust & 1u] * from[k];
-        }
-        if (e->order > 0) {
-            to[e->inputs] += by[1] * from[e->inputs];
+    for (int k = 0; k < 4; ++k) {
+        int at = u->section[k], moment = k / 2;
+        auvid_real_t weight = k % 2 > 0 ? thrust[moment] : motion[moment];
+        if (moment == 0 || auvid_abs(weight) > AUVID_C(0.0)) { /* their kernel is shorter */
+            auvid_metric_add_scaled(row + at, weight, u->recorded.channel + at,
+                                    u->section[k + 1] - at);
         }
     }
 }
@@ -96,15 +90,17 @@ static void uncertain_take(void *context, int j, uint32_t slot, const auvid_real
     auvid_uncertain_rows_t *r = &u->recorded;
     const auvid_uncertain_equation_t *e = &u->equation[j];
     int at = e->row_at;
-    const auvid_real_t *channel = r->accumulator[slot] + e->channel_at;
+    const auvid_real_t *channel = r->accumulator[slot];
     auvid_real_t row[AUVID_UNCERTAIN_ORDER];
     if (regressor == NULL || e->order == 0 || r->begun_before > 0) {
         r->successive[j] = 0;
         return;
     }
-    memcpy(row, channel, e->inputs * sizeof *row);
+    for (int k = 0; k < e->inputs; ++k) {
+        row[k] = channel[auvid_uncertain_channel(u, e, k)];
+    }
     memcpy(row + e->inputs, regressor, (size_t)(e->order - 1 - e->inputs) * sizeof *row);
-    row[e->order - 1] = channel[e->inputs];
+    row[e->order - 1] = channel[auvid_uncertain_channel(u, e, e->inputs)];
     if (auvid_all_within(row, e->order, METRIC_LARGEST_ENTRY) != AUVID_OK) {
         r->successive[j] = 0;
         return;

@@ -43,13 +43,12 @@
 #define SEEN_RIGHT AUVID_C(3.0)    /* prior of the scale, as a number of inputs */
 #define LARGEST_SCALE AUVID_C(2.0) /* and its inverse the smallest */
 
-enum { SOLVE_PASSES = 3 };
-
 typedef auvid_uncertain_t uncertain_t;
 
 static void uncertain_add_shared_prior(uncertain_t *u, const auvid_metric_t *m, int code)
 {
-    auvid_real_t row[JOINT_ORDER] = {AUVID_C(0.0)}, sigma = auvid_uncertain_sigma(u, m, code, 0);
+    auvid_real_t row[JOINT_ORDER], sigma = auvid_uncertain_sigma(u, m, code, 0);
+    auvid_clear(row, JOINT_ORDER);
     row[code] = AUVID_C(1.0) / auvid_max(sigma, AUVID_C(1e-6));
     auvid_qr_update(u->work.joint, JOINT_ORDER, code, row);
 }
@@ -96,8 +95,9 @@ void auvid_uncertain_finish(uncertain_t *u, const auvid_metric_t *m, bool known)
 static void uncertain_scale(uncertain_t *u, const auvid_metric_t *m, int k)
 {
     auvid_uncertain_solution_t *w = &u->work;
-    auvid_real_t x[JOINT_ORDER] = {AUVID_C(0.0)}, variance = AUVID_C(0.0);
+    auvid_real_t x[JOINT_ORDER], variance = AUVID_C(0.0);
     auvid_real_t sigma = auvid_uncertain_sigma(u, m, k, 0);
+    auvid_clear(x, JOINT_ORDER);
     if (sigma > AUVID_C(0.0)) {
         auvid_real_t ratio = u->scale * u->shared[k] / sigma;
         x[k] = AUVID_C(1.0) / sigma;
@@ -128,7 +128,8 @@ static void uncertain_solve_side(uncertain_t *u, int j)
 static void uncertain_find_covariance(uncertain_t *u, const auvid_metric_t *m, int i)
 {
     int n = m->cfg.vehicle->parameters;
-    auvid_real_t x[JOINT_ORDER] = {AUVID_C(0.0)}, *row = u->work.part.factor + auvid_qr_row(n, i);
+    auvid_real_t x[JOINT_ORDER], *row = u->work.part.factor + auvid_qr_row(n, i);
+    auvid_clear(x, JOINT_ORDER);
     x[PARAMETERS_AT + i] = AUVID_C(1.0);
     auvid_qr_solve_transposed(u->work.joint, JOINT_ORDER, JOINT_ORDER - 1, x);
     (void)auvid_qr_solve(u->work.joint, JOINT_ORDER, JOINT_ORDER - 1, AUVID_C(1e-6), x);
@@ -160,7 +161,7 @@ void auvid_uncertain_begin(auvid_uncertain_t *u)
         auvid_clear(u->own, AUVID_UNCERTAIN_OWN);
         u->scale = AUVID_C(1.0);
     }
-    memset(&u->work, 0, sizeof u->work);
+    auvid_zero(&u->work, sizeof u->work);
     u->work.solving = true;
     u->work.sag_from = auvid_max(u->recorded.elapsed - LONGEST_SAG, AUVID_C(0.0));
     u->work.dof = uncertain_next_dof(u, 0);
@@ -174,29 +175,46 @@ bool auvid_uncertain_reads(const auvid_uncertain_t *u, int j)
     return u->work.solving && u->work.phase <= SOLVE_ROWS && u->work.dof == j;
 }
 
-/* Returns the cost of the present step [units]. */
+/* Returns the cost of rotating a row of n columns into a factor [units]. */
+static uint32_t uncertain_rotation(int n)
+{
+    return (uint32_t)(n * (n + 8)) / 36u;
+}
+
+/* Returns the cost of the present step [units]: about 230 instructions each on a Cortex-M4F. */
 static uint32_t uncertain_price(const uncertain_t *u)
 {
-    uint32_t order = u->work.dof < AUVID_DOF_COUNT ? u->equation[u->work.dof].order : JOINT_ORDER;
-    uint32_t joint = JOINT_ORDER * JOINT_ORDER, parameters = u->id->metric.cfg.vehicle->parameters;
+    const auvid_metric_t *m = &u->id->metric;
+    int i = u->work.row, j = u->work.dof < AUVID_DOF_COUNT ? u->work.dof : 0;
+    const auvid_uncertain_equation_t *e = &u->equation[j];
+    const uint32_t joint = JOINT_ORDER * JOINT_ORDER;
     switch (u->work.phase) {
     case SOLVE_PREPARE:
-        return order * order / 7u;
-    case SOLVE_FINISH:
-    case SOLVE_KEEP:
-        return joint / 13u;
+        return (uint32_t)(e->order * e->order) / 6u;
+    case SOLVE_ROWS:
+    case SOLVE_OWN:
+        return uncertain_rotation(e->order);
+    case SOLVE_TRANSFER:
+        return uncertain_rotation(JOINT_ORDER - auvid_uncertain_joint_column(u, m, j, e->own + i));
+    case SOLVE_SHARED:
+        return uncertain_rotation(JOINT_ORDER - i);
+    case SOLVE_LEFT:
+        return uncertain_rotation(m->cfg.vehicle->parameters);
     case SOLVE_START:
         return SEARCH_START_COST;
+    case SOLVE_OPTIMUM:
     case SOLVE_SEARCH:
-        return 4u + parameters * parameters / 40u;
+        return uncertain_rotation(m->cfg.vehicle->parameters) / 2u + 3u;
+    case SOLVE_FINISH:
+    case SOLVE_KEEP:
+        return joint / 10u;
+    case SOLVE_SCALE:
+        return joint / 55u;
     case SOLVE_SIDES:
     case SOLVE_SIGMA:
-        return joint / 18u;
-    case SOLVE_TRANSFER:
-    case SOLVE_CAUSES:
-        return joint / 40u;
-    default:
-        return order * order / 40u;
+        return joint / 15u;
+    default: /* SOLVE_CAUSES */
+        return joint / 24u;
     }
 }
 
@@ -296,6 +314,12 @@ static bool uncertain_step(uncertain_t *u, const auvid_metric_t *m)
     return false;
 }
 
+/* Steps of Gauss-Newton. While the excitation runs, a later solution continues from the last one. */
+static int uncertain_passes(const uncertain_t *u)
+{
+    return u->excited && u->estimate.number > 0 ? 1 : 3;
+}
+
 /* Begin the next phase. */
 static void uncertain_next_phase(uncertain_t *u)
 {
@@ -304,7 +328,7 @@ static void uncertain_next_phase(uncertain_t *u)
     if (w->phase == SOLVE_TRANSFER) {
         w->dof = uncertain_next_dof(u, w->dof + 1);
         w->phase = w->dof < AUVID_DOF_COUNT ? SOLVE_PREPARE : SOLVE_SHARED;
-    } else if (w->phase == SOLVE_SCALE && ++w->pass < SOLVE_PASSES) {
+    } else if (w->phase == SOLVE_SCALE && ++w->pass < uncertain_passes(u)) {
         auvid_clear(w->joint, sizeof w->joint / sizeof w->joint[0]);
         w->dof = uncertain_next_dof(u, 0);
         w->phase = SOLVE_PREPARE;
@@ -320,10 +344,15 @@ auvid_status_t auvid_uncertain_solve(auvid_uncertain_t *u, const auvid_metric_t 
                                      uint32_t *budget)
 {
     while (u->work.phase != SOLVE_DONE && *budget > 0) {
-        --*budget;
-        if (++u->work.spent < uncertain_price(u)) {
-            continue;
+        uint32_t price = uncertain_price(u), spent = u->work.spent;
+        uint32_t left = price > spent ? price - spent : 1u;
+        if (*budget < left) {
+            u->work.spent = (uint16_t)(spent + *budget);
+            *budget = 0;
+            break;
         }
+        *budget -= left;
+        *budget -= spent < *budget ? spent : *budget; /* no call does more than it is given */
         u->work.spent = 0;
         bool again = uncertain_step(u, m);
         if (!again && ++u->work.row >=

@@ -344,7 +344,7 @@ static void confidence_end_phase(job_t *c)
 {
     if (c->phase == INVERT && c->delayed) {
         c->delayed = false; /* once more, with the delays given */
-        memset(c->joint_factor, 0, sizeof c->joint_factor);
+        auvid_zero(c->joint_factor, sizeof c->joint_factor);
         memset(c->influence.set, 0, sizeof c->influence.set);
         c->phase = ROTATE;
     } else {
@@ -393,7 +393,7 @@ void auvid_confidence_begin(auvid_confidence_job_t *job, const auvid_metric_t *m
         return;
     }
     job_t *c = job;
-    memset(c, 0, sizeof *c);
+    auvid_zero(c, sizeof *c);
     c->metric = metric; /* for this call only: a job may be copied */
     c->dry_mass_kg = dry_mass_kg;
     if (uncertainty != NULL) {

@@ -151,12 +151,15 @@ static inline int auvid_metric_pass(const auvid_metric_t *m)
     return m->evaluator.at.pass;
 }
 
-/** Spend one unit of a step that costs `price`. @return true if all of them are spent: do it */
+/** Spend units on a step that costs `price`, at least one. @return true if all are spent: do it;
+ * false: the budget is used up */
 static inline bool auvid_metric_spend(auvid_metric_cursor_t *at, uint32_t *budget, uint16_t price)
 {
-    --*budget;
-    at->spent = (uint16_t)(at->spent + 1u < price ? at->spent + 1u : 0u);
-    return at->spent == 0;
+    uint32_t left = price > at->spent ? (uint32_t)price - at->spent : 1u;
+    bool all = *budget >= left;
+    at->spent = (uint16_t)(all ? 0u : at->spent + *budget);
+    *budget -= all ? left : *budget;
+    return all;
 }
 
 /** Begin a pass over the rows of all sets. */

@@ -205,7 +205,7 @@ void auvid_metric_restart_pass(auvid_metric_t *m, uint8_t pass)
     memset(ev->band_sse, 0, sizeof ev->band_sse);
     memset(ev->high_wrench, 0, sizeof ev->high_wrench);
     if (pass == PASS_FIRST || pass == PASS_LAST) {
-        memset(ev->merged, 0, sizeof ev->merged);
+        auvid_zero(ev->merged, sizeof ev->merged);
         m->result.constant = AUVID_C(0.0);
     }
 }
@@ -229,11 +229,8 @@ bool auvid_metric_for_each_row(auvid_metric_t *m, uint32_t *budget)
         int j = at->dof;
         bool inside = metric_pass_reads(m, set, j) && at->row < auvid_metric_order(m, j);
         if (inside) {
-            if (*budget == 0) {
-                return false;
-            }
             if (!auvid_metric_spend(at, budget, rotates ? AUVID_METRIC_ROTATION : 1)) {
-                continue;
+                return false;
             }
             if (rotates) {
                 auvid_metric_rotate(m, set, at->band, j, at->row++);
@@ -267,7 +264,7 @@ static void metric_weigh_bands(auvid_metric_t *m, int j)
     ev->band_weight[1][j] = AUVID_C(1.0) / ev->band_weight[0][j];
 }
 
-/* Complete a pass, one DoF at a time, at eight units each. @return true if all are complete */
+/* Complete a pass, one DoF at a time, at the cost of five rows each. @return true if all are complete */
 static bool metric_finish_dofs(auvid_metric_t *m, uint32_t *budget)
 {
     auvid_metric_cursor_t *at = &m->evaluator.at;
@@ -275,11 +272,8 @@ static bool metric_finish_dofs(auvid_metric_t *m, uint32_t *budget)
         int j = at->dof;
         if (auvid_metric_order(m, j) > 0 &&
             (at->pass != PASS_COUPLED || auvid_metric_may_be_coupled(m, j))) {
-            if (*budget == 0) {
+            if (!auvid_metric_spend(at, budget, 5 * AUVID_METRIC_ROTATION)) {
                 return false;
-            }
-            if (!auvid_metric_spend(at, budget, 2 * AUVID_METRIC_ROTATION)) {
-                continue; /* the work of two rows */
             }
             if (at->pass == PASS_RESIDUAL) {
                 metric_weigh_bands(m, j);

@@ -81,7 +81,7 @@ void auvid_metric_unpack_row(const auvid_metric_t *m, const auvid_set_t *set, in
 int auvid_metric_read_row(const auvid_metric_t *m, const auvid_set_t *set, int band, int j, int i,
                           auvid_real_t *row)
 {
-    auvid_real_t stored[AUVID_MAX_PARAMETERS + AUVID_METRIC_DELAYS] = {AUVID_C(0.0)};
+    auvid_real_t stored[AUVID_MAX_PARAMETERS + AUVID_METRIC_DELAYS];
     const uint8_t *index = m->layout.index + m->layout.channel_at[j];
     const uint8_t *merged = m->layout.merged_index + m->layout.channel_at[j];
     int count = m->layout.count[j], order = auvid_metric_order(m, j);
@@ -89,6 +89,7 @@ int auvid_metric_read_row(const auvid_metric_t *m, const auvid_set_t *set, int b
         auvid_metric_unpack_row(m, set, band, j, i, row);
         return i;
     }
+    auvid_clear(stored, AUVID_MAX_PARAMETERS + AUVID_METRIC_DELAYS);
     auvid_metric_unpack_row(m, set, band, j, i, stored);
     for (int to = 0; to < order; ++to) {
         int from = to;
@@ -155,7 +156,7 @@ static void metric_store_set(auvid_metric_t *m, uint8_t excited)
     if (set == NULL) {
         return;
     }
-    memset(set, 0, sizeof *set);
+    auvid_zero(set, sizeof *set);
     set->number = m->sets.recorded + 1u;
     set->rows = recorded->rows;
     memcpy(set->rows_of, recorded->rows_of, sizeof set->rows_of);
@@ -194,7 +195,7 @@ auvid_status_t auvid_metric_close(auvid_metric_t *metric)
         metric_store_set(m, excited);
     }
     ++m->sets.recorded;
-    memset(set, 0, sizeof *set);
+    auvid_zero(set, sizeof *set);
     return kept ? AUVID_SET_COMPLETE : AUVID_SET_IDLE;
 }
 
@@ -235,7 +236,7 @@ auvid_status_t auvid_metric_drop(auvid_metric_t *metric, uint8_t age)
     if (set->rows == 0) {
         return AUVID_ERR_RANGE; /* already deleted */
     }
-    memset(set, 0, sizeof *set);
+    auvid_zero(set, sizeof *set);
     return AUVID_OK;
 }
 

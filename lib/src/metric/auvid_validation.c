@@ -63,7 +63,7 @@ auvid_status_t auvid_validation_init(auvid_validation_t *validation, const auvid
         }
     }
     auvid_validation_t *v = validation;
-    memset(v, 0, sizeof *v);
+    auvid_zero(v, sizeof *v);
     v->vehicle = vehicle;
     v->cell_s = cell_s;
     v->first_order_lag = first_order_lag;

@@ -79,19 +79,20 @@ uint8_t auvid_vehicle_unmeasured(const auvid_vehicle_t *vehicle, uint8_t missing
 void auvid_vehicle_residual(const auvid_vehicle_t *vehicle, const auvid_sample_t *sample,
                             const auvid_real_t *pi, auvid_real_t residual[AUVID_DOF_COUNT])
 {
-    memset(residual, 0, AUVID_DOF_COUNT * sizeof residual[0]);
+    auvid_clear(residual, AUVID_DOF_COUNT);
     if (vehicle->residual != NULL) {
         vehicle->residual(vehicle->context, sample, pi, residual);
         return;
     }
     auvid_regressor_t y;
-    memset(&y, 0, sizeof y);
+    auvid_zero(&y, sizeof y);
     vehicle->regressor(vehicle->context, sample, pi, &y);
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
         if (vehicle->columns[j] != 0) {
             auvid_real_t predicted = AUVID_C(0.0);
-            for (int i = 0; i < vehicle->parameters; ++i) {
-                predicted += y.row[j][i] * pi[i];
+            uint32_t columns = vehicle->columns[j];
+            for (int i = 0; columns != 0; ++i, columns >>= 1) {
+                predicted += (columns & 1u) != 0 ? y.row[j][i] * pi[i] : AUVID_C(0.0);
             }
             residual[j] = predicted - sample->tau[j];
         }
@@ -233,15 +234,16 @@ static bool vehicle_g500_acceleration(const void *context, const auvid_sample_t 
                     {AUVID_HEAVE, AUVID_G500_M_W},
                     {AUVID_YAW, AUVID_G500_M_R}};
     auvid_regressor_t y;
-    memset(&y, 0, sizeof y);
+    auvid_zero(&y, sizeof y);
     vehicle_g500_regressor(context, sample, NULL, &y);
     for (size_t k = 0; k < sizeof equation / sizeof equation[0]; ++k) {
-        const auvid_real_t *row = y.row[equation[k].dof];
-        auvid_real_t rest = sample->tau[equation[k].dof], mass = pi[equation[k].mass];
-        for (int i = 0; i < AUVID_G500_COUNT; ++i) {
-            rest -= i == (int)equation[k].mass ? AUVID_C(0.0) : row[i] * pi[i];
+        int j = (int)equation[k].dof;
+        auvid_real_t rest = sample->tau[j], mass = pi[equation[k].mass];
+        uint32_t others = auvid_girona500.columns[j] & ~(1u << equation[k].mass);
+        for (int i = 0; others != 0; ++i, others >>= 1) {
+            rest -= (others & 1u) != 0 ? y.row[j][i] * pi[i] : AUVID_C(0.0);
         }
-        nu_dot[equation[k].dof] = rest / auvid_max(mass, AUVID_C(0.0)); /* no mass: not finite */
+        nu_dot[j] = rest / auvid_max(mass, AUVID_C(0.0)); /* no mass: not finite */
     }
     return true;
 }

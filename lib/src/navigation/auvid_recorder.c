@@ -171,7 +171,7 @@ static bool recorder_integrate(auvid_recorder_t *rec, int s, uint64_t t_us,
         }
         auvid_real_t *mean = rec->mean[st->cell % AUVID_RECORDER_CELLS];
         for (; rec->opened <= st->cell; ++rec->opened) { /* a stream that was lost may be ahead */
-            memset(rec->mean[rec->opened % AUVID_RECORDER_CELLS], 0, sizeof rec->mean[0]);
+            auvid_zero(rec->mean[rec->opened % AUVID_RECORDER_CELLS], sizeof rec->mean[0]);
             rec->measured[rec->opened % AUVID_RECORDER_CELLS] = 0;
         }
         auvid_real_t weight = (auvid_real_t)(uint32_t)(to - st->filled_us) * per_cell;
@@ -316,10 +316,12 @@ auvid_status_t auvid_recorder_input(auvid_recorder_t *recorder, uint64_t t_us,
     if (recorder == NULL || tau == NULL) {
         return AUVID_ERR_NULL;
     }
-    auvid_real_t value[AUVID_DOF_COUNT + AUVID_MAX_COMMANDS] = {AUVID_C(0.0)};
+    auvid_real_t value[AUVID_DOF_COUNT + AUVID_MAX_COMMANDS];
     memcpy(value, tau, AUVID_DOF_COUNT * sizeof value[0]);
     if (command != NULL) {
         memcpy(value + AUVID_DOF_COUNT, command, AUVID_MAX_COMMANDS * sizeof value[0]);
+    } else {
+        auvid_clear(value + AUVID_DOF_COUNT, AUVID_MAX_COMMANDS);
     }
     return recorder_feed(recorder, INPUT, t_us, value);
 }
@@ -353,7 +355,7 @@ auvid_status_t auvid_recorder_pop(auvid_recorder_t *recorder, auvid_sample_t *sa
                        *after2 = recorder_cell(rec, rec->next + 2);
     auvid_real_t per_12t = AUVID_C(1e6) / (AUVID_C(12.0) * (auvid_real_t)rec->cell_us);
 
-    memset(sample, 0, sizeof *sample);
+    auvid_zero(sample, sizeof *sample);
     sample->t_us = rec->origin_us + (uint64_t)rec->next * rec->cell_us + rec->cell_us / 2;
     sample->phi = mean[PHI];
     sample->theta = mean[PHI + 1];

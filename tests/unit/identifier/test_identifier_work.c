@@ -401,6 +401,7 @@ static void test_a_newly_excited_dof_is_searched(void)
     chain_set_driver(&cfg);
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_excitation_plan(&cfg.driver, surge, CHAIN_SET_S, 1, 1));
     TEST_ASSERT_EQUAL(AUVID_OK, chain_run_sets(&chain, &cfg, 1));
+    TEST_ASSERT_EQUAL(AUVID_PENDING, auvid_identifier_work(&chain.id, 1000)); /* it only begins */
     TEST_ASSERT_EQUAL(AUVID_PENDING, auvid_identifier_work(&chain.id, 1000));
     TEST_ASSERT_TRUE(chain.id.work.searching);
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_excitation_init(&chain.driver, &full.acting.excitation));
