@@ -140,8 +140,8 @@
  * default priors Girona500 and its five thrusters need 65, an ROV with four horizontal and two
  * vertical ones 72, a BlueROV2 Heavy in six degrees of freedom 108. An error of all thrusters has a
  * column in each equation with thrust, the gain of one thruster in each equation in which it acts,
- * a current or a lever arm of the DVL in three, a late DVL in four. An input with a deviation of 0 has none. 0: no code for them,
- * auvid_identifier_attach_uncertain is refused. 0..256. */
+ * a current or a lever arm of the DVL in three, a late DVL in four. An input with a deviation of 0
+ * has none. 0: no code for them, auvid_identifier_attach_uncertain is refused. 0..256. */
 #ifndef AUVID_MAX_UNCERTAIN
 #define AUVID_TOKEN_UNCERTAIN 0
 #if AUVID_MAX_PARAMETERS >= 22
