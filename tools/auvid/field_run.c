@@ -18,6 +18,10 @@
 /* Interval in ticks at which the truth is sampled. */
 #define LOOK 4
 
+/* Largest acceleration of Girona500, with rotation: 100 N on 250 kg, and 0.7 m/s at 0.7 rad/s. The
+ * ROV has up to auvid's default. */
+#define GIRONA500_M_S2 AUVID_C(1.0)
+
 /* Work units per call where time does not matter. */
 #define AT_EASE 1000000u
 
@@ -69,6 +73,8 @@ void field_run_identifier(const field_run_config_t *config, auvid_averaged_t *av
             cfg->vehicle = cfg->metric.vehicle = &averaged->vehicle;
         }
         cfg->metric.half_width[1] = 4;
+    } else {
+        cfg->nav.max_acceleration = GIRONA500_M_S2;
     }
     cfg->search.seed = field->seed;
     const double given[] = {config->thrust_scale, config->dvl_scale, config->delay_s};

@@ -16,7 +16,7 @@ extern "C" {
 #endif
 
 /** Version of the frames. Every heartbeat carries it. */
-#define AUVID_CAN_PROTOCOL 4u
+#define AUVID_CAN_PROTOCOL 5u
 /** Default first identifiers of the two blocks (auvid_can_ids_t). */
 #define AUVID_CAN_FAST_BASE 0x040u
 #define AUVID_CAN_SLOW_BASE 0x400u
@@ -215,13 +215,16 @@ enum {
     AUVID_CAN_INPUT_TIMING_LAG = 5,
     AUVID_CAN_INPUT_CURRENT_NORTH = 6,
     AUVID_CAN_INPUT_CURRENT_EAST = 7,
-    AUVID_CAN_INPUT_TIMING_DELAY = 8,
-    AUVID_CAN_INPUT_ASYMMETRY = 9,
-    AUVID_CAN_INPUT_MOUNTING_FORCE = 10,
-    AUVID_CAN_INPUT_MOUNTING_CROSS = 11,
-    AUVID_CAN_INPUT_MOUNTING_LIFT = 12,
-    AUVID_CAN_INPUT_MOUNTING_GRAVITY_ASTERN = 13,
-    AUVID_CAN_INPUT_MOUNTING_GRAVITY_PORT = 14
+    AUVID_CAN_INPUT_MOUNTING_ARM_AHEAD = 8,
+    AUVID_CAN_INPUT_MOUNTING_ARM_STARBOARD = 9,
+    AUVID_CAN_INPUT_TIMING_DVL = 10,
+    AUVID_CAN_INPUT_TIMING_DELAY = 11,
+    AUVID_CAN_INPUT_ASYMMETRY = 12,
+    AUVID_CAN_INPUT_MOUNTING_FORCE = 13,
+    AUVID_CAN_INPUT_MOUNTING_CROSS = 14,
+    AUVID_CAN_INPUT_MOUNTING_LIFT = 15,
+    AUVID_CAN_INPUT_MOUNTING_GRAVITY_ASTERN = 16,
+    AUVID_CAN_INPUT_MOUNTING_GRAVITY_PORT = 17
 };
 
 /** Values of `dof`. */
@@ -611,16 +614,17 @@ typedef struct {
     uint32_t number;
     /** Place of the class among those named, the largest share first; 0..6 */
     uint32_t rank;
-    /** The class, and its most important input; 0..14 */
+    /** The class, and its most important input; 0..17 */
     uint32_t input;
     /** Degree of freedom in which its share is largest; 0..5 */
     uint32_t dof;
-    /** Rms of its force, relative to the thrust of this degree of freedom; 0..255 % */
+    /** Rms of its force, relative to the thrust of this degree of freedom; 0..127 % */
     uint32_t share;
     /** Size, only rough. Curve_backward: thrust is weaker by this part; curve_dead_band: N;
      * curve_exponent: above 1; inflow: part per m/s; sag: part in 240 s; timing: s later;
      * current: m/s; asymmetry: part forward; mounting_force: N or Nm; mounting_cross and
-     * mounting_lift: part of drag; mounting_gravity: m. NaN: not available; float32 */
+     * mounting_lift: part of drag; mounting_arm and mounting_gravity: m. NaN: not available;
+     * float32 */
     auvid_real_t value;
 } auvid_can_wrong_input_t;
 

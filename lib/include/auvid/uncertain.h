@@ -69,6 +69,9 @@ typedef enum {
     AUVID_UNCERTAIN_LAG, /**< the propellers' lag beyond the nominal one [s] */
     AUVID_UNCERTAIN_CURRENT_X, /**< current to the north [m/s] */
     AUVID_UNCERTAIN_CURRENT_Y, /**< current to the east [m/s] */
+    AUVID_UNCERTAIN_ARM_X,     /**< the DVL is further ahead than told [m] */
+    AUVID_UNCERTAIN_ARM_Y,     /**< the DVL is further to starboard than told [m] */
+    AUVID_UNCERTAIN_DVL_LATE,  /**< the DVL is later than the attitude [s] */
     AUVID_UNCERTAIN_GAIN,      /**< the first thruster is stronger by this part */
     AUVID_UNCERTAIN_SHARED = AUVID_UNCERTAIN_GAIN + AUVID_MAX_THRUSTERS
 } auvid_uncertain_input_t;
@@ -88,6 +91,8 @@ typedef struct {
     auvid_real_t cross;     /**< sway by yaw rate, yaw by sway and lift, relative to drag, 0..1;
                                   default 0.15 */
     auvid_real_t force;     /**< constant, relative to tau_max, 0..1; default 0.03 */
+    auvid_real_t arm_m;      /**< lever arm of the DVL, ahead and aside [m], 0..1; default 0.05 */
+    auvid_real_t dvl_late_s; /**< delay of the DVL against the attitude [s], 0..1; default 0.05 */
     auvid_real_t gravity_m; /**< centre of gravity ahead and aside [m], 0..1; default 0.01 */
     auvid_real_t nominal_lag_s; /**< no deviation, but the first-order lag of the propellers' speed
                                      [s], 0.01..1; default 0.15 */
@@ -150,7 +155,7 @@ typedef struct {
                              the mean. Centre of gravity: astern, or to port [m]. Constant force [N,
                              Nm]. Sway and yaw together, lift: relative to drag. Timing: delay of
                              the thrust beyond the nominal lag, or if < 0 before its time stamp [s];
-                             0: in between */
+                             0: in between. Lever arm, late DVL: as in auvid_uncertain_input_t */
     auvid_real_t sigma; /**< its standard deviation; 0: this class has no input */
     auvid_real_t share; /**< rms of its force, relative to the thrust of its equation */
     uint8_t input;      /**< which one. Private */
@@ -201,7 +206,7 @@ typedef struct {
     auvid_real_t band[AUVID_METRIC_BANDS][AUVID_UNCERTAIN_COLUMNS];
     auvid_real_t channel[AUVID_UNCERTAIN_CHANNELS]; /* of the last cell */
     auvid_real_t speed[AUVID_MAX_THRUSTERS];        /* sqrt of force, behind the nominal lag */
-    auvid_real_t lagged[AUVID_MAX_THRUSTERS];       /* behind it twice */
+    auvid_real_t lagged[AUVID_MAX_THRUSTERS];       /* behind the lag as last estimated */
     auvid_real_t elapsed;                           /* since begin_us, over AUVID_UNCERTAIN_SAG_S */
     auvid_real_t wrench, difference; /* squares of the wrench; of the thrusters' less the wrench */
 } auvid_uncertain_rows_t;
@@ -383,7 +388,7 @@ typedef struct {
  *
  * Regressor path only. A program without it does not contain it. A checkpoint contains its state.
  * Cost, Girona500: 5 calls of the regressor and 1.2k multiplications in each cell, and 16k for each
- * row, half of them at most in one cell. Memory: sizeof(auvid_instruments_t), 20 KiB with default
+ * row, half of them at most in one cell. Memory: sizeof(auvid_instruments_t), 23 KiB with default
  * sizes.
  *
  * Sources: Soederstroem and Stoica 1989, 8; Ljung 1999, 7.6 and 13.5; Shea 1997 (strength), Staiger

@@ -41,7 +41,7 @@ static void node_report_causes(auvid_node_t *node, auvid_can_frame_t *frame, int
     m.as.wrong_input.input = cause->input - thrusters;
     m.as.wrong_input.dof = cause->dof;
     m.as.wrong_input.share =
-        (uint32_t)(auvid_min(AUVID_C(100.0) * cause->share, AUVID_C(255.0)) + AUVID_C(0.5));
+        (uint32_t)(auvid_min(AUVID_C(100.0) * cause->share, AUVID_C(127.0)) + AUVID_C(0.5));
     m.as.wrong_input.value = cause->value;
     auvid_node_send(node, &m, frame, count);
 }

@@ -25,6 +25,8 @@ void auvid_uncertain_defaults(auvid_uncertain_config_t *cfg)
                                           .asymmetry = AUVID_C(0.12),
                                           .cross = AUVID_C(0.15),
                                           .force = AUVID_C(0.03),
+                                          .arm_m = AUVID_C(0.05),
+                                          .dvl_late_s = AUVID_C(0.05),
                                           .gravity_m = AUVID_C(0.01),
                                           .nominal_lag_s = AUVID_C(0.15)};
     }
@@ -46,6 +48,8 @@ static const auvid_field_t uncertain_fields[] = {
     UNCERTAIN_UP_TO(asymmetry, ONE),
     UNCERTAIN_UP_TO(cross, ONE),
     UNCERTAIN_UP_TO(force, ONE),
+    UNCERTAIN_UP_TO(arm_m, ONE),
+    UNCERTAIN_UP_TO(dvl_late_s, ONE),
     UNCERTAIN_UP_TO(gravity_m, ONE),
     REALS_IN(auvid_uncertain_config_t, nominal_lag_s, 1, AUVID_C(0.01), ONE)};
 

@@ -77,7 +77,7 @@ static void causes_consider(uncertain_t *u, int j, int k)
         return;
     }
     auvid_cause_t *best = &u->work.causes.cause[class];
-    if (class == AUVID_CAUSE_TIMING) { /* delay and lag add up */
+    if (code == INPUT_DELAY || code == AUVID_UNCERTAIN_LAG) { /* delay and lag add up */
         shared = u->cfg.lag_s > AUVID_C(0.0) ? AUVID_UNCERTAIN_LAG : NO_INPUT;
         value += k < e->own ? u->shared[AUVID_UNCERTAIN_LAG] : AUVID_C(0.0);
         if (value < AUVID_C(0.0)) {

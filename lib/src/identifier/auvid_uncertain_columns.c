@@ -8,11 +8,22 @@
  *     backward    min(f_n, 0)                    inflow   |f_n| (t . nu)
  *     dead band   f_n / sqrt(f_n^2 + d^2)        sag      f_n time / 240 s
  *     curve       -f_n ln|f_n / f_max|           gain     -f_n
- *     lag         -d f_n / dT = 2 |n| (n - n_T) / T, n_T = n behind the lag once more
+ *     lag         (f_n - f_m) / b, m behind the lag T + b
  *     delay       d f_n / dt
  *
- * Current c in the world, c_b in the body: nu -> nu - c_b, nu' -> nu' + omega x c_b. Its column is
- * the difference of the predicted wrench, at the last estimate.
+ * Current and lever arm: the motion through the water is not the measured one. With c the current
+ * in the body and a the arm,
+ *
+ *     nu -> nu - c - omega x a,   nu' -> nu' + omega x c - omega' x a.
+ *
+ * A column is the difference of the wrench that the last estimate predicts, per unit of the input.
+ *
+ * These differences, and that of the lag, are taken up to the last estimate b of the input: then
+ * the column is exact there, also where the force is curved. One from b = 0 would take current and
+ * lever arm for linear drag, since the mean of |v + c| (v + c) is larger than v |v|.
+ *
+ * The DVL is late by d: for the forces thrust and rates are too early, rates by -d omega', and for
+ * the moments the velocities are too late, by d nu'.
  */
 #include <string.h>
 
@@ -24,8 +35,10 @@
  */
 #define DEAD_BAND_WIDTH AUVID_C(0.03)
 #define SMALLEST_CURVE AUVID_C(1e-4)
-/* Step of the current for the difference [m/s]. */
-#define CURRENT_STEP AUVID_C(0.05)
+/* Smallest step of current [m/s], lever arm [m] and times [s] for their differences; smallest lag
+ * of the propellers [s]. */
+#define LEAST_STEP AUVID_C(0.02)
+#define LEAST_LAG AUVID_C(0.01)
 
 /* ---- which columns there are ---- */
 
@@ -105,43 +118,24 @@ static auvid_real_t uncertain_ln(auvid_real_t x)
     return AUVID_C(2.0) * s * series + (auvid_real_t)e * AUVID_C(0.69314718);
 }
 
-/* A thruster over a cell: force, and its derivatives. */
-typedef struct {
-    auvid_real_t force, lag, delay;
-} uncertain_thrust_t;
-
-static auvid_real_t uncertain_lag_slope(auvid_real_t n, auvid_real_t lagged, auvid_real_t lag_s)
-{
-    return AUVID_C(2.0) * auvid_abs(n) * (n - lagged) / lag_s;
-}
-
 /* Mean over a cell, by Simpson's rule. */
 static auvid_real_t uncertain_mean(auvid_real_t begin, auvid_real_t middle, auvid_real_t end)
 {
     return (begin + AUVID_C(4.0) * middle + end) / AUVID_C(6.0);
 }
 
-/* Advance a propeller by a cell with constant supplied force; keep = exp(-cell / (2 lag)). */
-static uncertain_thrust_t uncertain_advance(auvid_uncertain_t *u, int i, auvid_real_t force,
-                                            bool first, auvid_real_t keep, auvid_real_t cell_s)
+/* Advance a propeller's speed, as sqrt of its force, by a cell towards that of a constant force;
+ * keep = exp(-cell / (2 lag)). Returns the mean force; difference: its change, if not NULL. */
+static auvid_real_t uncertain_advance(auvid_real_t *speed, auvid_real_t to, auvid_real_t keep,
+                                      auvid_real_t *difference)
 {
-    auvid_real_t *speed = &u->recorded.speed[i], *lagged = &u->recorded.lagged[i];
-    auvid_real_t lag_s = u->cfg.nominal_lag_s, to = auvid_sqrt(auvid_abs(force));
-    to = force < AUVID_C(0.0) ? -to : to;
-    if (first) {
-        *speed = *lagged = to;
-    }
     auvid_real_t a = *speed, b = to + keep * (a - to), c = to + keep * (b - to);
-    auvid_real_t half = AUVID_C(0.5) * (AUVID_C(1.0) - keep);
-    auvid_real_t la = *lagged, lb = la * keep + half * (a + b), lc = lb * keep + half * (b + c);
     auvid_real_t fa = a * auvid_abs(a), fc = c * auvid_abs(c);
     *speed = c;
-    *lagged = lc;
-    return (uncertain_thrust_t){.force = uncertain_mean(fa, b * auvid_abs(b), fc),
-                                .lag = uncertain_mean(uncertain_lag_slope(a, la, lag_s),
-                                                      uncertain_lag_slope(b, lb, lag_s),
-                                                      uncertain_lag_slope(c, lc, lag_s)),
-                                .delay = (fc - fa) / cell_s};
+    if (difference != NULL) {
+        *difference = fc - fa;
+    }
+    return uncertain_mean(fa, b * auvid_abs(b), fc);
 }
 
 /* exp(-x), 0 <= x <= 50, error below 1e-5. */
@@ -175,7 +169,8 @@ static void uncertain_add_thruster(const auvid_uncertain_t *u, int i, const auvi
         const uint16_t *place = u->place + e->channel_at;
         const uint8_t *code = u->code + e->channel_at;
         for (uint32_t left = e->of_thrust; left != 0; left >>= 1, ++code, ++place) {
-            if ((left & 1u) != 0) {
+            bool late = *code == AUVID_UNCERTAIN_DVL_LATE && j >= AUVID_ROLL;
+            if ((left & 1u) != 0 && !late) {
                 channel[*place] += entry * value[*code];
             }
         }
@@ -200,18 +195,42 @@ static void uncertain_compare(auvid_uncertain_t *u, const auvid_metric_t *m,
     }
 }
 
+/* Step of a difference: to the last estimate, but not too small. */
+static auvid_real_t uncertain_difference_step(const auvid_uncertain_t *u, int input)
+{
+    auvid_real_t step = u->shared[input];
+    return step < AUVID_C(0.0) ? auvid_min(step, -LEAST_STEP) : auvid_max(step, LEAST_STEP);
+}
+
+/* The same for the lag of the propellers, which stays above zero. */
+static auvid_real_t uncertain_lag_step(const auvid_uncertain_t *u)
+{
+    auvid_real_t step = uncertain_difference_step(u, AUVID_UNCERTAIN_LAG);
+    auvid_real_t lowest = LEAST_LAG - u->cfg.nominal_lag_s;
+    return step > lowest ? step : lowest < -LEAST_STEP ? lowest : LEAST_STEP;
+}
+
 static void uncertain_thrust_columns(auvid_uncertain_t *u, const auvid_metric_t *m,
-                                     const auvid_sample_t *cell, const auvid_real_t *force,
+                                     const auvid_sample_t *cell, const auvid_real_t *told,
                                      bool first, auvid_real_t *channel)
 {
-    auvid_real_t value[INPUTS];
+    auvid_real_t value[INPUTS], difference;
     auvid_real_t cell_s = (auvid_real_t)auvid_metric_cell_us(m) * AUVID_C(1e-6);
-    auvid_real_t keep = uncertain_decay(AUVID_C(0.5) * cell_s / u->cfg.nominal_lag_s);
+    auvid_real_t lag_s = u->cfg.nominal_lag_s, step = uncertain_lag_step(u);
+    auvid_real_t keep = uncertain_decay(AUVID_C(0.5) * cell_s / lag_s);
+    auvid_real_t keep_later = uncertain_decay(AUVID_C(0.5) * cell_s / (lag_s + step));
     for (int i = 0; i < u->allocation->cfg.thrusters; ++i) {
         const auvid_thruster_t *t = &u->allocation->cfg.thruster[i];
         auvid_real_t max_N = auvid_max(t->max_N, -t->min_N), inflow = AUVID_C(0.0);
-        uncertain_thrust_t f = uncertain_advance(u, i, force[i], first, keep, cell_s);
-        auvid_real_t size = auvid_abs(f.force), width = DEAD_BAND_WIDTH * max_N;
+        auvid_real_t *speed = &u->recorded.speed[i], *later = &u->recorded.lagged[i];
+        auvid_real_t to = auvid_sqrt(auvid_abs(told[i]));
+        to = told[i] < AUVID_C(0.0) ? -to : to;
+        if (first) {
+            *speed = *later = to;
+        }
+        auvid_real_t force = uncertain_advance(speed, to, keep, &difference);
+        auvid_real_t late = uncertain_advance(later, to, keep_later, NULL);
+        auvid_real_t size = auvid_abs(force), width = DEAD_BAND_WIDTH * max_N;
         for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
             inflow += t->wrench[j] * cell->nu[j];
         }
@@ -219,16 +238,16 @@ static void uncertain_thrust_columns(auvid_uncertain_t *u, const auvid_metric_t 
             continue;
         }
         auvid_clear(value, INPUTS);
-        value[AUVID_UNCERTAIN_BACKWARD] = auvid_min(f.force, AUVID_C(0.0));
-        value[AUVID_UNCERTAIN_DEAD_BAND] = f.force / auvid_sqrt(size * size + width * width);
+        value[AUVID_UNCERTAIN_BACKWARD] = auvid_min(force, AUVID_C(0.0));
+        value[AUVID_UNCERTAIN_DEAD_BAND] = force / auvid_sqrt(size * size + width * width);
         value[AUVID_UNCERTAIN_CURVE] =
-            -f.force * uncertain_ln(auvid_max(size / max_N, SMALLEST_CURVE));
+            -force * uncertain_ln(auvid_max(size / max_N, SMALLEST_CURVE));
         value[AUVID_UNCERTAIN_INFLOW] = size * inflow;
-        value[AUVID_UNCERTAIN_SAG] = f.force * u->recorded.elapsed;
-        value[AUVID_UNCERTAIN_LAG] = f.lag;
-        value[INPUT_DELAY] = f.delay;
-        value[AUVID_UNCERTAIN_GAIN + i] = -f.force;
-        uncertain_add_thruster(u, i, value, f.force, channel);
+        value[AUVID_UNCERTAIN_SAG] = force * u->recorded.elapsed;
+        value[AUVID_UNCERTAIN_LAG] = (force - late) / step;
+        value[AUVID_UNCERTAIN_DVL_LATE] = value[INPUT_DELAY] = difference / cell_s;
+        value[AUVID_UNCERTAIN_GAIN + i] = -force;
+        uncertain_add_thruster(u, i, value, force, channel);
     }
 }
 
@@ -250,31 +269,85 @@ static void uncertain_predict(const auvid_uncertain_t *u, const auvid_metric_t *
     }
 }
 
-static void uncertain_current_columns(const auvid_uncertain_t *u, const auvid_metric_t *m,
-                                      const auvid_sample_t *cell, auvid_real_t *channel)
+/* c = a x b */
+static void uncertain_cross(const auvid_real_t *a, const auvid_real_t *b, auvid_real_t *c)
 {
-    auvid_real_t r[3][3], still[AUVID_DOF_COUNT], moving[2][AUVID_DOF_COUNT];
-    const auvid_real_t *omega = cell->nu + AUVID_ROLL;
-    auvid_rotation(cell->phi, cell->theta, cell->psi, r);
-    uncertain_predict(u, m, cell, still);
-    for (int axis = 0; axis < 2; ++axis) {
-        auvid_sample_t moved = *cell;
-        const auvid_real_t *c = r[axis]; /* the world's axis in the body */
-        for (int i = 0; i < 3; ++i) {
-            int p = (i + 1) % 3, q = (i + 2) % 3;
-            moved.nu[i] -= CURRENT_STEP * c[i];
-            moved.nu_dot[i] += CURRENT_STEP * (omega[p] * c[q] - omega[q] * c[p]);
-        }
-        uncertain_predict(u, m, &moved, moving[axis]);
+    for (int i = 0; i < 3; ++i) {
+        int p = (i + 1) % 3, q = (i + 2) % 3;
+        c[i] = a[p] * b[q] - a[q] * b[p];
     }
-    for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
+}
+
+/* Move a sample by `step` of a current, or of a lever arm. */
+static void uncertain_move(auvid_sample_t *moved, const auvid_sample_t *cell,
+                           auvid_real_t r[3][3], int input, auvid_real_t step)
+{
+    static const auvid_real_t axis[2][3] = {{AUVID_C(1.0)}, {AUVID_C(0.0), AUVID_C(1.0)}};
+    auvid_real_t velocity[3], rate[3];
+    if (input < (int)AUVID_UNCERTAIN_ARM_X) {
+        const auvid_real_t *c = r[input - (int)AUVID_UNCERTAIN_CURRENT_X]; /* the world's axis */
+        memcpy(velocity, c, sizeof velocity);
+        uncertain_cross(c, cell->nu + AUVID_ROLL, rate);
+    } else {
+        const auvid_real_t *arm = axis[input - (int)AUVID_UNCERTAIN_ARM_X];
+        uncertain_cross(cell->nu + AUVID_ROLL, arm, velocity);
+        uncertain_cross(cell->nu_dot + AUVID_ROLL, arm, rate);
+    }
+    for (int i = 0; i < 3; ++i) {
+        moved->nu[i] -= step * velocity[i];
+        moved->nu_dot[i] -= step * rate[i];
+    }
+}
+
+/* Add (after - before) / step to an input's columns, from DoF `from` to `to`. */
+static void uncertain_add_difference(const auvid_uncertain_t *u, int input, int from, int to,
+                                     const auvid_real_t *before, const auvid_real_t *after,
+                                     auvid_real_t step, auvid_real_t *channel)
+{
+    for (int j = from; j <= to; ++j) {
         const auvid_uncertain_equation_t *e = &u->equation[j];
         for (int k = e->own; k < e->inputs; ++k) {
-            unsigned axis = u->code[e->channel_at + k] - (unsigned)AUVID_UNCERTAIN_CURRENT_X;
-            if (axis < 2) {
-                channel[auvid_uncertain_channel(u, e, k)] =
-                    (moving[axis][j] - still[j]) * (AUVID_C(1.0) / CURRENT_STEP);
+            if (u->code[e->channel_at + k] == input) {
+                channel[auvid_uncertain_channel(u, e, k)] += (after[j] - before[j]) / step;
             }
+        }
+    }
+}
+
+static void uncertain_late_columns(const auvid_uncertain_t *u, const auvid_metric_t *m,
+                                   const auvid_sample_t *cell, const auvid_real_t *measured,
+                                   auvid_real_t *channel)
+{
+    for (int first = AUVID_SURGE; first <= AUVID_ROLL; first += AUVID_ROLL) {
+        auvid_real_t wrench[AUVID_DOF_COUNT];
+        auvid_sample_t moved = *cell;
+        int other = AUVID_ROLL - first; /* moments, then forces */
+        for (int i = first; i < first + 3; ++i) {
+            moved.nu[i] += (first == AUVID_SURGE ? LEAST_STEP : -LEAST_STEP) * cell->nu_dot[i];
+        }
+        uncertain_predict(u, m, &moved, wrench);
+        uncertain_add_difference(u, AUVID_UNCERTAIN_DVL_LATE, other, other + 2, measured, wrench,
+                                 LEAST_STEP, channel);
+    }
+}
+
+static void uncertain_motion_columns(const auvid_uncertain_t *u, const auvid_metric_t *m,
+                                     const auvid_sample_t *cell, auvid_real_t *channel)
+{
+    auvid_real_t r[3][3], before[AUVID_DOF_COUNT], after[AUVID_DOF_COUNT];
+    auvid_sample_t moved = *cell;
+    auvid_rotation(cell->phi, cell->theta, cell->psi, r);
+    uncertain_predict(u, m, cell, before);
+    if (u->cfg.dvl_late_s > AUVID_C(0.0)) {
+        uncertain_late_columns(u, m, cell, before, channel);
+    }
+    for (int n = AUVID_UNCERTAIN_CURRENT_X; n <= (int)AUVID_UNCERTAIN_ARM_Y; ++n) {
+        auvid_real_t step = uncertain_difference_step(u, n);
+        if (auvid_uncertain_configured(u, n) > AUVID_C(0.0)) {
+            uncertain_move(&moved, cell, r, n, step);
+            uncertain_predict(u, m, &moved, after);
+            uncertain_add_difference(u, n, AUVID_SURGE, AUVID_YAW, before, after, step, channel);
+            memcpy(before, after, sizeof before);
         }
     }
 }
@@ -325,7 +398,7 @@ void auvid_uncertain_channels(auvid_uncertain_t *u, const auvid_metric_t *m,
     }
     uncertain_compare(u, m, cell, force);
     uncertain_thrust_columns(u, m, cell, force, first, channel);
-    if (u->cfg.current > AUVID_C(0.0)) {
-        uncertain_current_columns(u, m, cell, channel);
+    if (u->cfg.current + u->cfg.arm_m + u->cfg.dvl_late_s > AUVID_C(0.0)) {
+        uncertain_motion_columns(u, m, cell, channel);
     }
 }

@@ -26,7 +26,7 @@ enum {
 enum {
     INPUT_FROM_THRUST, /* of all thrusters */
     INPUT_FROM_GAIN,   /* of one thruster */
-    INPUT_FROM_CURRENT,
+    INPUT_FROM_MOTION, /* from the wrench of another motion than the measured one */
     INPUT_FROM_HULL,
     INPUT_FROM_WEIGHT
 };
@@ -35,6 +35,7 @@ enum {
     "thrust acts later than told, by ", "thrust acts earlier than told, by ", "s",                 \
         "check time stamps and the propellers' lag"
 #define UNCERTAIN_WATER "use the DVL's water lock, or look for a cable"
+#define UNCERTAIN_ARM "measure its lever arm"
 #define UNCERTAIN_MOUNT "check lever arms and mounting of DVL and IMU"
 #define UNCERTAIN_TRIM "check the trim and the IMU's mounting"
 
@@ -74,12 +75,21 @@ enum {
         "thrust falls with time, by ", "thrust rises with time, by ", "% in 4 minutes",            \
         "watch the battery, look for fouling")                                                     \
     ROW(AUVID_UNCERTAIN_LAG, lag_s, THRUST, ACTUATED, AS_CONFIGURED, TIMING, UNCERTAIN_TIMING)     \
-    ROW(AUVID_UNCERTAIN_CURRENT_X, current, CURRENT, PLANAR, AS_CONFIGURED, CURRENT,               \
+    ROW(AUVID_UNCERTAIN_CURRENT_X, current, MOTION, PLANAR, AS_CONFIGURED, CURRENT,               \
         "a current sets to the north, with ", "a current sets to the south, with ", "m/s",         \
         UNCERTAIN_WATER)                                                                           \
-    ROW(AUVID_UNCERTAIN_CURRENT_Y, current, CURRENT, PLANAR, AS_CONFIGURED, CURRENT,               \
+    ROW(AUVID_UNCERTAIN_CURRENT_Y, current, MOTION, PLANAR, AS_CONFIGURED, CURRENT,               \
         "a current sets to the east, with ", "a current sets to the west, with ", "m/s",           \
         UNCERTAIN_WATER)                                                                           \
+    ROW(AUVID_UNCERTAIN_ARM_X, arm_m, MOTION, PLANAR, AS_CONFIGURED, MOUNTING,                     \
+        "the DVL is further ahead than told, by ", "the DVL is further astern than told, by ",     \
+        "m", UNCERTAIN_ARM)                                                                        \
+    ROW(AUVID_UNCERTAIN_ARM_Y, arm_m, MOTION, PLANAR, AS_CONFIGURED, MOUNTING,                     \
+        "the DVL is further to starboard than told, by ",                                          \
+        "the DVL is further to port than told, by ", "m", UNCERTAIN_ARM)                           \
+    ROW(AUVID_UNCERTAIN_DVL_LATE, dvl_late_s, THRUST, PLANAR + HEAVE, AS_CONFIGURED, TIMING,       \
+        "the DVL is later than the attitude, by ", "the attitude is later than the DVL, by ", "s", \
+        "check their time stamps")                                                                 \
     ROW(AUVID_UNCERTAIN_GAIN, gain, GAIN, ACTUATED, AS_CONFIGURED, COUNT, NULL, NULL, NULL, NULL)  \
     ROW(INPUT_DELAY, delay_s, THRUST, ACTUATED, AS_CONFIGURED, TIMING, UNCERTAIN_TIMING)           \
     ROW(INPUT_ASYMMETRY, asymmetry, HULL, DRAGGED, RELATIVE(table_asymmetry), ASYMMETRY,           \

@@ -140,12 +140,12 @@ static void test_the_reports_cycle_through_the_named_classes(void)
     }
 }
 
-static void test_a_share_of_more_than_255_per_cent_is_sent_as_255(void)
+static void test_a_share_of_more_than_127_per_cent_is_sent_as_127(void)
 {
     name_cause(AUVID_CAUSE_CURRENT, AUVID_UNCERTAIN_CURRENT_X, AUVID_SURGE, AUVID_C(9.0));
     uncertain.causes.cause[AUVID_CAUSE_CURRENT].share = AUVID_C(1e9);
     report();
-    TEST_ASSERT_EQUAL_UINT32(255, message[1].as.wrong_input.share);
+    TEST_ASSERT_EQUAL_UINT32(127, message[1].as.wrong_input.share);
     TEST_ASSERT_EQUAL_UINT32(0, node.sender.saturated);
 }
 
@@ -265,7 +265,7 @@ int main(void)
 {
     UNITY_BEGIN();
     RUN_TEST(test_the_reports_cycle_through_the_named_classes);
-    RUN_TEST(test_a_share_of_more_than_255_per_cent_is_sent_as_255);
+    RUN_TEST(test_a_share_of_more_than_127_per_cent_is_sent_as_127);
     RUN_TEST(test_before_the_first_solution_nothing_is_reported_as_wrong);
     RUN_TEST(test_a_node_without_uncertain_inputs_does_not_report_them);
     RUN_TEST(test_a_receiver_says_the_same_words_on_every_input);

@@ -171,6 +171,64 @@ static void test_each_mismatch_is_found_and_leaves_the_parameters_right(void)
     }
 }
 
+/* Runs the ROV with one mismatch, with all inputs or without one of them. */
+static void identify_rov(const char *name, double size, bool (*attach_inputs)(auvid_identifier_t *))
+{
+    field_run_defaults(&field);
+    field_defaults(&field.field, FIELD_ROV20, FIELD_EXCITED, 5);
+    field.uncertain = attach_inputs == NULL;
+    field.attach = attach_inputs;
+    TEST_ASSERT_TRUE(field_set(&field.field, "thrust_lag", 0.15));
+    TEST_ASSERT_TRUE(field_set(&field.field, "disturbance", 0.15));
+    TEST_ASSERT_TRUE(field_set(&field.field, name, size));
+    TEST_ASSERT_TRUE(field_run(&run, &field, &record));
+}
+
+static bool attach_without(auvid_identifier_t *id, auvid_real_t *deviation)
+{
+    *deviation = AUVID_C(0.0);
+    return auvid_identifier_attach_uncertain(id, &run.uncertain, &inputs, &run.allocation) >= 0;
+}
+
+static bool attach_without_arm(auvid_identifier_t *id)
+{
+    return attach_without(id, &inputs.arm_m);
+}
+
+static bool attach_without_late_dvl(auvid_identifier_t *id)
+{
+    return attach_without(id, &inputs.dvl_late_s);
+}
+
+/* The vehicle turns: velocities are wrong by the yaw rate, and rates are not of their time. */
+static void test_lever_arm_and_delay_of_the_dvl_are_found_and_would_bias_the_estimate(void)
+{
+    static const struct {
+        const char *name;
+        double size;
+        int input, parameter;
+        double expected, right, wrong;
+        bool (*without)(auvid_identifier_t *);
+    } mismatch[] = {{"dvl_arm_x", 0.06, AUVID_UNCERTAIN_ARM_X, SIM_Y_VV, 0.06, 0.1, 0.2,
+                     attach_without_arm},
+                    {"dvl_arm_y", -0.06, AUVID_UNCERTAIN_ARM_Y, SIM_X_UU, -0.06, 0.1, 0.12,
+                     attach_without_arm},
+                    {"dvl_latency", 0.08, AUVID_UNCERTAIN_DVL_LATE, SIM_M_R, 0.08, 0.05, 0.1,
+                     attach_without_late_dvl}};
+    for (size_t k = 0; k < sizeof mismatch / sizeof mismatch[0]; ++k) {
+        const char *name = mismatch[k].name;
+        identify_rov(name, mismatch[k].size, NULL);
+        double found = (double)run.uncertain.shared[mismatch[k].input];
+        TEST_ASSERT_DOUBLE_WITHIN_MESSAGE(0.015, mismatch[k].expected, found, name);
+        TEST_ASSERT_DOUBLE_WITHIN_MESSAGE(mismatch[k].right, 0.0, error(mismatch[k].parameter),
+                                          name);
+        TEST_ASSERT_TRUE_MESSAGE(record.flagged[mismatch[k].parameter], name);
+        auvid_uncertain_defaults(&inputs);
+        identify_rov(name, mismatch[k].size, mismatch[k].without);
+        TEST_ASSERT_TRUE_MESSAGE(fabs(error(mismatch[k].parameter)) > mismatch[k].wrong, name);
+    }
+}
+
 /* Runs a mixture of mismatches. */
 static void identify_mixture(uint64_t seed, double strength)
 {
@@ -350,6 +408,7 @@ int main(void)
 #endif
     RUN_TEST(test_a_model_of_the_residual_path_is_refused);
     RUN_TEST(test_each_mismatch_is_found_and_leaves_the_parameters_right);
+    RUN_TEST(test_lever_arm_and_delay_of_the_dvl_are_found_and_would_bias_the_estimate);
     RUN_TEST(test_with_inputs_less_exact_than_told_little_is_identifiable);
     RUN_TEST(test_inputs_far_less_exact_than_told_give_no_estimate);
     RUN_TEST(test_a_long_dive_keeps_its_flags);

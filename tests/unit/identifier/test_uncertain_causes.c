@@ -76,6 +76,31 @@ static void test_asymmetry_and_current_have_the_right_sign(void)
     TEST_ASSERT_DOUBLE_WITHIN(0.4 * fabs(truth), truth, (double)cause->value);
 }
 
+static void test_a_dvl_elsewhere_or_later_than_told_is_named(void)
+{
+    static const struct {
+        const char *name;
+        double size;
+        int input;
+        auvid_cause_class_t class;
+        const char *words;
+    } mismatch[] = {
+        {"dvl_arm_x", 0.1, AUVID_UNCERTAIN_ARM_X, AUVID_CAUSE_MOUNTING, "further ahead than told, by 0."},
+        {"dvl_arm_y", -0.1, AUVID_UNCERTAIN_ARM_Y, AUVID_CAUSE_MOUNTING, "further to port than told, by 0."},
+        {"dvl_latency", 0.1, AUVID_UNCERTAIN_DVL_LATE, AUVID_CAUSE_TIMING,
+         "the DVL is later than the attitude, by 0."}};
+    for (size_t k = 0; k < sizeof mismatch / sizeof mismatch[0]; ++k) {
+        identify(FIELD_ROV20, mismatch[k].name, mismatch[k].size);
+        const auvid_cause_t *cause = &causes.cause[mismatch[k].class];
+        TEST_ASSERT_EQUAL_MESSAGE(mismatch[k].class, causes.order[0], mismatch[k].name);
+        TEST_ASSERT_EQUAL_MESSAGE(mismatch[k].input, cause->input, mismatch[k].name);
+        TEST_ASSERT_DOUBLE_WITHIN(0.02, mismatch[k].size, (double)cause->value);
+        TEST_ASSERT_EQUAL(AUVID_OK,
+                          auvid_causes_sentence(&causes, &auvid_girona500, 0, text, sizeof text));
+        TEST_ASSERT_NOT_NULL_MESSAGE(strstr(text, mismatch[k].words), text);
+    }
+}
+
 static void test_nothing_is_named_in_a_perfect_world(void)
 {
     for (int vehicle = 0; vehicle < FIELD_VEHICLES; ++vehicle) {
@@ -202,6 +227,7 @@ int main(void)
     UNITY_BEGIN();
     RUN_TEST(test_each_class_is_named_with_sign_and_rough_size);
     RUN_TEST(test_asymmetry_and_current_have_the_right_sign);
+    RUN_TEST(test_a_dvl_elsewhere_or_later_than_told_is_named);
     RUN_TEST(test_nothing_is_named_in_a_perfect_world);
     RUN_TEST(test_the_scale_of_the_thrust_is_never_named);
     RUN_TEST(test_estimates_that_differ_are_listed);
