@@ -35,7 +35,7 @@ static auvid_real_t causes_unit(const uncertain_t *u, int code, int j)
 /* Standard deviation of the sum of DoF j's own input `own` and of a shared input; negative: none.
  * With J the joint R factor, and [R_o R_c] the rows of the DoF's own inputs, the variance is
  *
- *     1.43 (||g||^2 + ||v||^2),   R_o' g = own,   J' v = shared - R_c' g
+ *     2 (||g||^2 + ||v||^2),   R_o' g = own,   J' v = shared - R_c' g
  */
 static auvid_real_t causes_deviation(const uncertain_t *u, int j, int own, int shared)
 {

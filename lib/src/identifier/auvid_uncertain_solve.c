@@ -20,7 +20,7 @@
  * A DoF's own inputs are eliminated in its R factor. What is left of its rows is rotated into the
  * joint factor of shared inputs and parameters.
  *
- * Covariance: 1.43 P + 0.05 sum_j d_j d_j', P the inverse of the joint normal matrix. d_j is the
+ * Covariance: 2 P + 0.05 sum_j d_j d_j', P the inverse of the joint normal matrix. d_j is the
  * derivative of the solution by lambda_j: P X_j' times the change of X~_j's columns,
  * e'e / s^2 = rows / 2.6.
  *

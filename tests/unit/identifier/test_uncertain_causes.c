@@ -85,8 +85,10 @@ static void test_a_dvl_elsewhere_or_later_than_told_is_named(void)
         auvid_cause_class_t class;
         const char *words;
     } mismatch[] = {
-        {"dvl_arm_x", 0.1, AUVID_UNCERTAIN_ARM_X, AUVID_CAUSE_MOUNTING, "further ahead than told, by 0."},
-        {"dvl_arm_y", -0.1, AUVID_UNCERTAIN_ARM_Y, AUVID_CAUSE_MOUNTING, "further to port than told, by 0."},
+        {"dvl_arm_x", 0.1, AUVID_UNCERTAIN_ARM_X, AUVID_CAUSE_MOUNTING,
+         "further ahead than told, by 0."},
+        {"dvl_arm_y", -0.1, AUVID_UNCERTAIN_ARM_Y, AUVID_CAUSE_MOUNTING,
+         "further to port than told, by 0."},
         {"dvl_latency", 0.1, AUVID_UNCERTAIN_DVL_LATE, AUVID_CAUSE_TIMING,
          "the DVL is later than the attitude, by 0."}};
     for (size_t k = 0; k < sizeof mismatch / sizeof mismatch[0]; ++k) {
