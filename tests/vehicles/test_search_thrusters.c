@@ -42,8 +42,8 @@ static void test_first_and_later_searches_end_at_the_optimum(void)
         run(campaign_seeds.first + k, 0, &first);
         run(campaign_seeds.first + k, SETS - 1, &later);
     }
-    TEST_ASSERT_TRUE(campaign_report(&first, "thrusters, first search") <= 1e-3);
-    TEST_ASSERT_TRUE(campaign_report(&later, "thrusters, later search") <= 1e-3);
+    TEST_ASSERT_EQUAL(0, campaign_report(&first, "thrusters, first search"));
+    TEST_ASSERT_EQUAL(0, campaign_report(&later, "thrusters, later search"));
 }
 
 int main(int argc, char **argv)
