@@ -66,8 +66,10 @@ library() {
 }
 
 only_regressor='metric_add_equations|metric_take_row|metric_evaluate_factor|auvid_path_regressor'
+only_regressor+='|auvid_start_optimum'
 only_residual='metric_add_motion|metric_store_row|metric_sample_cost|metric_begin_samples'
 only_residual+='|auvid_path_residual|auvid_metric_linearise_sets'
+only_residual+='|auvid_start_newton|auvid_gauss_newton_tell'
 only_change='auvid_metric_change|auvid_metric_change_begin|identifier_end_test'
 only_change+='|identifier_change_functions'
 
@@ -82,7 +84,7 @@ library lib ""
 report "the library is built"
 program linear '.path = &auvid_path_regressor,' '.regressor = regressor'
 report "a linear model links"
-holds linear "$only_regressor" 4
+holds linear "$only_regressor" 5
 report "  with all of its path"
 holds linear "$only_residual" 0
 report "  and nothing of the residual path"
@@ -99,7 +101,7 @@ report "with a change test attached all of it is linked"
 report "  and it initialises"
 program other '.path = &auvid_path_residual,' '.residual = residual'
 report "a model on the residual path links"
-holds other "$only_residual" 6
+holds other "$only_residual" 8
 report "  with all of its path"
 holds other "$only_regressor" 0
 report "  and nothing of the regressor path"

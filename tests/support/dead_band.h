@@ -97,7 +97,8 @@ static inline void begin(const auvid_identifier_config_t *cfg, uint64_t seed)
 static void (*each_step)(const auvid_identifier_t *id, const auvid_output_t *out);
 
 /** The surge "force" of the excitation is the command of both thrusters.
- * Runs until `sets` of the SETS are complete. */
+ * Runs until `sets` of the SETS are complete, and then until the work is done.
+ * @param budget of each step; 0: the work is done at once at the end */
 static inline void identify(uint64_t seed, uint32_t sets, uint32_t budget, double disturbance_N,
                             double delay_s)
 {
@@ -142,7 +143,7 @@ static inline void identify(uint64_t seed, uint32_t sets, uint32_t budget, doubl
         (void)auvid_identifier_work(&id, budget);
         TEST_ASSERT_TRUE(id.work.last_units <= budget);
     }
-    finish_work(&id, budget);
+    finish_work(&id, budget > 0 ? budget : UINT32_MAX);
 }
 
 #endif

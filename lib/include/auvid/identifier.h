@@ -247,8 +247,7 @@ typedef enum {
     AUVID_WORK_PREDICT,     /**< compares the prediction of the last estimate with the new set */
     AUVID_WORK_COMPARE,     /**< the same with the last accepted estimate */
     AUVID_WORK_CHANGE_TEST, /**< tests new sets against older ones */
-    AUVID_WORK_MERGE,       /**< merges the sets; regressor path: finds the minimum within the
-                                 bounds; begins a search */
+    AUVID_WORK_MERGE,       /**< merges the sets; finds the start of the search; begins it */
     AUVID_WORK_ASK,         /**< asks the optimizer for a point */
     AUVID_WORK_COST,        /**< evaluates its cost */
     AUVID_WORK_MEASURE,     /**< measures the residuals of the result */
@@ -264,12 +263,18 @@ typedef struct {
     auvid_real_t allowed; /* excess of a search that has found it */
 } auvid_minimum_t;
 
+/** Residual path: the sets are linearised, and Gauss-Newton steps are made. Private. */
+typedef struct {
+    auvid_metric_windows_t windows;
+    auvid_gauss_newton_t newton;
+} auvid_linear_work_t;
+
 /** The optimization under way. Private where it says nothing else. */
 typedef struct {
     auvid_real_t candidate[AUVID_MAX_PARAMETERS]; /* all parameters of the point under evaluation */
     auvid_real_t delay_s;                         /* its delay, if the search includes it */
     auvid_real_t cost;                            /* of the search's result */
-    auvid_minimum_t minimum;                      /* regressor path */
+    auvid_minimum_t minimum;                      /* what the search has to confirm */
     auvid_optimizer_work_t searched;              /* of the search that has ended */
     uint32_t active;                              /* parameters in the present search */
     uint32_t sets;       /* completed when the current sets were taken up */
@@ -326,6 +331,7 @@ typedef struct auvid_identifier {
         auvid_refusal_t refusal;       /**< what init was refused for, until the next init */
         auvid_optimizer_t optimizer;
         auvid_bounded_ls_t optimum;
+        auvid_linear_work_t linear;
         auvid_confidence_job_t confidence;
     };
 } auvid_identifier_t;

@@ -127,14 +127,27 @@ typedef struct {
      * (thrusters.h). Then the parameters do not depend on the scale of the supplied thrust. Default
      * false. */
     bool own_thrust;
+
+    /** Residual path: true if `residual` reads neither sample->tau nor sample->command, as that of
+     * thrusters.h. Then derivatives by their delay are left out. Default false. */
+    bool ignores_inputs;
+
+    /** Residual path: cost of one call of `regressor` in the same units; default (zero): as work.
+     */
+    uint16_t regressor_work;
+
+    /** Residual path: bit i: given all other parameters, and the delay, `residual` is an affine
+     * function of these together. A search starts with their minimum in closed form. A wrong bit
+     * costs time. Default (zero): none. */
+    uint32_t affine;
 } auvid_vehicle_t;
 
 /** Checks the counts, masks and pointers of a model.
  * @return AUVID_OK; AUVID_ERR_NULL (vehicle or its parameter table is NULL); AUVID_ERR_SIZE
  * (built_for is NULL or not AUVID_BUILD: the model may have been compiled with other sizes);
  * AUVID_ERR_PARAMETERS (n out of range); AUVID_ERR_MODEL (no path; neither residual nor regressor;
- * no DoF modelled; a mask has a parameter >= n; a parameter's dof is not modelled; `reads` of a DoF
- * has a velocity >= 6 or lacks the DoF's own). Cost: O(n). */
+ * no DoF modelled; a mask or `affine` has a parameter >= n; a parameter's dof is not modelled;
+ * `reads` of a DoF has a velocity >= 6 or lacks the DoF's own). Cost: O(n). */
 auvid_status_t auvid_vehicle_check(const auvid_vehicle_t *vehicle);
 
 /** Returns the DoF whose equations read a velocity that is not measured: bit j for DoF j. The

@@ -94,7 +94,14 @@ static uint32_t checkpoint_parts(const auvid_identifier_t *id)
     parts |= checkpoint_adapts(id) ? PART_ADAPTIVE : 0u;
     parts |= id->attached.uncertain != NULL ? PART_UNCERTAIN : 0u;
     parts |= checkpoint_instruments(id) != NULL ? PART_INSTRUMENTS : 0u;
-    if (id->work.phase == AUVID_WORK_CONFIDENCE) {
+    bool linearises =
+        id->work.phase == AUVID_WORK_PREPARE || id->work.phase == AUVID_WORK_LINEARISE;
+    if ((parts & PART_RESIDUAL) != 0 && linearises) {
+        parts |= PART_WINDOWS;
+    } else if ((parts & PART_RESIDUAL) != 0 && id->work.phase == AUVID_WORK_MERGE &&
+               id->work.spent > 0 && !id->work.searching) {
+        parts |= PART_NEWTON;
+    } else if (id->work.phase == AUVID_WORK_CONFIDENCE) {
         parts |= PART_CONFIDENCE;
     } else if (id->work.searching) {
         bool global = id->optimizer.state < AUVID_OPTIMIZER_START;

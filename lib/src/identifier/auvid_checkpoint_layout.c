@@ -42,6 +42,8 @@ const auvid_checkpoint_block_t auvid_checkpoint_block[CHECKPOINT_BLOCKS] = {
     OF_ID(optimizer.crs.theta, optimizer.crs.worst, PART_GLOBAL),
     OF_ID(optimizer.line_search, optimizer.line_search, PART_LOCAL),
     OF_ID(optimum, optimum, PART_OPTIMUM),
+    OF_ID(linear.windows, linear.windows, PART_NEWTON | PART_WINDOWS),
+    OF_ID(linear.newton, linear.newton, PART_NEWTON),
     OF_ID(confidence.result, confidence.reserved, PART_CONFIDENCE),
     BLOCK(ROOT_ACTUATION, auvid_actuation_t, excitation.repeated_us, excitation.reserved,
           PART_ACTUATION),
@@ -90,6 +92,8 @@ const auvid_checkpoint_struct_t auvid_checkpoint_struct[] = {
     IN_ID(optimizer, optimizer, 1, SEARCHING),
     IN_ID(search_config, optimizer.cfg, 1, SEARCHING),
     IN_ID(bounded_ls, optimum, 1, PART_OPTIMUM),
+    IN_ID(gauss_newton, linear.newton, 1, PART_NEWTON),
+    IN_ID(bounded_ls, linear.newton.ls, 1, PART_NEWTON),
     IN_ID(confidence_job, confidence, 1, PART_CONFIDENCE),
     IN_ID(confidence, confidence.result, 1, PART_CONFIDENCE),
     ENTIRE(actuation, ROOT_ACTUATION, auvid_actuation_t, PART_ACTUATION),
@@ -140,6 +144,8 @@ NO_GAP(auvid_change_detector_t, reserved);
 NO_GAP(auvid_sample_t, reserved);
 NO_GAP(auvid_row_t, late);
 NO_GAP(auvid_line_search_t, reserved);
+NO_GAP(auvid_metric_windows_t, missing);
+NO_GAP(auvid_gauss_newton_t, damped);
 NO_GAP(auvid_uncertain_rows_t, difference);
 NO_GAP(auvid_uncertain_part_t, scale);
 NO_GAP(auvid_cause_t, reserved);

@@ -30,6 +30,8 @@ enum {
     PART_PRIOR = 512,        /**< memory for a prior is attached */
     PART_UNCERTAIN = 1024,   /**< uncertain inputs are attached */
     PART_INSTRUMENTS = 2048, /**< instruments are attached to these */
+    PART_NEWTON = 4096,      /**< Gauss-Newton steps are made, or wait to be confirmed */
+    PART_WINDOWS = 8192,     /**< the sets are linearised otherwise */
     PART_END                 /**< the last part + 1 */
 };
 _Static_assert(PART_END - 1 <= UINT16_MAX, "auvid_checkpoint_block_t.parts");
@@ -56,12 +58,12 @@ typedef struct {
 } auvid_checkpoint_block_t;
 
 /** The state, in the order of the stream; what of the identifier is configured. */
-enum { CHECKPOINT_BLOCKS = 24, CHECKPOINT_CONFIGURED = 7 };
+enum { CHECKPOINT_BLOCKS = 26, CHECKPOINT_CONFIGURED = 7 };
 extern const auvid_checkpoint_block_t auvid_checkpoint_block[CHECKPOINT_BLOCKS];
 extern const auvid_checkpoint_block_t auvid_checkpoint_configured[CHECKPOINT_CONFIGURED];
 
 /** Checksum of the layout with default sizes, float: tests/validation/layout.py computes it. */
-#define AUVID_CHECKPOINT_LAYOUT 0xdb29913cu
+#define AUVID_CHECKPOINT_LAYOUT 0xfecd0490u
 
 /** The body of a checkpoint. */
 typedef struct {
@@ -104,6 +106,7 @@ enum {
     TABLE_line_search,
     TABLE_optimizer,
     TABLE_bounded_ls,
+    TABLE_gauss_newton,
     TABLE_confidence_job,
     TABLE_guard_seen,
     TABLE_identifier,

@@ -6,6 +6,7 @@
 #include "auvid_checkpoint_layout_internal.h"
 #include "auvid_uncertain_parts_internal.h"
 #include "../metric/auvid_confidence_notes_internal.h"
+#include "../search/auvid_gauss_newton_internal.h"
 #include "../search/auvid_line_search_directions_internal.h"
 #include "../base/auvid_math_internal.h"
 #include "../metric/auvid_metric_evaluator_internal.h"
@@ -106,6 +107,7 @@ const auvid_checkpoint_limit_t auvid_checkpoint_limit[] = {
     BYTE(metric, evaluator.at.band, evaluator.at.band, AUVID_METRIC_BANDS - 1),
     BYTE(metric, evaluator.at.dof, evaluator.at.dof, AUVID_DOF_COUNT),
     BYTE(metric, evaluator.at.pass, evaluator.at.pass, PASS_LINEAR),
+    FLAG(metric, evaluator.at.plain, evaluator.at.plain),
     BYTE(metric, evaluator.window_of, evaluator.window_of, AUVID_METRIC_WINDOW),
     BYTE(metric, evaluator.sets_merged, evaluator.sets_merged, AUVID_MAX_SETS),
     UP_TO(metric, evaluator.weight, evaluator.weight, AUVID_C(1e24)),
@@ -217,6 +219,14 @@ const auvid_checkpoint_limit_t auvid_checkpoint_limit[] = {
     BYTE(bounded_ls, order, order, AUVID_MAX_PARAMETERS - 1),
     WHOLE(bounded_ls, uint8_t, n, n, 1, AUVID_MAX_PARAMETERS),
     BYTE(bounded_ls, dof, dof, AUVID_DOF_COUNT),
+
+    VALUE(gauss_newton, lower, x),
+    COST(gauss_newton, cost, cost),
+    UP_TO(gauss_newton, damping, damping, AUVID_C(1e6)),
+    BYTE(gauss_newton, state, state, NEWTON_DONE),
+    BYTE(gauss_newton, rows, rows, NEWTON_MAX_ROWS),
+    BYTE(gauss_newton, rejected, rejected, NEWTON_MAX_REJECTED),
+    BYTE(gauss_newton, damped, damped, AUVID_MAX_PARAMETERS),
 
     FINITE(confidence_job, dry_mass_kg, spread.rows),
     VALUE(confidence_job, pi, single_dof_optimum),

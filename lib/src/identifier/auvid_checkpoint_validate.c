@@ -10,6 +10,7 @@
 #include "../metric/auvid_confidence_notes_internal.h"
 #include "auvid_identifier_internal.h"
 #include "auvid_prior_rows_internal.h"
+#include "../search/auvid_gauss_newton_internal.h"
 #include "../search/auvid_line_search_directions_internal.h"
 #include "../base/auvid_math_internal.h"
 #include "../metric/auvid_metric_evaluator_internal.h"
@@ -247,7 +248,7 @@ static bool checkpoint_check_pass(const subject_t *s)
     bool right = true;
     switch (phase) {
     case AUVID_WORK_MERGE:
-        right = merges && in_dof;
+        right = ((s->view->parts & PART_NEWTON) != 0 || merges) && in_dof;
         break;
     case AUVID_WORK_COST:
         right = at.pass == PASS_COST && at.dof <= AUVID_DOF_COUNT &&
@@ -268,12 +269,11 @@ static bool checkpoint_check_pass(const subject_t *s)
     default:
         break;
     }
-    if (at.pass == PASS_LINEAR && at.part > 0) { /* the whole window is present */
-        uint32_t count = sets - WORD(metric.sets.from), length = m->layout.window_length;
-        uint32_t before = at.set + 1u < count ? checkpoint_set_rows(s, at.set + 1u) : 0u;
-        uint32_t parts = (2u * m->cfg.vehicle->parameters + 3u) * length;
-        right = right && at.set < count && at.row < checkpoint_set_rows(s, at.set) &&
-                length <= at.row + 1u + before && at.part < parts;
+    if (at.pass == PASS_LINEAR && right) { /* the row is present */
+        uint32_t age = (uint32_t)at.to_set - at.set, count = sets - WORD(metric.sets.from);
+        uint32_t rows = age < count ? checkpoint_set_rows(s, age) : 0u;
+        right = at.set <= at.to_set && at.row <= rows && (at.part == 0 || at.row < rows) &&
+                at.part < 2u * m->cfg.vehicle->parameters + 3u;
     }
     return right && at.to_set <= sets &&
            at.set <= sets + (phase == AUVID_WORK_CHANGE_TEST ? 2u : 0u);
@@ -352,17 +352,50 @@ static bool checkpoint_check_notes(const subject_t *s, uint8_t root, size_t conf
     return good;
 }
 
+/* Is the least-squares problem at that offset one of n parameters? */
+static bool checkpoint_check_bounded_ls(const subject_t *s, size_t at, uint32_t n)
+{
+    const auvid_metric_t *m = &s->id->metric;
+    uint32_t dof = WORD_AT(at, auvid_bounded_ls_t, dof);
+    bool good = n == WORD_AT(at, auvid_bounded_ls_t, n) &&
+                WORD_AT(at, auvid_bounded_ls_t, fixed_from) <= n &&
+                WORD_AT(at, auvid_bounded_ls_t, at) <= n + 1u &&
+                WORD_AT(at, auvid_bounded_ls_t, changes) <= 4u * (n + 1u) &&
+                (dof == AUVID_DOF_COUNT ||
+                 WORD_AT(at, auvid_bounded_ls_t, row) <= (uint32_t)auvid_metric_order(m, (int)dof));
+    for (size_t k = 0; good && k < n; ++k) {
+        good = checkpoint_word(s, at + offsetof(auvid_bounded_ls_t, order) + k, 1) < n;
+    }
+    return good;
+}
+
 static bool checkpoint_check_optimum(const subject_t *s)
 {
     uint32_t n = WORD(optimum.n), dof = WORD(optimum.dof);
-    bool good = n == checkpoint_count_bits(WORD(work.active)) && WORD(optimum.fixed_from) <= n &&
-                WORD(optimum.at) <= n + 1u && WORD(optimum.changes) < 4u * (n + 1u) &&
-                (dof == AUVID_DOF_COUNT || WORD(optimum.row) <= s->id->metric.layout.count[dof]);
-    for (size_t k = 0; good && k < n; ++k) {
-        good = checkpoint_word(s, MEMBER(optimum.order) + k, 1) < n;
-    }
-    return good && checkpoint_is_inside(s, MEMBER(optimum.x), MEMBER(optimum.lower),
-                                        MEMBER(optimum.upper), n);
+    return n == checkpoint_count_bits(WORD(work.active)) &&
+           checkpoint_check_bounded_ls(s, MEMBER(optimum), n) &&
+           WORD(optimum.changes) < 4u * (n + 1u) &&
+           (dof == AUVID_DOF_COUNT || WORD(optimum.row) <= s->id->metric.layout.count[dof]) &&
+           checkpoint_is_inside(s, MEMBER(optimum.x), MEMBER(optimum.lower), MEMBER(optimum.upper),
+                                n);
+}
+
+/* Gauss-Newton steps: both points are inside, and the pass is what the state needs. */
+static bool checkpoint_check_newton(const subject_t *s)
+{
+    const auvid_metric_t *m = &s->id->metric;
+    uint32_t n = checkpoint_count_bits(WORD(work.active)) + m->cfg.estimate_delay;
+    uint32_t state = WORD(linear.newton.state), pass = WORD(metric.evaluator.at.pass);
+    bool right = state == NEWTON_COST   ? pass == PASS_COST
+                 : state == NEWTON_ROWS ? pass <= PASS_ADDED || pass == PASS_LINEAR
+                                        : true;
+    return right && (state != NEWTON_DONE || WORD(work.spent) > WORK_OPTIMUM) &&
+           checkpoint_check_bounded_ls(s, MEMBER(linear.newton.ls), n) &&
+           WORD(linear.newton.damped) <= n &&
+           checkpoint_is_inside(s, MEMBER(linear.newton.x), MEMBER(linear.newton.lower),
+                                MEMBER(linear.newton.upper), n) &&
+           checkpoint_is_inside(s, MEMBER(linear.newton.ls.x), MEMBER(linear.newton.lower),
+                                MEMBER(linear.newton.upper), n);
 }
 
 /* Is a solution with uncertain inputs under way, or waiting to be published? */
@@ -423,13 +456,14 @@ static bool checkpoint_check_prior(const subject_t *s)
 static bool checkpoint_search_matches_phase(const subject_t *s)
 {
     uint32_t phase = WORD(work.phase);
-    uint32_t work = s->view->parts & (PART_GLOBAL | PART_LOCAL | PART_CONFIDENCE | PART_OPTIMUM);
+    uint32_t work = s->view->parts & (PART_GLOBAL | PART_LOCAL | PART_CONFIDENCE | PART_OPTIMUM |
+                                      PART_NEWTON | PART_WINDOWS);
     bool residual = auvid_metric_stores_rows(&s->id->metric), searching = WORD(work.searching) != 0;
     bool measures = phase == AUVID_WORK_MEASURE; /* again, if a set has entered the ring */
     bool linearises = phase == AUVID_WORK_LINEARISE, solves = linearises && !residual;
     bool finds_optimum = phase == AUVID_WORK_MERGE && WORD(work.spent) == WORK_OPTIMUM;
-    bool must = phase == AUVID_WORK_ASK || phase == AUVID_WORK_COST ||
-                (residual && (measures || linearises));
+    bool steps = residual && phase == AUVID_WORK_MERGE && WORD(work.spent) > 0;
+    bool must = phase == AUVID_WORK_ASK || phase == AUVID_WORK_COST || (residual && measures);
     if ((phase >= AUVID_WORK_ASK && WORD(work.active) == 0) ||
         (solves && !checkpoint_is_solving(s))) {
         return false;
@@ -438,9 +472,16 @@ static bool checkpoint_search_matches_phase(const subject_t *s)
         return !residual && !searching && (finds_optimum || solves) && work == PART_OPTIMUM &&
                checkpoint_check_optimum(s);
     }
+    if (residual && (linearises || phase == AUVID_WORK_PREPARE)) {
+        return !searching && work == PART_WINDOWS;
+    }
+    if (steps && !searching) {
+        return work == PART_NEWTON && checkpoint_check_newton(s);
+    }
     if (searching) {
-        return (must || measures || solves) && (work == PART_GLOBAL || work == PART_LOCAL) &&
-               checkpoint_check_search(s);
+        bool again = steps && !finds_optimum && work == PART_LOCAL; /* not confirmed */
+        return (must || again || measures || solves) &&
+               (work == PART_GLOBAL || work == PART_LOCAL) && checkpoint_check_search(s);
     }
     if (phase == AUVID_WORK_CONFIDENCE) {
         return work == PART_CONFIDENCE && checkpoint_check_job(s);

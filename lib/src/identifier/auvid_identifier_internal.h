@@ -7,6 +7,7 @@
 
 #include "auvid/allocation.h"
 #include "auvid/identifier.h"
+#include "../metric/auvid_metric_internal.h"
 
 /** Set each scale of the wrench that the configuration leaves to auvid to what the thrusters give
  * (metric_config.h). Only before the first wrench is recorded. */
@@ -16,7 +17,11 @@ void auvid_identifier_set_scale(auvid_identifier_t *id, const auvid_allocation_t
 enum { SEARCH_START_COST = 140 };
 
 /** Values of work.spent. */
-enum { WORK_OPTIMUM = 1, WORK_START, WORK_LAST_SPENT = WORK_START + SEARCH_START_COST - 1 };
+enum {
+    WORK_OPTIMUM = 1, /* the start of the search is being found */
+    WORK_START,
+    WORK_LAST_SPENT = WORK_START + SEARCH_START_COST - 1
+};
 
 /** The model; NULL before init. */
 static inline const auvid_vehicle_t *identifier_vehicle(const auvid_identifier_t *id)
@@ -122,6 +127,29 @@ void auvid_identifier_begin_tests(auvid_identifier_t *id);
  * AUVID_ERR_STATE; AUVID_ERR_ATTACHED; AUVID_ERR_STARTED */
 auvid_status_t auvid_identifier_check_attach(const auvid_identifier_t *id, const void *attached);
 
+/** How a path finds the point at which a search starts, and what the search has to confirm. */
+struct auvid_path_start {
+    /** The sets are merged, and work.active is known: begins it. */
+    void (*begin)(auvid_identifier_t *id);
+    /** Continues it.
+     * @return AUVID_OK: the point is in work.candidate and work.delay_s, its cost in work.minimum;
+     * AUVID_COST_FAILED: there is none; AUVID_PENDING */
+    auvid_status_t (*run)(auvid_identifier_t *id, uint32_t *budget);
+    /** Writes the scale of each parameter, then that of the delay; 0: not known. */
+    void (*scale)(const auvid_identifier_t *id, auvid_real_t *scale);
+};
+
+/** Is the delay one of the parameters of the search? Then it is the last one. */
+static inline bool identifier_searches_delay(const auvid_identifier_t *id)
+{
+    return auvid_metric_stores_rows(&id->metric) && id->metric.cfg.estimate_delay;
+}
+
+/** Write all parameters of the model to work.candidate, those of the search from theta; the others
+ * have their fixed value. The same for work.delay_s.
+ * @param n number of values in theta */
+void auvid_identifier_expand(auvid_identifier_t *id, const auvid_real_t *theta, int n);
+
 /** Regressor path: begin to find the minimum cost of the parameters in work.active within the
  * bounds, from pi. This overwrites the optimizer, and sets work.parameter_of. */
 void auvid_identifier_begin_optimum(auvid_identifier_t *id, const auvid_real_t *pi);
@@ -135,15 +163,19 @@ auvid_status_t auvid_identifier_optimum(auvid_identifier_t *id, uint32_t *budget
 auvid_minimum_t auvid_identifier_take_optimum(auvid_identifier_t *id, auvid_real_t constant,
                                               auvid_real_t *pi);
 
-/** Begin a search of the parameters in work.active. This sets work.parameter_of.
- * @param scale [AUVID_MAX_PARAMETERS] units of the steps, by the parameters' number in the model;
- * overwritten
+/** Entries of the scale of a search: each parameter of the model, and the delay. */
+enum { SCALES = AUVID_MAX_PARAMETERS + 1 };
+
+/** Begin a search of the parameters in work.active. This sets work.parameter_of. On the residual
+ * path, a search with a known point and a minimum consists of the local phase.
+ * @param scale [SCALES] units of the steps, by the parameters' number in the model; overwritten
  * @param last a known point; NULL: none
- * @param minimum of the cost, at pi; NULL: not known */
+ * @param minimum of the cost, at pi; NULL: not known
+ * @param delay_s of this minimum or, if it is not known, of `last` */
 auvid_status_t auvid_identifier_begin_search(auvid_identifier_t *id, auvid_real_t *scale,
                                              const auvid_real_t *last,
-                                             const auvid_minimum_t *minimum,
-                                             const auvid_real_t *pi);
+                                             const auvid_minimum_t *minimum, const auvid_real_t *pi,
+                                             auvid_real_t delay_s);
 
 /** What the identifier calls of the simulation of velocity, if something is attached. */
 typedef struct auvid_simulate_functions {

@@ -220,6 +220,11 @@ static void identifier_conclude_test(auvid_identifier_t *id)
 
 /* ---- the phases ---- */
 
+static auvid_status_t identifier_prepare(auvid_identifier_t *id, uint32_t *budget)
+{
+    return auvid_metric_linearise(&id->metric, &id->linear.windows, budget);
+}
+
 static void identifier_begin_predict(auvid_identifier_t *id)
 {
     identifier_begin_prediction(id, &id->estimate, AUVID_WORK_PREDICT);
@@ -255,7 +260,7 @@ static void identifier_end_test(auvid_identifier_t *id)
 
 static const auvid_change_functions_t identifier_change_functions = {
     identifier_begin_test,
-    {{auvid_metric_linearise, NULL, identifier_begin_predict, auvid_identifier_begin_tests},
+    {{NULL, identifier_prepare, identifier_begin_predict, auvid_identifier_begin_tests},
      {auvid_metric_measure, NULL, identifier_begin_compare, auvid_identifier_begin_tests},
      {auvid_metric_measure, NULL, identifier_begin_change, auvid_identifier_begin_tests},
      {NULL, identifier_change, identifier_end_test, identifier_restart_change}}};

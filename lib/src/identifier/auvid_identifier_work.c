@@ -9,7 +9,8 @@
  * that it began with, however slow it is. A set that enters the ring meanwhile replaces the oldest;
  * then the phases that read the ring restart with the remaining sets. The validation, if it is
  * attached, is in auvid_identifier_validate.c; the minimum of the regressor path, part of MERGE, in
- * auvid_identifier_optimum.c; its LINEARISE, with uncertain inputs, in auvid_uncertain_solve.c.
+ * auvid_identifier_optimum.c; its LINEARISE, with uncertain inputs, in auvid_uncertain_solve.c. The
+ * start of the residual path, also part of MERGE, is in auvid_identifier_newton.c.
  */
 #include <string.h>
 
@@ -37,57 +38,84 @@ static void identifier_rest(auvid_identifier_t *id)
     identifier_take_set(id, auvid_metric_release(&id->metric, id->applied.t_us + lead_us));
 }
 
-/* Is the delay one of the parameters of the search? Then it is the last one. */
-static bool identifier_searches_delay(const auvid_identifier_t *id)
+/* Does this search only have to confirm a point, although both phases are configured? */
+static bool identifier_only_confirms(const auvid_identifier_t *id)
 {
-    return auvid_metric_stores_rows(&id->metric) && id->metric.cfg.estimate_delay;
+    return auvid_metric_stores_rows(&id->metric) && id->search.phases == AUVID_SEARCH_BOTH &&
+           id->optimizer.cfg.phases == AUVID_SEARCH_LOCAL;
 }
 
 auvid_status_t auvid_identifier_begin_search(auvid_identifier_t *id, auvid_real_t *scale,
                                              const auvid_real_t *last,
-                                             const auvid_minimum_t *minimum, const auvid_real_t *pi)
+                                             const auvid_minimum_t *minimum, const auvid_real_t *pi,
+                                             auvid_real_t delay_s)
 {
     auvid_search_config_t *search = &id->optimizer.cfg;
-    auvid_real_t known[AUVID_MAX_PARAMETERS];
+    auvid_real_t known[AUVID_MAX_PARAMETERS], at[AUVID_MAX_PARAMETERS];
     *search = id->search;
     search->seed += id->work.searches;
+    id->work.searched = (auvid_optimizer_work_t){0};
     auvid_identifier_select(search, id->work.active, id->work.parameter_of);
     for (int i = 0; i < search->n; ++i) { /* in place: the i-th is the i-th or a later one */
         auvid_real_t half = AUVID_C(0.5) * (search->upper[i] - search->lower[i]);
         int p = id->work.parameter_of[i];
         scale[i] = auvid_min(scale[p], half);
         known[i] = last != NULL ? last[p] : AUVID_C(0.0);
+        at[i] = minimum != NULL ? pi[p] : AUVID_C(0.0);
     }
     if (identifier_searches_delay(id)) {
         int n = search->n++;
-        search->lower[n] = scale[n] = AUVID_C(0.0);
+        search->lower[n] = AUVID_C(0.0);
         search->upper[n] = auvid_metric_longest_delay(&id->metric);
         search->good[n] = id->metric.cfg.delay_s[0];
-        known[n] = auvid_identifier_common_delay(&id->estimate);
+        scale[n] = auvid_min(scale[identifier_vehicle(id)->parameters], search->upper[n]);
+        known[n] = at[n] = delay_s;
+    }
+    if (auvid_metric_stores_rows(&id->metric) && last != NULL && minimum != NULL &&
+        search->phases == AUVID_SEARCH_BOTH) {
+        search->phases = AUVID_SEARCH_LOCAL;
     }
     auvid_status_t status =
         auvid_optimizer_init(&id->optimizer, search, search->scale_by_bounds ? NULL : scale);
     if (status >= 0 && last != NULL) {
         (void)auvid_optimizer_add_point(&id->optimizer, known);
     }
-    for (int i = 0; status >= 0 && minimum != NULL && i < id->optimizer.cfg.n; ++i) {
-        known[i] = pi[id->work.parameter_of[i]];
-    }
     if (status >= 0 && minimum != NULL && !id->search.paper) {
-        (void)auvid_optimizer_certify(&id->optimizer, known, minimum->cost, minimum->allowed);
+        (void)auvid_optimizer_certify(&id->optimizer, at, minimum->cost, minimum->allowed);
     }
+    return status;
+}
+
+/* A search that only had to confirm a point has found a better one: search everywhere. */
+static auvid_status_t identifier_begin_full_search(auvid_identifier_t *id)
+{
+    auvid_real_t scale[SCALES] = {AUVID_C(0.0)};
+    const auvid_optimizer_work_t done = id->optimizer.work;
+    int n = id->optimizer.cfg.n;
+    for (int i = 0; i < n; ++i) {
+        bool delay = identifier_searches_delay(id) && i == n - 1;
+        int p = delay ? identifier_vehicle(id)->parameters : id->work.parameter_of[i];
+        scale[p] = id->optimizer.scale[i];
+    }
+    auvid_status_t status =
+        auvid_identifier_begin_search(id, scale, id->work.candidate, NULL, NULL, id->work.delay_s);
+    id->work.searched = done;
     return status;
 }
 
 static auvid_status_t identifier_begin_sets_search(auvid_identifier_t *id)
 {
-    bool linear = !auvid_metric_stores_rows(&id->metric);
     bool warm = id->estimate.number > 0 && !id->work.cold_start;
-    auvid_real_t scale[AUVID_MAX_PARAMETERS];
-    auvid_metric_scale(&id->metric, scale);
-    auvid_status_t status =
-        auvid_identifier_begin_search(id, scale, warm ? id->estimate.pi : NULL,
-                                      linear ? &id->work.minimum : NULL, id->work.candidate);
+    bool known = id->work.minimum.cost < AUVID_COST_FAILED;
+    auvid_real_t scale[SCALES] = {AUVID_C(0.0)};
+    if (id->work.searching) {
+        return identifier_begin_full_search(id);
+    }
+    auvid_metric_path(&id->metric)->start->scale(id, scale);
+    auvid_status_t status = auvid_identifier_begin_search(
+        id, scale, warm ? id->estimate.pi : NULL, known ? &id->work.minimum : NULL,
+        id->work.candidate,
+        known ? id->work.delay_s : auvid_identifier_common_delay(&id->estimate));
     if (status >= 0) {
         ++id->work.searches;
         id->work.cold_start = false;
@@ -95,15 +123,19 @@ static auvid_status_t identifier_begin_sets_search(auvid_identifier_t *id)
     return status;
 }
 
-/* All parameters of the model from those of the optimizer; the others have their fixed value. */
-static void identifier_expand(auvid_identifier_t *id, const auvid_real_t *theta)
+void auvid_identifier_expand(auvid_identifier_t *id, const auvid_real_t *theta, int n)
 {
-    const int n = id->optimizer.cfg.n - identifier_searches_delay(id);
+    bool delay = identifier_searches_delay(id);
     memcpy(id->work.candidate, id->metric.cfg.fixed, sizeof id->work.candidate);
-    for (int i = 0; i < n; ++i) {
+    for (int i = 0; i < n - delay; ++i) {
         id->work.candidate[id->work.parameter_of[i]] = theta[i];
     }
-    id->work.delay_s = identifier_searches_delay(id) ? theta[n] : id->metric.cfg.delay_s[0];
+    id->work.delay_s = delay ? theta[n - 1] : id->metric.cfg.delay_s[0];
+}
+
+static void identifier_expand(auvid_identifier_t *id, const auvid_real_t *theta)
+{
+    auvid_identifier_expand(id, theta, id->optimizer.cfg.n);
 }
 
 auvid_real_t auvid_identifier_speed(const auvid_metric_t *m, int k)
@@ -221,19 +253,16 @@ static void identifier_begin_sets(auvid_identifier_t *id)
 
 /* ---- the phases ---- */
 
-/* The sets are merged: on the regressor path, find the minimum next. */
+/* The sets are merged: find the start of the search next. */
 static void identifier_end_sets(auvid_identifier_t *id)
 {
     id->work.active = auvid_metric_searched(&id->metric);
-    id->work.spent = WORK_START;
-    if (!auvid_metric_stores_rows(&id->metric)) {
-        memcpy(id->work.candidate, id->metric.cfg.fixed, sizeof id->work.candidate);
-        auvid_identifier_begin_optimum(id, id->estimate.pi);
-        id->work.spent = WORK_OPTIMUM;
-    }
+    memcpy(id->work.candidate, id->metric.cfg.fixed, sizeof id->work.candidate);
+    auvid_metric_path(&id->metric)->start->begin(id);
+    id->work.spent = WORK_OPTIMUM;
 }
 
-/* Merge, find the minimum, spend the start cost of a search, then begin it. */
+/* Merge, find the start of the search, spend its start cost, then begin it. */
 static auvid_status_t identifier_merge(auvid_identifier_t *id, uint32_t *budget)
 {
     auvid_status_t status = AUVID_OK;
@@ -246,8 +275,8 @@ static auvid_status_t identifier_merge(auvid_identifier_t *id, uint32_t *budget)
         return status;
     }
     if (id->work.spent == WORK_OPTIMUM) {
-        id->work.spent =
-            auvid_identifier_optimum(id, budget) == AUVID_OK ? WORK_START : WORK_OPTIMUM;
+        status = auvid_metric_path(&id->metric)->start->run(id, budget);
+        id->work.spent = status == AUVID_OK ? WORK_START : WORK_OPTIMUM;
         return AUVID_PENDING;
     }
     --*budget;
@@ -312,7 +341,9 @@ static AUVID_NOINLINE auvid_status_t identifier_ask(auvid_identifier_t *id, uint
         identifier_expand(id, theta);
     } else if (status != AUVID_PENDING) {
         identifier_expand(id, auvid_optimizer_best(&id->optimizer, &id->work.cost));
-        id->work.searched = id->optimizer.work;
+        id->work.searched.crs += id->optimizer.work.crs;
+        id->work.searched.line_search += id->optimizer.work.line_search;
+        id->work.searched.attempts += id->optimizer.work.attempts;
         id->work.not_converged = status != AUVID_FINISHED || !identifier_found_minimum(id);
         identifier_solve_coupled(id);
         identifier_begin_measure(id);
@@ -331,6 +362,11 @@ static void identifier_end_cost(auvid_identifier_t *id)
 {
     (void)auvid_optimizer_tell(&id->optimizer, id->metric.result.cost);
     id->work.phase = AUVID_WORK_ASK;
+    if (identifier_only_confirms(id) && !id->optimizer.certified) {
+        identifier_expand(id, auvid_optimizer_best(&id->optimizer, NULL));
+        id->work.spent = WORK_START;
+        id->work.phase = AUVID_WORK_MERGE;
+    }
 }
 
 static void identifier_begin_confidence(auvid_identifier_t *id)
@@ -348,12 +384,12 @@ static void identifier_begin_linearise(auvid_identifier_t *id)
 {
     const auvid_uncertain_functions_t *uncertain = id->attached.uncertain_functions;
     id->work.phase = AUVID_WORK_LINEARISE;
+    id->work.searching = false;
     if (auvid_metric_stores_rows(&id->metric)) {
         auvid_metric_linearise_begin(&id->metric, id->work.candidate, id->work.delay_s,
                                      id->metric.cfg.sets);
         return;
     }
-    id->work.searching = false;
     if (uncertain == NULL || !uncertain->begin(id)) {
         identifier_begin_confidence(id);
     }
@@ -365,7 +401,7 @@ static auvid_status_t identifier_linearise(auvid_identifier_t *id, uint32_t *bud
     if (!auvid_metric_stores_rows(&id->metric)) {
         return id->attached.uncertain_functions->solve(id, budget);
     }
-    auvid_status_t status = auvid_metric_linearise(&id->metric, budget);
+    auvid_status_t status = auvid_metric_linearise(&id->metric, &id->linear.windows, budget);
     if (status == AUVID_EMPTY) {
         identifier_begin_merge(id);
         status = AUVID_PENDING;

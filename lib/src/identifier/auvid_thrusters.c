@@ -151,6 +151,17 @@ static void thrusters_residual(const void *context, const auvid_sample_t *sample
     }
 }
 
+/* Its derivatives: the hull's rows, and those of the thrusters. */
+static void thrusters_regressor(const void *context, const auvid_sample_t *sample,
+                                const auvid_real_t *pi, auvid_regressor_t *y)
+{
+    const auvid_thrusters_t *th = context;
+    const auvid_vehicle_t *hull = th->cfg.hull;
+    if (auvid_thrusters_slopes(th, sample->t_us, pi, y)) {
+        hull->regressor(hull->context, sample, hull->residual != NULL ? pi : NULL, y);
+    }
+}
+
 auvid_status_t auvid_thrusters_init(auvid_thrusters_t *thrusters,
                                     const auvid_thrusters_config_t *cfg)
 {
@@ -183,8 +194,10 @@ auvid_status_t auvid_thrusters_init(auvid_thrusters_t *thrusters,
     memcpy(th->parameter, cfg->hull->parameter, (size_t)hull * sizeof th->parameter[0]);
     auvid_vehicle_t *vehicle = &th->vehicle;
     *vehicle = *cfg->hull;
-    vehicle->regressor = NULL;
+    vehicle->regressor = cfg->hull->regressor != NULL ? thrusters_regressor : NULL;
     vehicle->acceleration = NULL;
+    vehicle->affine = auvid_vehicle_affine(cfg->hull);
+    vehicle->ignores_inputs = true;
     vehicle->parameters = (uint8_t)n;
     vehicle->parameter = th->parameter;
     vehicle->path = &auvid_path_residual;
@@ -197,6 +210,7 @@ auvid_status_t auvid_thrusters_init(auvid_thrusters_t *thrusters,
         int first = hull + g * AUVID_THRUSTERS_PER_GROUP;
         uint32_t dofs = thrusters_dofs_of_group(cfg, g);
         thrusters_name_group(th->parameter + first, g, dofs);
+        vehicle->affine |= 3u << (first + AUVID_THRUSTERS_FORWARD);
         for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
             vehicle->columns[j] |= (dofs >> j & 1u) != 0 ? 15u << first : 0u;
         }
@@ -323,11 +337,14 @@ auvid_status_t auvid_thrusters_configure(auvid_thrusters_t *thrusters,
     uint32_t n = th_cfg->thrusters, window = (grid.row_us + grid.spread_us) / period + 2u;
     uint32_t work = th_cfg->hull->work + 7u + /* measured; 7: hull and fixed cost */
                     (lead * 20u * n + window * (50u + 33u * n)) / 250u;
-    if (work > UINT16_MAX) {
+    uint32_t slopes = th_cfg->hull->work + 7u + /* of operations counted */
+                      (lead * 60u * n + window * 130u * n) / 250u;
+    if (work > UINT16_MAX || slopes > UINT16_MAX) {
         return AUVID_ERR_RANGE;
     }
     th->grid = grid;
     th->vehicle.work = (uint16_t)work;
+    th->vehicle.regressor_work = (uint16_t)slopes;
     const auvid_real_t upper[AUVID_THRUSTERS_PER_GROUP] = {
         th_cfg->gain_max, th_cfg->gain_max, th_cfg->dead_band_max, th_cfg->lag_max_s};
     for (int k = 0, i = th_cfg->hull->parameters; i < th->vehicle.parameters; ++i, ++k) {

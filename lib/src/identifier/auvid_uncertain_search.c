@@ -74,13 +74,14 @@ bool auvid_uncertain_find_optimum(uncertain_t *u)
 void auvid_uncertain_begin_search(uncertain_t *u)
 {
     auvid_identifier_t *id = u->id;
-    auvid_real_t unit[AUVID_MAX_PARAMETERS], scale = auvid_sqrt(u->work.weight);
+    auvid_real_t unit[SCALES], scale = auvid_sqrt(u->work.weight);
     auvid_minimum_t minimum = auvid_identifier_take_optimum(id, uncertain_constant(u), u->pi);
     for (int p = 0; p < AUVID_MAX_PARAMETERS; ++p) {
         auvid_real_t norm = uncertain_left_norm(u, p);
         unit[p] = norm > AUVID_C(0.0) ? AUVID_C(1.0) / (scale * norm) : AUVID_C(0.0);
     }
-    id->work.searching = auvid_identifier_begin_search(id, unit, NULL, &minimum, u->pi) == AUVID_OK;
+    id->work.searching =
+        auvid_identifier_begin_search(id, unit, NULL, &minimum, u->pi, AUVID_C(0.0)) == AUVID_OK;
 }
 
 /* Cost of a point: squares of the parameters' rows. */

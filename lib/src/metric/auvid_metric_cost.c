@@ -112,13 +112,15 @@ void auvid_metric_linearise_begin(auvid_metric_t *metric, const auvid_real_t *pi
     m->evaluator.at.to_set = sets < m->cfg.sets ? sets : m->cfg.sets;
 }
 
-auvid_status_t auvid_metric_linearise(auvid_metric_t *metric, uint32_t *budget)
+auvid_status_t auvid_metric_linearise(auvid_metric_t *metric, auvid_metric_windows_t *windows,
+                                      uint32_t *budget)
 {
-    if (metric == NULL || budget == NULL) {
+    if (metric == NULL || windows == NULL || budget == NULL) {
         return AUVID_ERR_NULL;
     }
-    return auvid_metric_stores_rows(metric) ? auvid_metric_path(metric)->linearise(metric, budget)
-                                            : AUVID_OK;
+    return auvid_metric_stores_rows(metric)
+               ? auvid_metric_path(metric)->linearise(metric, windows, budget)
+               : AUVID_OK;
 }
 
 uint32_t auvid_metric_active(const auvid_metric_t *metric)

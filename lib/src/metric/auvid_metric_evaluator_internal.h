@@ -231,10 +231,11 @@ auvid_status_t auvid_metric_merge_sets(auvid_metric_t *m, uint32_t *budget);
 
 /* ---- the residual path ---- */
 
-/** Spend units on a call of the model's residual. @return true if all are spent: call it */
-static inline bool auvid_metric_spend_model(auvid_metric_t *m, uint32_t *budget)
+/** Spend units on a call of the model. @return true if all are spent: call it
+ * @param price of the call; 0: that of the residual */
+static inline bool auvid_metric_spend_model(auvid_metric_t *m, uint32_t *budget, uint16_t price)
 {
-    uint16_t work = m->cfg.vehicle->work;
+    uint16_t work = price > 0 ? price : m->cfg.vehicle->work;
     bool due = false;
     while (!due && *budget > 0) {
         due = auvid_metric_spend(&m->evaluator.at, budget, work);
@@ -254,6 +255,22 @@ static inline bool auvid_metric_succeeds(const auvid_metric_t *m, uint64_t earli
 }
 
 /** The linearise of the residual path. */
-auvid_status_t auvid_metric_linearise_sets(auvid_metric_t *m, uint32_t *budget);
+auvid_status_t auvid_metric_linearise_sets(auvid_metric_t *m, auvid_metric_windows_t *windows,
+                                           uint32_t *budget);
+
+/** After a linearisation: row i of DoF j's linear model, weighted as in the cost, which is nearly
+ * sum (row . pi + *delay (d - delay_s) - row[n])^2. It has a column for each parameter of the
+ * model, then what is explained; row[] has n + 1 entries.
+ * @param delay_s where the model was linearised
+ * @param delay written: the column of the delay
+ * @return false: the DoF has no such row */
+bool auvid_metric_newton_row(const auvid_metric_t *m, int j, int i, auvid_real_t delay_s,
+                             auvid_real_t *row, auvid_real_t *delay);
+
+/** After auvid_metric_linearise_begin: leave out the rows from outside. */
+static inline void auvid_metric_linearise_plain(auvid_metric_t *m)
+{
+    m->evaluator.at.plain = true;
+}
 
 #endif

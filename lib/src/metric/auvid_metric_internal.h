@@ -10,6 +10,14 @@
 #include "auvid/detail/metric.h"
 #include "../base/auvid_math_internal.h"
 
+/** The start of a search, defined in the identifier. The metric only knows which one its path has,
+ * so that the linker drops the other one. */
+typedef struct auvid_path_start auvid_path_start_t;
+/** Of the regressor path: the minimum of the R factor. */
+extern const auvid_path_start_t auvid_start_optimum;
+/** Of the residual path: Gauss-Newton steps. */
+extern const auvid_path_start_t auvid_start_newton;
+
 /**
  * A path: what becomes of the cells of a model, and how a candidate is evaluated. The model names
  * one (vehicle.h); no other code of the library does, so the linker drops the other path.
@@ -41,7 +49,10 @@ struct auvid_path {
     auvid_status_t (*merge)(auvid_metric_t *m, uint32_t *budget);
     /** Forms R factors at a result, from rows d residual / d pi. NULL: they are exact as they are.
      * @return AUVID_OK; AUVID_PENDING; AUVID_EMPTY (as for merge: search again) */
-    auvid_status_t (*linearise)(auvid_metric_t *m, uint32_t *budget);
+    auvid_status_t (*linearise)(auvid_metric_t *m, auvid_metric_windows_t *windows,
+                                uint32_t *budget);
+    /** How the identifier finds the point at which a search starts. */
+    const auvid_path_start_t *start;
 };
 
 /** Columns that are formed outside of the metric from the same cells as its rows, with the same

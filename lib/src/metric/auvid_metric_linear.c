@@ -11,7 +11,8 @@
  * confidence) also reads these.
  *
  * It is enough to take smoothed residuals one standard deviation of the smoothing apart: closer
- * ones add almost no information.
+ * ones add almost no information. The model is differentiated once at each stored row. The result
+ * is added to all windows that contain the row, which are as many as are under way at once.
  */
 #include "auvid_metric_evaluator_internal.h"
 
@@ -38,33 +39,6 @@ auvid_sample_t auvid_metric_delayed_sample(const auvid_metric_t *m, const auvid_
         s.command[i] = l[0] * s.command[i] + l[1] * row->late[0][k] + l[2] * row->late[1][k];
     }
     return s;
-}
-
-/* Returns the row `back` rows before row r of the set of that age; NULL if it is not stored. */
-static const auvid_row_t *metric_row_before(const auvid_metric_t *m, int age, int r, int back)
-{
-    if (back > r) {
-        if (age + 1 >= auvid_metric_sets(m)) {
-            return NULL;
-        }
-        back -= r + 1;
-        r = auvid_metric_set(m, ++age)->rows - 1;
-    }
-    return back > r ? NULL : &auvid_metric_rows(m, age)[r - back];
-}
-
-/* Returns true if the rows that end with row r form a complete window. */
-static bool metric_has_window(const auvid_metric_t *m, int age, int r)
-{
-    const auvid_row_t *later = metric_row_before(m, age, r, 0);
-    for (int k = 1; k < m->layout.window_length; ++k) {
-        const auvid_row_t *row = metric_row_before(m, age, r, k);
-        if (row == NULL || !auvid_metric_succeeds(m, row->sample.t_us, later->sample.t_us)) {
-            return false;
-        }
-        later = row;
-    }
-    return true;
 }
 
 /* Evaluate the residuals of a stored row with value (v - 1) / 2 perturbed by half a step: a
@@ -94,13 +68,12 @@ static auvid_real_t metric_evaluate_perturbed(auvid_metric_t *m, const auvid_row
     return v > 0 ? (sign > AUVID_C(0.0) ? AUVID_C(1.0) : AUVID_C(-1.0)) / step : AUVID_C(1.0);
 }
 
-/* Add one evaluation to the derivatives in z: for each DoF those by its parameters, then e, then
- * e_d. */
-static void metric_add_evaluation(auvid_metric_t *m, const auvid_row_t *row, auvid_real_t tap,
-                                  int v)
+/* Add one evaluation to the row's derivatives in z: for each DoF those by its parameters, then e,
+ * then e_d. */
+static void metric_add_evaluation(auvid_metric_t *m, const auvid_row_t *row, int v)
 {
     auvid_real_t residual[AUVID_DOF_COUNT];
-    auvid_real_t weight = tap * metric_evaluate_perturbed(m, row, v, residual);
+    auvid_real_t weight = metric_evaluate_perturbed(m, row, v, residual);
     int i = (v - 1) / 2, n = m->cfg.vehicle->parameters;
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
         auvid_equation_t e = auvid_metric_equation(m, j);
@@ -116,8 +89,8 @@ static void metric_add_evaluation(auvid_metric_t *m, const auvid_row_t *row, auv
     }
 }
 
-/* Add the model's own derivatives by its parameters to z. */
-static void metric_add_derivatives(auvid_metric_t *m, const auvid_row_t *row, auvid_real_t tap)
+/* Put the model's own derivatives by its parameters into z. */
+static void metric_add_derivatives(auvid_metric_t *m, const auvid_row_t *row)
 {
     auvid_metric_evaluator_t *ev = &m->evaluator;
     auvid_sample_t sample = auvid_metric_delayed_sample(m, row);
@@ -127,60 +100,8 @@ static void metric_add_derivatives(auvid_metric_t *m, const auvid_row_t *row, au
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
         auvid_equation_t e = auvid_metric_equation(m, j);
         for (int k = 0; k < e.count; ++k) {
-            ev->z[e.at + k] += tap * ev->regressor.row[j][e.index[k]];
+            ev->z[e.at + k] += ev->regressor.row[j][e.index[k]];
         }
-    }
-}
-
-/* Returns the DoF (bit j) that have no row: a velocity is missing in the window that ends with row
- * r. */
-static uint8_t metric_dofs_without_window(const auvid_metric_t *m, int age, int r)
-{
-    uint8_t missing = 0;
-    for (int k = 0; k < m->layout.window_length; ++k) {
-        missing |= metric_row_before(m, age, r, k)->sample.missing;
-    }
-    return auvid_vehicle_unmeasured(m->cfg.vehicle, missing);
-}
-
-/* Rotate the complete derivatives into the R factors, except for the DoF in `excluded`. */
-static AUVID_NOINLINE void metric_finish_window(auvid_metric_t *m, auvid_set_t *set,
-                                                uint8_t excluded)
-{
-    auvid_metric_evaluator_t *ev = &m->evaluator;
-    auvid_real_t node = auvid_metric_node_s(m), s = ev->linear_delay_s / node;
-    /* replace e by sum e_i pi_i - e */
-    for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
-        auvid_equation_t e = auvid_metric_equation(m, j);
-        auvid_real_t *z = ev->z + e.at;
-        if (e.order == 0) {
-            continue;
-        }
-        if ((excluded >> j & 1) != 0) {
-            auvid_clear(z, (size_t)e.order);
-            continue;
-        }
-        z[e.count] = -z[e.count];
-        for (int k = 0; k < e.count; ++k) {
-            z[e.count] += z[k] * ev->pi[e.index[k]];
-        }
-    }
-    if (auvid_all_within(ev->z, m->layout.channel_at[AUVID_DOF_COUNT], METRIC_LARGEST_ENTRY) !=
-        AUVID_OK) {
-        return;
-    }
-    for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
-        auvid_equation_t e = auvid_metric_equation(m, j);
-        auvid_real_t row[AUVID_MAX_PARAMETERS + AUVID_METRIC_DELAYS];
-        if (e.order == 0 || (excluded >> j & 1) != 0) {
-            continue;
-        }
-        ++set->windows[j];
-        memcpy(row, e.z, (size_t)e.count * sizeof *row);
-        for (int d = 0; d < AUVID_METRIC_DELAYS; ++d) {
-            row[e.count + d] = e.z[e.count] - ((auvid_real_t)d - s) * node * e.z[e.count + 1];
-        }
-        auvid_qr_update(m->rows.set.factor[0] + m->layout.factor_at[j], e.order, 0, row);
     }
 }
 
@@ -192,57 +113,177 @@ static bool metric_is_perturbed(const auvid_metric_t *m, int v)
     if (m->cfg.vehicle->regressor != NULL && i < m->cfg.vehicle->parameters) {
         return v <= 1;
     }
-    return v == 0 || i == m->cfg.vehicle->parameters || m->cfg.free == 0 ||
-           (m->cfg.free >> i & 1u) != 0;
+    if (i == m->cfg.vehicle->parameters) {
+        return !m->cfg.vehicle->ignores_inputs;
+    }
+    return v == 0 || m->cfg.free == 0 || (m->cfg.free >> i & 1u) != 0;
 }
 
-/* Linearise all windows of one set. @return true if they are complete */
-static bool metric_linearise_set(auvid_metric_t *m, auvid_set_t *set, uint32_t *budget)
+/* Differentiate the model at one row. @return true if z is complete */
+static bool metric_differentiate_row(auvid_metric_t *m, const auvid_row_t *row, uint32_t *budget)
 {
+    const auvid_vehicle_t *vehicle = m->cfg.vehicle;
     auvid_metric_cursor_t *at = &m->evaluator.at;
-    int values = 2 * m->cfg.vehicle->parameters + 3, stride = auvid_metric_stride(m);
-    for (; at->row < set->rows; at->row = (uint16_t)(at->row + stride), at->part = 0) {
-        if (at->part == 0) {
-            if (!metric_has_window(m, at->set, at->row)) {
-                continue;
-            }
-            memset(m->evaluator.z, 0, sizeof m->evaluator.z);
+    if (at->part == 0) {
+        memset(m->evaluator.z, 0, sizeof m->evaluator.z);
+    }
+    for (; at->part < 2 * vehicle->parameters + 3; ++at->part) {
+        bool own = at->part == 1 && vehicle->regressor != NULL;
+        if (!metric_is_perturbed(m, at->part)) {
+            continue;
         }
-        for (; at->part < values * m->layout.window_length; ++at->part) {
-            int k = at->part / values, v = at->part % values;
-            if (!metric_is_perturbed(m, v)) {
-                continue;
-            }
-            if (!auvid_metric_spend_model(m, budget)) {
-                return false;
-            }
-            const auvid_row_t *row = metric_row_before(m, at->set, at->row, k);
-            if (v == 1 && m->cfg.vehicle->regressor != NULL) {
-                metric_add_derivatives(m, row, m->layout.window_weight[k]);
-            } else {
-                metric_add_evaluation(m, row, m->layout.window_weight[k], v);
-            }
+        if (!auvid_metric_spend_model(m, budget, own ? vehicle->regressor_work : 0)) {
+            return false;
         }
-        metric_finish_window(m, set, metric_dofs_without_window(m, at->set, at->row));
+        if (own) {
+            metric_add_derivatives(m, row);
+        } else {
+            metric_add_evaluation(m, row, at->part);
+        }
     }
     return true;
 }
 
-auvid_status_t auvid_metric_linearise_sets(auvid_metric_t *m, uint32_t *budget)
+/* Add the row in z, the q-th since a gap, to the windows that contain it. Window i ends with row
+ * length - 1 + i stride. */
+static void metric_add_to_windows(auvid_metric_t *m, auvid_metric_windows_t *windows,
+                                  uint8_t missing)
+{
+    uint32_t q = m->evaluator.window_rows, last = m->layout.window_length - 1u;
+    uint32_t stride = (uint32_t)auvid_metric_stride(m), from = 0;
+    if (q > last) {
+        from = (q - last + stride - 1u) / stride;
+    }
+    for (uint32_t i = from; i <= q / stride; ++i) {
+        uint32_t slot = i % AUVID_METRIC_WINDOWS, later = i * stride + last - q;
+        if (later == last) {
+            memset(windows->z[slot], 0, sizeof windows->z[slot]);
+            windows->missing[slot] = 0;
+        }
+        auvid_metric_add_scaled(windows->z[slot], m->layout.window_weight[later], m->evaluator.z,
+                                m->layout.channel_at[AUVID_DOF_COUNT]);
+        windows->missing[slot] |= missing;
+    }
+}
+
+/* Replace e by sum e_i pi_i - e in a complete window. */
+static void metric_make_wrench(const auvid_metric_t *m, auvid_real_t *z, uint8_t excluded)
+{
+    for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
+        auvid_equation_t e = auvid_metric_equation(m, j);
+        auvid_real_t *of = z + e.at;
+        if ((excluded >> j & 1) != 0) {
+            auvid_clear(of, (size_t)e.order);
+        } else if (e.order > 0) {
+            of[e.count] = -of[e.count];
+            for (int k = 0; k < e.count; ++k) {
+                of[e.count] += of[k] * m->evaluator.pi[e.index[k]];
+            }
+        }
+    }
+}
+
+/* Rotate a complete window into the R factors of the set in which it ends. A DoF has no row if a
+ * velocity that its equation reads is missing somewhere in the window. */
+static AUVID_NOINLINE void metric_finish_window(auvid_metric_t *m, auvid_set_t *set,
+                                                auvid_real_t *z, uint8_t missing)
+{
+    auvid_real_t node = auvid_metric_node_s(m), s = m->evaluator.linear_delay_s / node;
+    uint8_t excluded = auvid_vehicle_unmeasured(m->cfg.vehicle, missing);
+    metric_make_wrench(m, z, excluded);
+    if (auvid_all_within(z, m->layout.channel_at[AUVID_DOF_COUNT], METRIC_LARGEST_ENTRY) !=
+        AUVID_OK) {
+        return;
+    }
+    for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
+        auvid_equation_t e = auvid_metric_equation(m, j);
+        auvid_real_t row[AUVID_MAX_PARAMETERS + AUVID_METRIC_DELAYS];
+        if (e.order == 0 || (excluded >> j & 1) != 0) {
+            continue;
+        }
+        ++set->windows[j];
+        memcpy(row, z + e.at, (size_t)e.count * sizeof *row);
+        for (int d = 0; d < AUVID_METRIC_DELAYS; ++d) {
+            row[e.count + d] =
+                z[e.at + e.count] - ((auvid_real_t)d - s) * node * z[e.at + e.count + 1];
+        }
+        auvid_qr_update(m->rows.set.factor[0] + m->layout.factor_at[j], e.order, 0, row);
+    }
+}
+
+/* Linearise the rows of the set of that age. @param set where complete windows count; NULL: before
+ * the first set, where none is complete. @return true if the set is complete */
+static bool metric_linearise_set(auvid_metric_t *m, auvid_metric_windows_t *windows, int age,
+                                 auvid_set_t *set, uint32_t *budget)
+{
+    auvid_metric_evaluator_t *ev = &m->evaluator;
+    auvid_metric_cursor_t *at = &ev->at;
+    uint32_t last = m->layout.window_length - 1u, stride = (uint32_t)auvid_metric_stride(m);
+    const auvid_row_t *row = auvid_metric_rows(m, age) + at->row;
+    for (int rows = auvid_metric_set(m, age)->rows; at->row < rows; ++at->row, ++row) {
+        if (at->part == 0 && !auvid_metric_succeeds(m, ev->window_us, row->sample.t_us)) {
+            ev->window_rows = 0;
+        }
+        if (!metric_differentiate_row(m, row, budget)) {
+            return false;
+        }
+        at->part = 0;
+        metric_add_to_windows(m, windows, row->sample.missing);
+        uint32_t q = ev->window_rows++;
+        ev->window_us = row->sample.t_us;
+        if (set != NULL && q >= last && (q - last) % stride == 0) {
+            uint32_t slot = (q - last) / stride % AUVID_METRIC_WINDOWS;
+            metric_finish_window(m, set, windows->z[slot], windows->missing[slot]);
+        }
+    }
+    return true;
+}
+
+/* Returns the first row of a set from which a window reaches into the next set. */
+static uint16_t metric_lead_in(const auvid_metric_t *m, int age)
+{
+    int row = auvid_metric_set(m, age)->rows - (m->layout.window_length - 1);
+    return (uint16_t)(row > 0 ? row : 0);
+}
+
+/* Linearise the sets, the oldest first; before them the end of the one before. @return true if they
+ * are complete */
+static bool metric_linearise_rows(auvid_metric_t *m, auvid_metric_windows_t *windows,
+                                  uint32_t *budget)
 {
     auvid_metric_cursor_t *at = &m->evaluator.at;
-    for (; at->pass == PASS_LINEAR && at->set < at->to_set; ++at->set, at->row = 0) {
-        auvid_set_t *set = &m->sets.set[auvid_metric_slot(m, at->set)];
-        if (at->row == 0 && at->part == 0) {
+    for (; at->set <= at->to_set; ++at->set, at->row = 0) {
+        int age = at->to_set - at->set;
+        auvid_set_t *set = NULL;
+        if (at->set > 0) {
+            set = &m->sets.set[auvid_metric_slot(m, age)];
+        } else if (age >= auvid_metric_sets(m)) {
+            continue;
+        }
+        if (at->row == 0 && at->part == 0 && set == NULL) {
+            at->row = metric_lead_in(m, age);
+        } else if (at->row == 0 && at->part == 0) {
             memset(m->rows.set.factor, 0, sizeof m->rows.set.factor);
             memset(set->windows, 0, sizeof set->windows);
         }
-        if (!metric_linearise_set(m, set, budget)) {
+        if (!metric_linearise_set(m, windows, age, set, budget)) {
+            return false;
+        }
+        if (set != NULL) {
+            auvid_metric_pack(m, set);
+        }
+    }
+    return true;
+}
+
+auvid_status_t auvid_metric_linearise_sets(auvid_metric_t *m, auvid_metric_windows_t *windows,
+                                           uint32_t *budget)
+{
+    auvid_metric_cursor_t *at = &m->evaluator.at;
+    if (at->pass == PASS_LINEAR) {
+        if (!metric_linearise_rows(m, windows, budget)) {
             return AUVID_PENDING;
         }
-        auvid_metric_pack(m, set);
-    }
-    if (at->pass == PASS_LINEAR) {
         if (at->to_set < m->cfg.sets) {
             return AUVID_OK;
         }
@@ -253,6 +294,31 @@ auvid_status_t auvid_metric_linearise_sets(auvid_metric_t *m, uint32_t *budget)
         m->result.constant = AUVID_C(0.0); /* the cost of this path contains it */
     }
     return status;
+}
+
+bool auvid_metric_newton_row(const auvid_metric_t *m, int j, int i, auvid_real_t delay_s,
+                             auvid_real_t *row, auvid_real_t *delay)
+{
+    auvid_equation_t e = auvid_metric_equation(m, j);
+    if (i >= e.order || !auvid_metric_is_excited(m, j)) {
+        return false;
+    }
+    auvid_real_t l[AUVID_METRIC_DELAYS], slope[AUVID_METRIC_DELAYS];
+    auvid_real_t node = auvid_metric_node_s(m), scale = auvid_sqrt(m->evaluator.weight[j]);
+    auvid_metric_delay_weights(delay_s / node, false, l);
+    auvid_metric_delay_slopes(delay_s / node, false, slope);
+    auvid_clear(row, (size_t)m->cfg.vehicle->parameters + 1u);
+    *delay = AUVID_C(0.0);
+    const auvid_real_t *r = auvid_equation_row(&e, i);
+    for (int k = i; k < e.order; ++k, ++r) {
+        if (k < e.count) {
+            row[e.index[k]] = scale * *r;
+        } else {
+            row[m->cfg.vehicle->parameters] += scale * *r * l[k - e.count];
+            *delay -= scale * *r * slope[k - e.count] / node;
+        }
+    }
+    return true;
 }
 
 #endif

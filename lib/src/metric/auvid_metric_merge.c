@@ -201,7 +201,9 @@ static void metric_add_residual(auvid_metric_t *m, const auvid_set_t *set, int b
 void auvid_metric_restart_pass(auvid_metric_t *m, uint8_t pass)
 {
     auvid_metric_evaluator_t *ev = &m->evaluator;
-    ev->at = (auvid_metric_cursor_t){.to_set = (uint8_t)auvid_metric_sets(m), .pass = pass};
+    ev->at = (auvid_metric_cursor_t){.to_set = (uint8_t)auvid_metric_sets(m),
+                                     .pass = pass,
+                                     .plain = pass <= PASS_ADDED && ev->at.plain};
     memset(ev->band_sse, 0, sizeof ev->band_sse);
     memset(ev->high_wrench, 0, sizeof ev->high_wrench);
     if (pass == PASS_FIRST || pass == PASS_LAST) {
@@ -297,7 +299,7 @@ auvid_status_t auvid_metric_merge_sets(auvid_metric_t *m, uint32_t *budget)
         }
         auvid_metric_restart_pass(m, (uint8_t)(at->pass + 1));
     }
-    return m->add_rows == NULL ? AUVID_OK : m->add_rows(m, budget);
+    return m->add_rows == NULL || at->plain ? AUVID_OK : m->add_rows(m, budget);
 }
 
 void auvid_metric_weigh_dof(auvid_metric_t *m, int j)
@@ -333,6 +335,7 @@ void auvid_metric_merge_begin(auvid_metric_t *metric)
         auvid_metric_weigh_dof(m, j);
         ev->band_weight[0][j] = ev->band_weight[1][j] = AUVID_C(1.0);
     }
+    ev->at.plain = false;
     auvid_metric_restart_pass(m, PASS_FIRST);
 }
 

@@ -334,4 +334,5 @@ const auvid_path_t auvid_path_regressor = {.check = metric_check_regressor,
                                            .add_cell = metric_add_equations,
                                            .finish_row = metric_take_row,
                                            .evaluate = metric_evaluate_factor,
-                                           .merge = auvid_metric_merge_sets};
+                                           .merge = auvid_metric_merge_sets,
+                                           .start = &auvid_start_optimum};

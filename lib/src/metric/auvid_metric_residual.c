@@ -194,7 +194,7 @@ static auvid_status_t metric_sample_cost(auvid_metric_t *m, uint32_t *budget)
         int age = sets - 1 - at->set;
         const auvid_set_t *set = auvid_metric_set(m, age);
         for (; set->excited != 0 && at->row < set->rows; ++at->row) {
-            if (!auvid_metric_spend_model(m, budget)) {
+            if (!auvid_metric_spend_model(m, budget, 0)) {
                 return AUVID_PENDING;
             }
             auvid_real_t squares = AUVID_C(0.0);
@@ -237,6 +237,7 @@ const auvid_path_t auvid_path_residual = {.check = metric_check_residual,
                                           .finish_row = metric_store_row,
                                           .begin = metric_begin_samples,
                                           .evaluate = metric_sample_cost,
-                                          .linearise = auvid_metric_linearise_sets};
+                                          .linearise = auvid_metric_linearise_sets,
+                                          .start = &auvid_start_newton};
 
 #endif

@@ -11,6 +11,7 @@
 #include <string.h>
 
 #include "../base/auvid_math_internal.h"
+#include "auvid_vehicle_internal.h"
 
 /* c in body axes, and the derivative of these components. */
 static void current_in_body(const auvid_sample_t *s, const auvid_real_t c[3], auvid_real_t body[3],
@@ -100,6 +101,7 @@ auvid_status_t auvid_current_init(auvid_current_t *current, const auvid_vehicle_
     vehicle->path = &auvid_path_residual;
     vehicle->residual = current_residual;
     vehicle->regressor = NULL;
+    vehicle->affine = auvid_vehicle_affine(hull);
     vehicle->acceleration = hull->acceleration != NULL ? current_acceleration : NULL;
     vehicle->context = current;
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {

@@ -18,4 +18,9 @@ static inline uint64_t auvid_thrusters_in_log(const auvid_thrusters_t *th, uint6
     return in_log_us;
 }
 
+/** Writes the derivatives of -B x by the parameters of each group, at pi[n], into their columns of
+ * *y. Returns false if the log does not contain the row. */
+bool auvid_thrusters_slopes(const auvid_thrusters_t *th, uint64_t t_us, const auvid_real_t *pi,
+                            auvid_regressor_t *y);
+
 #endif

@@ -32,6 +32,7 @@ static void vehicle_check_masks(const auvid_vehicle_t *vehicle, auvid_refusal_t 
     }
     auvid_check_element(why, -1);
     auvid_check_that(why, all != 0, AUVID_ERR_MODEL, "columns");
+    auvid_check_that(why, (vehicle->affine & ~mask) == 0, AUVID_ERR_MODEL, "affine");
     for (int i = 0; i < vehicle->parameters; ++i) {
         auvid_dof_t dof = vehicle->parameter[i].dof;
         auvid_check_element(why, i);

@@ -10,4 +10,10 @@
 /** auvid_vehicle_check; *why names what is refused. */
 void auvid_vehicle_check_fields(const auvid_vehicle_t *vehicle, auvid_refusal_t *why);
 
+/** Returns the parameters in which a model's residual is affine: all, if rows give it. */
+static inline uint32_t auvid_vehicle_affine(const auvid_vehicle_t *vehicle)
+{
+    return vehicle->residual == NULL ? UINT32_MAX >> (32 - vehicle->parameters) : vehicle->affine;
+}
+
 #endif

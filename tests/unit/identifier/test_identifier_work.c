@@ -622,7 +622,7 @@ static void test_rows_that_come_while_a_full_set_waits_are_dropped_and_counted(v
     configure_user();
     TEST_ASSERT_EQUAL(
         AUVID_OK, auvid_excitation_plan(&cfg.acting.excitation, amplitude, CHAIN_SET_S, LONG, 9));
-    cfg.budget = 5;
+    cfg.budget = 1;
     cfg.after = watch_rows;
     cfg.context = &watch;
     TEST_ASSERT_EQUAL(AUVID_OK, chain_run_sets(&chain, &cfg, LONG));

@@ -408,6 +408,7 @@ static void test_a_member_of_the_model_is_named(void)
           (vehicle.regressor = NULL, vehicle.residual = NULL));
     NAMED(MODEL, "vehicle", "reads", 2, 0, 0, vehicle.reads[2] = 1);
     NAMED(MODEL, "vehicle", "columns", 1, 0, 0, vehicle.columns[1] |= 1u << 31);
+    NAMED(MODEL, "vehicle", "affine", -1, 0, 0, vehicle.affine = 1u << 31);
     NAMED(MODEL, "vehicle", "columns", -1, 0, 0,
           memset(vehicle.columns, 0, sizeof vehicle.columns));
     parameter[7].dof = AUVID_ROLL;

@@ -13,6 +13,7 @@
 static auvid_confidence_job_t job;
 static const auvid_confidence_t *const result = &job.result;
 static auvid_metric_change_t change;
+static auvid_metric_windows_t windows;
 static uint64_t state;
 
 void setUp(void)
@@ -72,7 +73,7 @@ static uint32_t linearise(const auvid_real_t *pi, double delay_s, uint8_t sets, 
     auvid_metric_linearise_begin(&metric, pi, (auvid_real_t)delay_s, sets);
     do {
         uint32_t budget = piece;
-        status = auvid_metric_linearise(&metric, &budget);
+        status = auvid_metric_linearise(&metric, &windows, &budget);
         used += piece - budget;
         TEST_ASSERT_TRUE(status == AUVID_OK || (status == AUVID_PENDING && budget == 0));
     } while (status == AUVID_PENDING);
@@ -233,31 +234,37 @@ static void test_the_rms_residual_is_that_of_the_measurement(void)
     }
 }
 
-/* 31 rows of 0.2 s are smoothed at once, with a standard deviation of 2.7 rows. */
+/* 31 rows of 0.2 s are smoothed at once, with a standard deviation of 2.7 rows. The model is called
+ * at each row, and at those before the newest set that its windows contain. */
 static void test_linearising_takes_the_units_that_the_header_says(void)
 {
-    enum { WORK = 3, WINDOW = 31 };
+    enum { WORK = 3, WINDOW = 31, ROWS = 120, EACH = WORK * (2 * N + 3) };
     cfg.sets = 2;
     cfg.free = 0;
-    use_residual_path(2, 120);
+    use_residual_path(2, ROWS);
     by_residual.work = WORK;
     start();
     world_t w = world_of(&cfg);
     (void)feed_set(&w, feed_set(&w, 0, 0), 0);
     merge_all(&metric);
-    uint32_t used = linearise(truth, 0, 1, UINT32_MAX), each = WORK * WINDOW * (2 * N + 3);
-    TEST_ASSERT_EQUAL_UINT32(0, used % each);
-    TEST_ASSERT_DOUBLE_WITHIN(1.0, sqrt(WINDOW - 1) / 2, 120.0 / (used / each));
+    uint32_t used = linearise(truth, 0, 1, UINT32_MAX);
+    TEST_ASSERT_EQUAL_UINT32(EACH * (ROWS + WINDOW - 1), used);
+    TEST_ASSERT_DOUBLE_WITHIN(1.0, sqrt(WINDOW - 1) / 2,
+                              (double)ROWS / auvid_metric_newest(&metric)->windows[AUVID_SURGE]);
     used = linearise(truth, 0, 2, UINT32_MAX); /* and the merge: by rows, and by DoF */
     uint32_t merge = 0;
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
         int n = auvid_metric_order(&metric, j);
         merge += n > 0 ? 4u * 2u * 2u * (uint32_t)n + 8u : 0u;
     }
-    TEST_ASSERT_EQUAL_UINT32(merge, used % each);
+    TEST_ASSERT_EQUAL_UINT32(merge + EACH * 2 * ROWS, used);
     TEST_ASSERT_EQUAL_UINT32(used, linearise(truth, 0, UINT8_MAX, UINT32_MAX));
+    by_residual.regressor = auvid_girona500.regressor; /* the residual, its own cost, two delays */
+    by_residual.regressor_work = 7;
+    TEST_ASSERT_EQUAL_UINT32(merge + (3 * WORK + 7) * 2 * ROWS, linearise(truth, 0, 2, UINT32_MAX));
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_metric_drop(&metric, 0));
-    TEST_ASSERT_EQUAL_UINT32(0, linearise(truth, 0, 1, UINT32_MAX));
+    by_residual.regressor = NULL;
+    TEST_ASSERT_EQUAL_UINT32(EACH * (WINDOW - 1), linearise(truth, 0, 1, UINT32_MAX));
 }
 
 static void test_any_split_of_the_budget_linearises_to_the_same_bits(void)
@@ -279,7 +286,7 @@ static void test_any_split_of_the_budget_linearises_to_the_same_bits(void)
         if (k > 0) { /* begun at another point, and then begun again */
             uint32_t few = 99;
             auvid_metric_linearise_begin(&metric, truth, 0, 1);
-            TEST_ASSERT_EQUAL(AUVID_PENDING, auvid_metric_linearise(&metric, &few));
+            TEST_ASSERT_EQUAL(AUVID_PENDING, auvid_metric_linearise(&metric, &windows, &few));
         }
         uint32_t units = linearise(truth, 0.1, cfg.sets, piece[k]);
         used = k == 0 ? units : used;
@@ -317,8 +324,8 @@ static void test_it_tells_that_a_prior_was_discarded(void)
     metric.add_rows = discard_once;
     metric.add_rows_context = &left;
     auvid_metric_linearise_begin(&metric, truth, 0, cfg.sets);
-    TEST_ASSERT_EQUAL(AUVID_EMPTY, auvid_metric_linearise(&metric, &budget));
-    TEST_ASSERT_EQUAL(AUVID_OK, auvid_metric_linearise(&metric, &budget));
+    TEST_ASSERT_EQUAL(AUVID_EMPTY, auvid_metric_linearise(&metric, &windows, &budget));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_metric_linearise(&metric, &windows, &budget));
     TEST_ASSERT_EQUAL(0, left);
 }
 
@@ -573,7 +580,7 @@ static void test_nothing_is_done_for_a_model_with_regressor_or_without_an_argume
     merge_all(&metric);
     before = metric;
     auvid_metric_linearise_begin(&metric, truth, 0, 1);
-    TEST_ASSERT_EQUAL(AUVID_OK, auvid_metric_linearise(&metric, &budget));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_metric_linearise(&metric, &windows, &budget));
     TEST_ASSERT_EQUAL_UINT32(1000, budget);
     TEST_ASSERT_EQUAL_MEMORY(&before, &metric, sizeof before);
     use_residual_path(5, 40);
@@ -581,8 +588,9 @@ static void test_nothing_is_done_for_a_model_with_regressor_or_without_an_argume
     before = metric;
     auvid_metric_linearise_begin(NULL, truth, 0, 1);
     auvid_metric_linearise_begin(&metric, NULL, 0, 1);
-    TEST_ASSERT_EQUAL(AUVID_ERR_NULL, auvid_metric_linearise(NULL, &budget));
-    TEST_ASSERT_EQUAL(AUVID_ERR_NULL, auvid_metric_linearise(&metric, NULL));
+    TEST_ASSERT_EQUAL(AUVID_ERR_NULL, auvid_metric_linearise(NULL, &windows, &budget));
+    TEST_ASSERT_EQUAL(AUVID_ERR_NULL, auvid_metric_linearise(&metric, NULL, &budget));
+    TEST_ASSERT_EQUAL(AUVID_ERR_NULL, auvid_metric_linearise(&metric, &windows, NULL));
     TEST_ASSERT_EQUAL_MEMORY(&before, &metric, sizeof before);
 }
 

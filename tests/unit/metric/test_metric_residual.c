@@ -190,8 +190,9 @@ static void test_residuals_of_what_was_not_measured_do_not_count(void)
         merge_all(&metric);
         cost[marked] = cost_of(&metric, truth);
         uint32_t budget = UINT32_MAX;
+        static auvid_metric_windows_t windows;
         auvid_metric_linearise_begin(&metric, truth, 0, 2);
-        TEST_ASSERT_EQUAL(AUVID_OK, auvid_metric_linearise(&metric, &budget));
+        TEST_ASSERT_EQUAL(AUVID_OK, auvid_metric_linearise(&metric, &windows, &budget));
         const auvid_set_t *set = auvid_metric_newest(&metric);
         /* of 240 cells 20 or 30, in rows of two */
         TEST_ASSERT_UINT16_WITHIN(marked ? 3 : 0, marked ? 108 : 120, set->rows_of[AUVID_SURGE]);

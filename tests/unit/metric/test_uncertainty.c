@@ -244,8 +244,9 @@ static void test_without_regressor_parameters_of_a_known_kind_scale(void)
         TEST_ASSERT_EQUAL(AUVID_OK, auvid_metric_merge(&metric, &budget));
         auvid_metric_measure_begin(&metric, pi, AUVID_C(0.0));
         TEST_ASSERT_EQUAL(AUVID_OK, auvid_metric_measure(&metric, &budget));
+        static auvid_metric_windows_t windows;
         auvid_metric_linearise_begin(&metric, pi, AUVID_C(0.0), SETS);
-        TEST_ASSERT_EQUAL(AUVID_OK, auvid_metric_linearise(&metric, &budget));
+        TEST_ASSERT_EQUAL(AUVID_OK, auvid_metric_linearise(&metric, &windows, &budget));
         auvid_confidence_begin(&job, &metric, pi, AUVID_C(0.0), &uncertainty);
         TEST_ASSERT_EQUAL(AUVID_OK, auvid_confidence_work(&job, &metric, &budget));
         for (int i = 0; i < N; ++i) {

@@ -181,8 +181,18 @@ typedef struct {
     uint16_t row, part, spent;
     uint8_t set, to_set, band, dof;
     uint8_t pass; /* its purpose */
-    uint8_t reserved;
+    bool plain;   /* without rows from outside */
 } auvid_metric_cursor_t;
+
+/** Largest number of windows of residuals that contain a row, in the residual path. */
+#define AUVID_METRIC_WINDOWS 16
+
+/** Windows of residuals under way, each with the sums of its rows' derivatives. Private; memory
+ * for auvid_metric_linearise, which need not be initialised. */
+typedef struct {
+    auvid_real_t z[AUVID_METRIC_WINDOWS][AUVID_MAX_COLUMNS]; /* e_i, e and e_d, by channel */
+    uint8_t missing[AUVID_METRIC_WINDOWS]; /* bit i: velocity i was not measured in a row */
+} auvid_metric_windows_t;
 
 /** Evaluator: the ring's merged R factors, and the candidate under evaluation. Private. */
 typedef struct {
@@ -418,12 +428,15 @@ void auvid_metric_linearise_begin(auvid_metric_t *metric, const auvid_real_t *pi
 #define auvid_metric_linearise AUVID_SIZED(auvid_metric_linearise)
 /** Continue the linearisation started by auvid_metric_linearise_begin. If it covers all sets of the
  * ring, their R factors are then merged.
+ * @param windows left as it is between the calls
  * @param budget units of work left, reduced by those used: vehicle->work for each of the 2 n + 3
- * calls of the model (four if it has a regressor), for each window of residuals and each row of
- * that window. Windows are about one standard deviation of their weights apart
+ * calls of the model (three and one of its regressor, if it has one) at each row of the sets, and
+ * at as many rows before them as a window has less one. Windows are about one standard deviation of
+ * their weights apart
  * @return AUVID_OK; AUVID_PENDING (budget used up); AUVID_EMPTY (the sets contradict the prior,
  * which is discarded: search again); AUVID_ERR_NULL. */
-auvid_status_t auvid_metric_linearise(auvid_metric_t *metric, uint32_t *budget);
+auvid_status_t auvid_metric_linearise(auvid_metric_t *metric, auvid_metric_windows_t *windows,
+                                      uint32_t *budget);
 
 #define auvid_metric_longest_delay AUVID_SIZED(auvid_metric_longest_delay)
 /** Returns the longest delay of the residual path [s], 6 cells; 0 for NULL. */

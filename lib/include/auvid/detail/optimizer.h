@@ -249,6 +249,20 @@ typedef struct {
     uint8_t reserved[AUVID_GAP(sizeof(auvid_real_t), AUVID_MAX_PARAMETERS + 11)];
 } auvid_bounded_ls_t;
 
+/** Gauss-Newton steps within bounds. Private. */
+typedef struct {
+    auvid_bounded_ls_t ls; /* of the step; ls.x is the trial */
+    auvid_real_t lower[AUVID_MAX_PARAMETERS], upper[AUVID_MAX_PARAMETERS];
+    auvid_real_t x[AUVID_MAX_PARAMETERS]; /* the best point; the rows are linearised there */
+    auvid_real_t cost;                    /* of it */
+    auvid_real_t damping;                 /* relative to the squared norm of each column */
+    uint32_t affine;                      /* columns of the closed-form step; 0: it is over */
+    uint8_t state;                        /* private enum */
+    uint8_t rows;                         /* linearisations so far */
+    uint8_t rejected;                     /* trials at this point */
+    uint8_t damped;                       /* columns whose damping is in ls */
+} auvid_gauss_newton_t;
+
 #ifdef __cplusplus
 }
 #endif

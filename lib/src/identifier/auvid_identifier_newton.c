@@ -1,0 +1,174 @@
+/*
+ * The identifier: the start of a search on the residual path. The linearised sets give Gauss-Newton
+ * steps, which end near a minimum of the cost. The search confirms it (auvid_optimizer_certify). A
+ * model with kinks, or with several minima, may refute it; then the search goes on as without it.
+ *
+ * The steps begin at the last estimate or, in a cold start, at the good point or the middle of the
+ * bounds. There the first step finds the parameters in which the model is affine, given the others.
+ */
+#include <string.h>
+
+#include "../search/auvid_gauss_newton_internal.h"
+#include "auvid_identifier_internal.h"
+#include "../base/auvid_math_internal.h"
+#include "../metric/auvid_metric_evaluator_internal.h"
+
+/* Largest excess of a result's cost, as in auvid_identifier_optimum.c. */
+#define NEWTON_EXCESS AUVID_C(1e-3)
+#define NEWTON_EXCESS_OF_ZERO AUVID_C(1e-8)
+
+/* Number of parameters without the delay. */
+static int identifier_newton_parameters(const auvid_identifier_t *id)
+{
+    return id->linear.newton.ls.n - identifier_searches_delay(id);
+}
+
+/* Begin to evaluate the trial. */
+static void identifier_try_newton(auvid_identifier_t *id)
+{
+    auvid_identifier_expand(id, id->linear.newton.ls.x, id->linear.newton.ls.n);
+    auvid_metric_cost_begin(&id->metric, id->work.candidate, id->work.delay_s);
+}
+
+static void identifier_begin_newton(auvid_identifier_t *id)
+{
+    const auvid_search_config_t *search = &id->search;
+    const auvid_vehicle_t *vehicle = identifier_vehicle(id);
+    auvid_gauss_newton_t *gn = &id->linear.newton;
+    auvid_real_t x[AUVID_MAX_PARAMETERS], lower[AUVID_MAX_PARAMETERS], upper[AUVID_MAX_PARAMETERS];
+    bool warm = id->estimate.number > 0 && !id->work.cold_start;
+    uint32_t affine = 0;
+    int n = 0;
+    for (int p = 0; p < vehicle->parameters; ++p) {
+        if ((id->work.active >> p & 1u) != 0) {
+            auvid_real_t middle = AUVID_C(0.5) * (search->lower[p] + search->upper[p]);
+            middle = search->has_good ? search->good[p] : middle;
+            lower[n] = search->lower[p];
+            upper[n] = search->upper[p];
+            x[n] = auvid_clamp(warm ? id->estimate.pi[p] : middle, lower[n], upper[n]);
+            affine |= (uint32_t)(!warm && (vehicle->affine >> p & 1u) != 0) << n;
+            id->work.parameter_of[n++] = (uint8_t)p;
+        }
+    }
+    if (identifier_searches_delay(id)) {
+        lower[n] = AUVID_C(0.0);
+        upper[n] = auvid_metric_longest_delay(&id->metric);
+        x[n] = warm ? auvid_identifier_common_delay(&id->estimate) : id->metric.cfg.delay_s[0];
+        x[n] = auvid_clamp(x[n], lower[n], upper[n]);
+        ++n;
+    }
+    auvid_gauss_newton_begin(gn, n, x, affine);
+    memcpy(gn->lower, lower, (size_t)n * sizeof *lower);
+    memcpy(gn->upper, upper, (size_t)n * sizeof *upper);
+    if (search->paper) {
+        gn->state = NEWTON_DONE;
+    }
+    identifier_try_newton(id);
+}
+
+/* Add the next row of the linear model, by the search's parameters. @return false if there is none
+ * left */
+static bool identifier_add_newton_row(auvid_identifier_t *id)
+{
+    auvid_gauss_newton_t *gn = &id->linear.newton;
+    const auvid_metric_t *m = &id->metric;
+    auvid_real_t by_parameter[AUVID_MAX_PARAMETERS + 1], row[AUVID_MAX_PARAMETERS + 1], slope;
+    int n = identifier_newton_parameters(id), of = identifier_vehicle(id)->parameters;
+    auvid_real_t delay_s = gn->ls.n > n ? gn->x[n] : m->cfg.delay_s[0];
+    if (gn->ls.dof == AUVID_DOF_COUNT) {
+        return false;
+    }
+    if (!auvid_metric_newton_row(m, gn->ls.dof, gn->ls.row, delay_s, by_parameter, &slope)) {
+        ++gn->ls.dof;
+        gn->ls.row = 0;
+        return true;
+    }
+    ++gn->ls.row;
+    auvid_real_t z = by_parameter[of];
+    for (int p = 0; p < of; ++p) {
+        z -= (id->work.active >> p & 1u) != 0 ? AUVID_C(0.0) : by_parameter[p] * m->cfg.fixed[p];
+    }
+    for (int i = 0; i < n; ++i) {
+        row[i] = by_parameter[id->work.parameter_of[i]];
+    }
+    if (gn->ls.n > n) {
+        row[n] = slope;
+        z += slope * delay_s;
+    }
+    row[gn->ls.n] = z;
+    auvid_gauss_newton_add(gn, row);
+    return true;
+}
+
+/* Each row, and each step, costs n (n + 24) / 40 units. */
+static void identifier_step_newton(auvid_identifier_t *id, uint32_t *budget)
+{
+    auvid_gauss_newton_t *gn = &id->linear.newton;
+    int n = gn->ls.n;
+    while (gn->state == NEWTON_STEP && *budget > 0) {
+        --*budget;
+        if (++gn->ls.spent * 40 < n * (n + 24)) {
+            continue;
+        }
+        gn->ls.spent = 0;
+        if (!identifier_add_newton_row(id)) {
+            auvid_gauss_newton_step(gn);
+        }
+    }
+    if (gn->state == NEWTON_COST) {
+        identifier_try_newton(id);
+    }
+}
+
+/* What the search has to confirm. */
+static void identifier_end_newton(auvid_identifier_t *id)
+{
+    const auvid_gauss_newton_t *gn = &id->linear.newton;
+    auvid_identifier_expand(id, gn->x, gn->ls.n);
+    id->work.minimum = (auvid_minimum_t){.cost = gn->cost,
+                                         .allowed = NEWTON_EXCESS * gn->cost +
+                                                    NEWTON_EXCESS_OF_ZERO * gn->ls.zero};
+}
+
+static auvid_status_t identifier_newton(auvid_identifier_t *id, uint32_t *budget)
+{
+    auvid_gauss_newton_t *gn = &id->linear.newton;
+    auvid_metric_t *m = &id->metric;
+    while (gn->state != NEWTON_DONE) {
+        if (*budget == 0) {
+            return AUVID_PENDING;
+        }
+        if (gn->state == NEWTON_STEP) {
+            identifier_step_newton(id, budget);
+        } else if (gn->state == NEWTON_ROWS) {
+            if (auvid_metric_linearise(m, &id->linear.windows, budget) != AUVID_OK) {
+                return AUVID_PENDING;
+            }
+            auvid_gauss_newton_begin_step(gn);
+        } else {
+            if (auvid_metric_cost(m, budget) != AUVID_OK) {
+                return AUVID_PENDING;
+            }
+            auvid_gauss_newton_tell(gn, m->result.cost);
+            if (gn->state == NEWTON_ROWS) { /* at the candidate, which is the best point now */
+                auvid_metric_linearise_begin(m, id->work.candidate, id->work.delay_s, m->cfg.sets);
+                auvid_metric_linearise_plain(m);
+            }
+        }
+    }
+    identifier_end_newton(id);
+    return AUVID_OK;
+}
+
+static void identifier_scale_of_newton(const auvid_identifier_t *id, auvid_real_t *scale)
+{
+    const auvid_gauss_newton_t *gn = &id->linear.newton;
+    int n = identifier_newton_parameters(id);
+    for (int i = 0; i < gn->ls.n && gn->cost < AUVID_COST_FAILED; ++i) {
+        int p = i < n ? id->work.parameter_of[i] : identifier_vehicle(id)->parameters;
+        scale[p] = auvid_gauss_newton_scale(gn, i);
+    }
+}
+
+const auvid_path_start_t auvid_start_newton = {identifier_begin_newton, identifier_newton,
+                                               identifier_scale_of_newton};

@@ -1,0 +1,80 @@
+/*
+ * The search of a Girona500 in a current, 15 parameters and the delay: how near the optimum it
+ * ends, and what it takes. Long form (AUVID_TEST_LONG): 100 seeds; or COUNT and FIRST as arguments.
+ */
+#include "auvid/current.h"
+#include "search_campaign.h"
+#include "world.h"
+
+enum { SETS = 8, SET_ROWS = 60, WANTED = AUVID_G500_FREE | 3u << AUVID_G500_COUNT };
+
+static auvid_row_t store[(SETS + 1) * SET_ROWS];
+static auvid_current_t current;
+static world_t world;
+static double truth[AUVID_G500_COUNT + 2];
+static campaign_t first, later;
+
+void setUp(void)
+{
+}
+
+void tearDown(void)
+{
+}
+
+static void begin(uint64_t seed)
+{
+    static auvid_identifier_config_t cfg;
+    double angle = 2.4 * (double)seed;
+    const world_config_t config = {.seed = seed,
+                                   .disturbance_N = 1.0,
+                                   .sets = SETS,
+                                   .current = {0.3 * cos(angle), 0.3 * sin(angle)}};
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_current_init(&current, &auvid_girona500, false));
+    TEST_ASSERT_TRUE(world_begin(&world, &config));
+    world_identifier(&cfg, &config);
+    cfg.vehicle = &current.vehicle;
+    cfg.metric.free = current.vehicle.free;
+    cfg.metric.rows = store;
+    TEST_ASSERT_EQUAL(AUVID_OK,
+                      auvid_current_bounds(&current, 1, cfg.search.lower, cfg.search.upper));
+    TEST_ASSERT_TRUE(world_listen(&world, &cfg));
+    memcpy(truth, world.vehicle_sim.sim.cfg.parameter, sizeof world.vehicle_sim.sim.cfg.parameter);
+    truth[AUVID_G500_COUNT] = config.current[0];
+    truth[AUVID_G500_COUNT + 1] = config.current[1];
+}
+
+static void run(uint64_t seed, uint32_t after, campaign_t *campaign)
+{
+    auvid_identifier_t *id = &world.node[1].id;
+    begin(seed);
+    while (id->metric.sets.recorded < SETS && world_time_s(&world) < 600.0) {
+        world_tick(&world);
+        (void)world_work(&world, 0);
+        if (after > 0 && id->metric.sets.recorded == after && id->estimate.number == 0) {
+            finish_work(id, UINT32_MAX);
+        }
+    }
+    finish_work(id, UINT32_MAX);
+    TEST_ASSERT_EQUAL_UINT32(SETS, id->estimate.sets);
+    TEST_ASSERT_FALSE(id->estimate.not_converged);
+    campaign_take(campaign, id, truth, WANTED, 0.0, id->work.last_units);
+}
+
+static void test_first_and_later_searches_end_at_the_optimum(void)
+{
+    for (uint64_t k = 0; k < campaign_seeds.count; ++k) {
+        run(campaign_seeds.first + k, 0, &first);
+        run(campaign_seeds.first + k, SETS - 1, &later);
+    }
+    TEST_ASSERT_EQUAL(0, campaign_report(&first, "current, first search"));
+    TEST_ASSERT_EQUAL(0, campaign_report(&later, "current, later search"));
+}
+
+int main(int argc, char **argv)
+{
+    campaign_options(argc, argv, 1);
+    UNITY_BEGIN();
+    RUN_TEST(test_first_and_later_searches_end_at_the_optimum);
+    return UNITY_END();
+}
