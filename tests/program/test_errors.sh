@@ -125,7 +125,7 @@ for bad in nan NaN inf -inf Infinity 1e999; do
     check "$bad" refuses "log.csv:3:5: u_mps: '$bad' is not a finite number" fit log.csv
 done
 log "$header" 0,0,0 0.1,,0
-check "an empty field" refuses "log.csv:3:5: u_mps: '' is empty" fit log.csv
+check "an empty field" refuses "log.csv:3: u_mps: '' is empty" fit log.csv
 log "$header" 0,0,0 0.1,2e6,0
 check "a value that is too large" refuses 'log.csv:3:5: u_mps: .* beyond' fit log.csv
 log "$header" 0,0,0 nan,0,0
