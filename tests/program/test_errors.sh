@@ -9,7 +9,9 @@ check "unknown option of demo" refuses 'demo: unknown option --bias' demo --bias
 check "unknown option of fit" refuses 'fit: unknown option --runs' fit x.csv --runs=3
 check "unexpected argument" refuses "demo: unexpected argument 'x'" demo x
 check "no training log" refuses 'fit: no TRAIN.csv' fit --json
-check "two training logs" refuses "unexpected argument 'b.csv'" fit a.csv b.csv
+# shellcheck disable=SC2046
+check "more training logs than it takes" refuses "unexpected argument 'x.csv'" fit \
+    $(printf 'x.csv %.0s' $(seq 65))
 check "a missing value" refuses -- '--seed needs a value' demo --seed
 check "an empty value" refuses -- '--csv needs a value' demo --csv=
 check "a flag with a value" refuses -- '--json takes no value' demo --json=yes
@@ -124,8 +126,11 @@ for bad in nan NaN inf -inf Infinity 1e999; do
     log "$header" 0,0,0 "0.1,$bad,0"
     check "$bad" refuses "log.csv:3:5: u_mps: '$bad' is not a finite number" fit log.csv
 done
-log "$header" 0,0,0 0.1,,0
-check "an empty field" refuses "log.csv:3: u_mps: '' is empty" fit log.csv
+log "$header" 0,0,0 ,0,0
+check "an empty time" refuses "log.csv:3:1: t_s: '' is empty" fit log.csv
+log "$header" 0,,0 0.1,,0
+check "a column that is empty in all rows" refuses \
+    'log.csv:1:1: the column u_mps has no value in any row' fit log.csv
 log "$header" 0,0,0 0.1,2e6,0
 check "a value that is too large" refuses 'log.csv:3:5: u_mps: .* beyond' fit log.csv
 log "$header" 0,0,0 nan,0,0

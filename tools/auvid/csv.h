@@ -35,8 +35,9 @@ enum {
     CSV_QUATERNION = CSV_REFERENCE + 6, /* instead of the attitude, which the reader computes */
     CSV_POSITION = CSV_QUATERNION + 4,  /* north, east, depth */
     CSV_SPECIFIC_FORCE = CSV_POSITION + 3, /* of an accelerometer, in body axes */
-    CSV_THRUSTER = CSV_SPECIFIC_FORCE + 3,
-    CSV_RPM = CSV_THRUSTER + CSV_THRUSTERS,
+    CSV_THRUSTER = CSV_SPECIFIC_FORCE + 3,             /* commands */
+    CSV_THRUSTER_N = CSV_THRUSTER + CSV_THRUSTERS, /* newtons */
+    CSV_RPM = CSV_THRUSTER_N + CSV_THRUSTERS,
     CSV_VOLTAGE = CSV_RPM + CSV_THRUSTERS,
     CSV_COLUMNS
 };
@@ -70,7 +71,6 @@ typedef struct {
     size_t cut;    /* line number of a truncated last line, which is ignored; else 0. After a pass */
     size_t rows;   /* rows read in this pass */
     double first_s, last_s; /* t_s of the first row and of the last one read */
-    csv_row_t *row;         /* csv_read: all rows; absent values are zero */
 
     /* private */
     csv_lines_t lines;
@@ -111,13 +111,6 @@ void csv_notes(const csv_log_t *log);
 
 /** Reads the header; csv_open calls it. */
 int csv_read_header(csv_log_t *log);
-
-/** Reads all rows into memory. Every row must have a value in each column. Returns 0, or EXIT_REFUSED
- * after one line on stderr; then there is nothing to free. */
-int csv_read(csv_log_t *log, const char *path);
-
-/** Frees the memory of the log. */
-void csv_free(csv_log_t *log);
 
 /** A file that is written under a temporary name. */
 typedef struct {

@@ -132,18 +132,27 @@ int csv_lines_next(csv_lines_t *lines)
     return status;
 }
 
+static bool is_blank(char c)
+{
+    return c == ' ' || c == '\t' || c == '"';
+}
+
 char *csv_field(char **rest)
 {
-    char *field = *rest;
+    char *field = *rest, *end = field;
     if (field == NULL) {
         return NULL;
     }
-    char *end = field + strcspn(field, ",");
+    while (*end != ',' && *end != '\0') {
+        ++end;
+    }
     *rest = *end == ',' ? end + 1 : NULL;
     *end = '\0';
-    field += strspn(field, " \t\"");
-    for (end = field + strlen(field); end > field && strchr(" \t\"", end[-1]) != NULL; --end) {
-        end[-1] = '\0';
+    while (is_blank(*field)) {
+        ++field;
+    }
+    while (end > field && is_blank(end[-1])) {
+        *--end = '\0';
     }
     return field;
 }

@@ -382,8 +382,14 @@ static int replay_option(reader_t *r, options_t *options)
     return report_error("replay: unknown option %s (see auvid --help)", r->name);
 }
 
+/* Arguments that are no options. */
+typedef struct {
+    const char *word[OPTIONS_LOGS];
+    int count, room;
+} words_t;
+
 static int read_all(options_t *options, int count, char **argument, const char *command,
-                    int (*own_option)(reader_t *, options_t *), const char **word)
+                    int (*own_option)(reader_t *, options_t *), words_t *words)
 {
     reader_t r = {.count = count, .argument = argument};
     *options = (options_t){.seed = 1,
@@ -394,14 +400,15 @@ static int read_all(options_t *options, int count, char **argument, const char *
                            .thrust_scale = -1.0,
                            .dvl_scale = -1.0,
                            .delay_s = -1.0,
+                           .max_gap_s = 0.5,
                            .lower = -1000.0,
                            .upper = 1000.0};
     while (next(&r)) {
         if (r.name == NULL) {
-            if (word == NULL || *word != NULL) {
+            if (words == NULL || words->count == words->room) {
                 return report_error("%s: unexpected argument '%s'", command, r.value);
             }
-            *word = r.value;
+            words->word[words->count++] = r.value;
             continue;
         }
         int status = common_option(&r, options);
@@ -453,10 +460,11 @@ int options_demo(options_t *options, int count, char **argument)
 
 int options_fit(options_t *options, int count, char **argument)
 {
-    const char *train = NULL;
+    words_t train = {.room = OPTIONS_LOGS};
     int status = read_all(options, count, argument, "fit", fit_option, &train);
-    options->train = train;
-    if (status == 0 && train == NULL) {
+    memcpy(options->train, train.word, sizeof options->train);
+    options->trains = train.count;
+    if (status == 0 && train.count == 0) {
         return report_error("fit: no TRAIN.csv given");
     }
     if (status == 0 && options->coupling == COUPLING_OFF && options->model != &auvid_girona500) {
@@ -519,10 +527,10 @@ int options_vehicle(options_t *options, int count, char **argument)
 
 int options_replay(options_t *options, int count, char **argument)
 {
-    const char *log = NULL;
+    words_t log = {.room = 1};
     int status = read_all(options, count, argument, "replay", replay_option, &log);
-    options->log = log;
+    options->log = log.word[0];
     options->bus = "";
     status = status != 0 ? status : check_bus(options, "replay");
-    return status == 0 && log == NULL ? report_error("replay: no FILE.log given") : status;
+    return status == 0 && log.count == 0 ? report_error("replay: no FILE.log given") : status;
 }

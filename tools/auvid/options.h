@@ -16,6 +16,8 @@ typedef enum { COUPLING_AUTO, COUPLING_ON, COUPLING_OFF } coupling_t;
 
 /** Largest number of --fix and --free options. */
 enum { OPTIONS_CHOICES = 64 };
+/** Largest number of training logs. */
+enum { OPTIONS_LOGS = 64 };
 
 /** Names of field_driver_t on the command line. */
 extern const char *const options_drivers[FIELD_DRIVERS];
@@ -61,7 +63,8 @@ typedef struct {
     options_field_t field;
 
     /* fit */
-    const char *train;
+    const char *train[OPTIONS_LOGS];
+    int trains;
     const char *validate; /**< NULL: none */
     double lower, upper;  /**< bounds of every parameter; default +-1000 */
     bool bias;
@@ -69,6 +72,10 @@ typedef struct {
     coupling_t coupling;
     const vehicle_t *thrusters;          /**< of this vehicle; NULL: not known */
     const auvid_vehicle_t *model;        /**< default Girona500 */
+    double dry_mass_kg;                  /**< 0: not known */
+    double max_gap_s;                    /**< default 0.5 */
+    bool has_gain;                       /**< commands are converted to newtons */
+    double gain[AUVID_DOF_COUNT];        /**< newtons per unit of command; 0: not given */
     const char *choice[OPTIONS_CHOICES]; /**< NAME=VALUE (--fix) or NAME,.. (--free), as given */
     int choices;
 
