@@ -13,6 +13,39 @@
 #include "report.h"
 #include "report_error.h"
 
+/* Exit statuses beside 0, at least one parameter is identifiable, and EXIT_REFUSED, bad usage. */
+enum { EXIT_LOG_REFUSED = 1, EXIT_NOTHING = 3 };
+
+/* Why nothing can be trusted. */
+static const char *why_nothing(const result_t *result, const auvid_identifier_t *id)
+{
+    if (result->estimate.number == 0 || result->estimate.identified == 0) {
+        return "no input varies enough in an unbroken part of the log";
+    }
+    if (result->estimate.not_converged) {
+        return "the search did not converge";
+    }
+    if (!id->exact_inputs && id->attached.uncertain == NULL) {
+        return "the errors of thrust and sensors are not examined: see --thrusters, --plain";
+    }
+    return "each parameter misses something, which the list says";
+}
+
+/* The first line: the exit status in words. Returns the status. */
+static int conclude(const job_t *job, const result_t *result, const auvid_identifier_t *id)
+{
+    int sure = result->estimate.not_converged ? 0 : report_identifiable(&result->estimate), all = 0;
+    for (int i = 0; i < result->vehicle->parameters; ++i) {
+        all += (int)(result->free >> i & 1u);
+    }
+    if (!job->options->json && sure > 0) {
+        printf("%d of %d parameters identified\n", sure, all);
+    } else if (!job->options->json) {
+        printf("nothing identified: %s\n", why_nothing(result, id));
+    }
+    return sure > 0 ? 0 : EXIT_NOTHING;
+}
+
 static const char *input_words(const job_t *job)
 {
     static const char *const words[] = {"forces and moments", "commands (cmd_*)",
@@ -83,28 +116,27 @@ static int run(job_t *job)
 {
     const options_t *options = job->options;
     result_t result;
-    int status = fit_choose_free(job);
-    status = status != 0 ? status : fit_read_logs(job);
-    if (status != 0) {
-        return status;
-    }
-    const fitted_t *fitted = fit_choose_model(job);
-    if (fitted == NULL) {
+    if (fit_choose_free(job) != 0) {
         return EXIT_REFUSED;
+    }
+    const fitted_t *fitted = fit_read_logs(job) == 0 ? fit_choose_model(job) : NULL;
+    if (fitted == NULL) {
+        return EXIT_LOG_REFUSED;
     }
     const auvid_identifier_t *id = &fitted->id;
     gather(job, id, &result);
     if (options->validate != NULL && result.estimate.number > 0 &&
         heldout_r2(&job->test, &job->use, &id->recorder.cfg, options->seed, &result) != 0) {
-        return EXIT_REFUSED;
+        return EXIT_LOG_REFUSED;
     }
+    int status = conclude(job, &result, id);
     if (options->json) {
         report_json(&result, NULL, NULL, NULL);
     } else {
         print_heading(job, id);
         report_result(&result, NULL);
     }
-    return report_exit(&result);
+    return status;
 }
 
 int fit(const options_t *options)

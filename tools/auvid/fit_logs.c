@@ -177,6 +177,11 @@ static void ignore_unused(const job_t *job, csv_log_t *log)
 
 static int check_columns(const job_t *job, csv_log_t *log)
 {
+    if (fit_in_commands(job) && job->options->dry_mass_kg > 0.0) {
+        return report_error("%s: --dry-mass needs forces, or commands with --gain: masses are in "
+                            "units of command",
+                            log->path);
+    }
     int status = log_has_thrusters(&job->use) ? check_thrusters(job, log) : 0;
     status = status != 0 ? status : check_velocities(job, log);
     status = status != 0 ? status : check_gains(job, log);

@@ -122,6 +122,7 @@ static void configure(const job_t *job, const auvid_vehicle_t *vehicle,
         cfg->uncertainty.thrust_scale = 0; /* the unit of a command has no scale error */
     }
     options_uncertainty(options, &cfg->uncertainty);
+    cfg->dry_mass_kg = (auvid_real_t)options->dry_mass_kg;
     cfg->exact_inputs = options->plain || options->literal;
     cfg->recorder.gap_us = (uint32_t)fmax(cfg->recorder.cell_us, gap_us(job));
     cfg->recorder.input = options->linear_input ? AUVID_INPUT_LINEAR : AUVID_INPUT_HOLD;

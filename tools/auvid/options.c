@@ -257,6 +257,42 @@ static int demo_option(reader_t *r, options_t *options)
                        : report_error("demo: unknown option %s (see auvid --help)", r->name);
 }
 
+/* AXIS=NEWTONS: of one unit of this axis' command. */
+static int take_gain(reader_t *r, options_t *options)
+{
+    static const char *const axes[AUVID_DOF_COUNT] = {"surge", "sway",  "heave",
+                                                      "roll",  "pitch", "yaw"};
+    const char *text = NULL, *end = NULL;
+    if (take_value(r, &text) != 0) {
+        return EXIT_REFUSED;
+    }
+    size_t length = strcspn(text, "=");
+    for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
+        double x = 0.0;
+        if (strlen(axes[j]) == length && strncmp(text, axes[j], length) == 0 &&
+            text[length] == '=' && number(text + length + 1, &end, &x) && *end == '\0' && x > 0.0 &&
+            x <= 1e6) {
+            options->gain[j] = x;
+            options->has_gain = true;
+            return 0;
+        }
+    }
+    return report_error("--gain: '%s' is not AXIS=NEWTONS, as in surge=40; newtons above 0, at "
+                        "most 1e6",
+                        text);
+}
+
+/* Largest gap that the cells of the recorder span [s]. */
+#define MAX_GAP_S 1.0
+
+static int take_max_gap(reader_t *r, options_t *options)
+{
+    int status = take_number(r, MAX_GAP_S, &options->max_gap_s);
+    return status == 0 && options->max_gap_s < 0.1
+               ? report_error("--max-gap: %g s is shorter than a cell of 0.1 s", options->max_gap_s)
+               : status;
+}
+
 static int fit_option(reader_t *r, options_t *options)
 {
     static const char *const inputs[] = {"hold", "linear"};
@@ -286,6 +322,15 @@ static int fit_option(reader_t *r, options_t *options)
     }
     if (is(r, "--thrusters")) {
         return take_thrusters(r, options);
+    }
+    if (is(r, "--dry-mass")) {
+        return take_number(r, 1e6, &options->dry_mass_kg);
+    }
+    if (is(r, "--max-gap")) {
+        return take_max_gap(r, options);
+    }
+    if (is(r, "--gain")) {
+        return take_gain(r, options);
     }
     if (is(r, "--fix") || is(r, "--free")) {
         return take_choice(r, options);
@@ -469,6 +514,11 @@ int options_fit(options_t *options, int count, char **argument)
     }
     if (status == 0 && options->coupling == COUPLING_OFF && options->model != &auvid_girona500) {
         return report_error("fit: --coupling off needs --model girona500");
+    }
+    if (status == 0 && options->dry_mass_kg > 0.0 && !(options->dry_mass_kg < options->upper)) {
+        return report_error("fit: --dry-mass %g is not below the upper bound of the masses, %g: "
+                            "see --bounds",
+                            options->dry_mass_kg, options->upper);
     }
     if (status == 0 && options->thrusters != NULL && (options->plain || options->literal)) {
         return report_error("fit: --thrusters and %s cannot be combined",
