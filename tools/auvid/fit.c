@@ -178,9 +178,13 @@ static int take_thrusters(job_t *job)
 {
     const vehicle_t *vehicle = job->options->thrusters;
     if (vehicle != NULL && job->replay.kind == INPUT_COMMAND) {
-        return report_error("fit: --thrusters needs forces and moments (X_N ..), not commands");
+        return job->options->whole
+                   ? report_error("fit: --vehicle needs forces and moments (X_N ..), not commands; "
+                                  "--model takes the vehicle's model alone")
+                   : report_error(
+                         "fit: --thrusters needs forces and moments (X_N ..), not commands");
     }
-    job->replay.thrusters = vehicle != NULL ? vehicle->allocation : NULL;
+    job->replay.thrusters = vehicle;
     return 0;
 }
 
@@ -285,6 +289,8 @@ static void configure(const job_t *job, const auvid_vehicle_t *vehicle,
     set_cells(job, span_us, cfg);
     vehicle_use_averaged_model(cfg);
     cfg->search.seed = options->seed;
+    cfg->dry_mass_kg = options->vehicle->dry_mass_kg;
+    cfg->uncertainty = options->vehicle->uncertainty;
     if (job->replay.kind == INPUT_COMMAND) {
         cfg->uncertainty.thrust_scale = 0; /* the unit of a command has no scale error */
     }

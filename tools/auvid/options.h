@@ -47,7 +47,7 @@ typedef struct {
     /** Uncertainties that the identifier is given. Negative: the library's default. */
     double thrust_scale, dvl_scale, delay_s;
     bool plain;               /**< no uncertain inputs (uncertain.h): all are exact but for these */
-    const vehicle_t *vehicle; /**< demo and bus; default Girona500 */
+    const vehicle_t *vehicle; /**< default Girona500 */
 
     /* demo */
     double disturbance_N; /**< rms of the unmodelled force; default 0, in scenarios 1 */
@@ -68,6 +68,7 @@ typedef struct {
     bool linear_input;
     coupling_t coupling;
     const vehicle_t *thrusters;          /**< of this vehicle; NULL: not known */
+    bool whole;                          /**< --vehicle was given: model, thrusters, all else */
     const auvid_vehicle_t *model;        /**< default Girona500 */
     const char *choice[OPTIONS_CHOICES]; /**< NAME=VALUE (--fix) or NAME,.. (--free), as given */
     int choices;

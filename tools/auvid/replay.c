@@ -67,8 +67,8 @@ auvid_status_t replay_attach(const replay_t *replay, replay_inputs_t *inputs,
         return AUVID_OK;
     }
     if (known) {
-        thrusters = *replay->thrusters;
-        auvid_uncertain_defaults(&cfg);
+        thrusters = *replay->thrusters->allocation;
+        cfg = replay->thrusters->uncertain;
     } else {
         one_per_dof(replay, id, &thrusters);
     }

@@ -9,6 +9,7 @@
 #include "auvid/identifier.h"
 #include "auvid/uncertain.h"
 #include "csv.h"
+#include "vehicle_file.h"
 
 /** Kind of the inputs of a log. */
 typedef enum { INPUT_WRENCH, INPUT_COMMAND } input_kind_t;
@@ -18,7 +19,7 @@ typedef struct {
     input_kind_t kind;
     uint8_t dofs;   /**< bit j: the input of DoF j is used (its velocity exists) */
     bool reference; /**< the log has the reference of a controller (ref_*) */
-    const auvid_allocation_config_t *thrusters; /**< NULL: not known */
+    const vehicle_t *thrusters; /**< the vehicle of this log; NULL: not known */
 } replay_t;
 
 /** First column of the inputs of a kind. */
