@@ -496,6 +496,28 @@ int options_fit(options_t *options, int count, char **argument)
     return status;
 }
 
+static int check_option(reader_t *r, options_t *options)
+{
+    if (is(r, "--header")) {
+        return take_flag(r, &options->header);
+    }
+    return report_error("check: unknown option %s (see auvid --help)", r->name);
+}
+
+int options_check(options_t *options, int count, char **argument)
+{
+    const char *file = NULL;
+    int status = read_all(options, count, argument, "check", check_option, &file);
+    options->train = file;
+    if (status == 0 && file == NULL) {
+        return report_error("check: no FILE.ini given");
+    }
+    if (status == 0 && options->json && options->header) {
+        return report_error("check: --json and --header cannot be combined");
+    }
+    return status;
+}
+
 /* Checks for combinations that are not allowed, and for missing options. */
 static int check_bus(options_t *options, const char *command)
 {

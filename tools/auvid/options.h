@@ -73,6 +73,9 @@ typedef struct {
     const char *choice[OPTIONS_CHOICES]; /**< NAME=VALUE (--fix) or NAME,.. (--free), as given */
     int choices;
 
+    /* check; the file is in train */
+    bool header; /**< print C for firmware */
+
     /* node, vehicle, replay; seed, sets, disturbance and csv as above */
     const char *bus;   /**< interface */
     const char *log;   /**< node: log to write, or NULL; replay: log to read */
@@ -91,6 +94,7 @@ typedef struct {
  */
 int options_demo(options_t *options, int count, char **argument);
 int options_fit(options_t *options, int count, char **argument);
+int options_check(options_t *options, int count, char **argument);
 int options_node(options_t *options, int count, char **argument);
 int options_vehicle(options_t *options, int count, char **argument);
 int options_replay(options_t *options, int count, char **argument);

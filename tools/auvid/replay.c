@@ -69,6 +69,7 @@ auvid_status_t replay_attach(const replay_t *replay, replay_inputs_t *inputs,
     if (known) {
         thrusters = *replay->thrusters->allocation;
         cfg = replay->thrusters->uncertain;
+        cfg.fractions = false; /* the allocation gives newtons */
     } else {
         one_per_dof(replay, id, &thrusters);
     }

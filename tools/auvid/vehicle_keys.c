@@ -167,7 +167,8 @@ static const vehicle_key_t of_uncertain[] = {
     REAL(lag_s, uncertain, 0, 1),         REAL(delay_s, uncertain, 0, 1),
     REAL(current, uncertain, 0, 10),      REAL(asymmetry, uncertain, 0, 1),
     REAL(cross, uncertain, 0, 1),         REAL(force, uncertain, 0, 1),
-    REAL(gravity_m, uncertain, 0, 1),     REAL(nominal_lag_s, uncertain, 0.01, 1)};
+    REAL(gravity_m, uncertain, 0, 1),     REAL(nominal_lag_s, uncertain, 0.01, 1),
+    {.key = "fractions", .kind = KEY_YES, .offset = AT(uncertain.fractions)}};
 
 /* Of all models; the tilt where the model has no roll and pitch. */
 static const vehicle_key_t of_truth[] = {

@@ -323,7 +323,7 @@ static const char *const vehicles_ready_3[] = {
     "\n",
     "[excitation]\n",
     "surge_N = 9\n",
-    "pitch_Nm = 2\n",
+    "pitch_Nm = 1.2\n",
     "yaw_Nm = 4\n",
     "\n",
     "[guard]\n",
