@@ -424,6 +424,20 @@ static void simulate_mount(const auvid_nav_mount_t *mount, sim_config_t *sim)
     }
 }
 
+/* The simulated vehicle must start within the limits of the guard, or it is never excited. */
+static bool check_start(ini_t *ini, const vehicle_t *v)
+{
+    double depth = v->sim.position[2], low = v->guard.surface ? 0.0 : (double)v->guard.depth_min_m;
+    double high = fmin((double)v->guard.depth_max_m,
+                       v->sim.seabed_m - (double)v->guard.altitude_min_m);
+    const ini_entry_t *e = ini_find(ini, "truth", "depth_m");
+    return (depth >= low && depth <= high) ||
+           ini_refuse(ini, e != NULL ? e->line : line_of(ini, "truth"), 1,
+                      "depth_m: the simulation would start at %g m, outside of the guard's %g .. "
+                      "%g m (seabed at %g m); set depth_m",
+                      depth, low, high, v->sim.seabed_m);
+}
+
 static bool read_truth(ini_t *ini, vehicle_t *v)
 {
     static const sim_model_t models[] = {SIM_GIRONA500, SIM_FOSSEN, SIM_VEHICLE};
@@ -440,12 +454,16 @@ static bool read_truth(ini_t *ini, vehicle_t *v)
     if (!v->has_truth) {
         return true;
     }
+    if (v->guard.surface) {
+        v->sim.position[2] = 0.0; /* its default */
+    }
     if ((v->kind == VEHICLE_TERMS &&
          !vehicle_terms_truth(ini, &v->table, v->sim.vehicle_parameter)) ||
         (tables == 2 && !vehicle_keys_read(ini, "truth", table[1], v)) ||
         !vehicle_keys_read(ini, "truth", table[0], v) ||
         !vehicle_keys_unknown(ini, "truth", table, tables,
-                              v->kind == VEHICLE_TERMS ? "those of [parameters], " : "")) {
+                              v->kind == VEHICLE_TERMS ? "those of [parameters], " : "") ||
+        !check_start(ini, v)) {
         return false;
     }
     spread_added_mass(v->sim.fossen.added);

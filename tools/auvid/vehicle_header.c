@@ -29,12 +29,13 @@ static const char *literal_of(auvid_real_t x, literal_text_t text)
     return text;
 }
 
+/* A list in braces, six numbers in a line. */
 static void print_list(const auvid_real_t *x, int n)
 {
     literal_text_t text;
     printf("{");
     for (int i = 0; i < n; ++i) {
-        printf("%s%s", i == 0 ? "" : ", ", literal_of(x[i], text));
+        printf("%s%s", i == 0 ? "" : i % 6 == 0 ? ",\n         " : ", ", literal_of(x[i], text));
     }
     printf("}");
 }
@@ -79,11 +80,13 @@ static void print_begin(const vehicle_t *v, const char *path)
            v->word);
     printf(" */\n#ifndef VEHICLE_%s_H\n#define VEHICLE_%s_H\n\n#include \"auvid/auvid.h\"\n\n",
            v->word, v->word);
-    printf("#if AUVID_MAX_PARAMETERS < %d || AUVID_MAX_THRUSTERS < %d\n", v->model->parameters,
+    int least = v->kind == VEHICLE_GIRONA500 ? 13 : v->kind == VEHICLE_FOSSEN ? 22
+                                                                              : v->model->parameters;
+    printf("#if AUVID_MAX_PARAMETERS < %d || AUVID_MAX_THRUSTERS < %d\n", least,
            v->allocation->thrusters);
     printf("#error \"%s: build with AUVID_MAX_PARAMETERS %d and AUVID_MAX_THRUSTERS %d or more\"\n"
            "#endif\n\n",
-           v->word, v->model->parameters, v->allocation->thrusters);
+           v->word, least, v->allocation->thrusters);
 }
 
 /* The table of terms, for flash. */

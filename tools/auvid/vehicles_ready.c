@@ -417,7 +417,6 @@ static const char *const vehicles_ready_4[] = {
     "Y_vv = -80\n",
     "N_r = -4\n",
     "N_rr = -6\n",
-    "depth_m = 0\n",
     "tilt_inertia = 5\n",
     "tilt_linear = 10\n",
     "tilt_quadratic = 5\n",
