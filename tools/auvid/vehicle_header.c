@@ -2,7 +2,6 @@
  * A vehicle file as C for firmware.
  */
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "auvid/config.h"
@@ -16,14 +15,8 @@ typedef char literal_text_t[LITERAL];
 /* The shortest literal that gives exactly this number. */
 static const char *literal_of(auvid_real_t x, literal_text_t text)
 {
-    char digits[32];
-    for (int precision = 6; precision <= 17; ++precision) {
-        (void)snprintf(digits, sizeof digits, "%.*g", precision, (double)x);
-        auvid_real_t again = (auvid_real_t)strtod(digits, NULL);
-        if (memcmp(&again, &x, sizeof x) == 0) {
-            break;
-        }
-    }
+    vehicle_digits_t digits;
+    vehicle_digits(x, digits);
     (void)snprintf(text, LITERAL, "AUVID_C(%s%s)", digits,
                    strpbrk(digits, ".e") == NULL ? ".0" : "");
     return text;
@@ -126,7 +119,7 @@ static void print_identifier(const vehicle_t *v)
     if (v->kind == VEHICLE_TERMS) {
         printf("    status = auvid_terms_init(&storage->terms, &%s_table, NULL);\n"
                "    if (status < 0) {\n        return status;\n    }\n"
-               "    storage->terms.vehicle.free = 0x%luu;\n"
+               "    storage->terms.vehicle.free = 0x%lxu;\n"
                "    storage->model = &storage->terms.vehicle;\n",
                v->word, (unsigned long)v->model->free);
     } else {

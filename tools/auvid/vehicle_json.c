@@ -2,6 +2,7 @@
  * A vehicle file as JSON.
  */
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "auvid/config.h"
@@ -11,6 +12,24 @@
 #include "vehicle_terms.h"
 
 static const char *const kinds[] = {"girona500", "fossen", "terms"};
+
+void vehicle_digits(auvid_real_t x, vehicle_digits_t digits)
+{
+    for (int precision = 6; precision <= 17; ++precision) {
+        (void)snprintf(digits, sizeof(vehicle_digits_t), "%.*g", precision, (double)x);
+        auvid_real_t again = (auvid_real_t)strtod(digits, NULL);
+        if (memcmp(&again, &x, sizeof x) == 0) {
+            return;
+        }
+    }
+}
+
+static void print_real(const char *separator, auvid_real_t x)
+{
+    vehicle_digits_t digits;
+    vehicle_digits(x, digits);
+    printf("%s%s", separator, digits);
+}
 
 /* Numbers of the member, in the file's unit. */
 static void print_numbers(const vehicle_key_t *key, const char *base)
@@ -23,10 +42,15 @@ static void print_numbers(const vehicle_key_t *key, const char *base)
     }
     printf(key->most > 0 ? "[" : "");
     for (int i = 0; i < count; ++i) {
-        double x = key->kind == KEY_REAL    ? (double)((const auvid_real_t *)from)[i]
-                   : key->kind == KEY_WHOLE ? (double)((const uint32_t *)from)[i]
-                                            : ((const double *)from)[i];
-        printf("%s%.9g", i == 0 ? "" : ", ", x / factor);
+        const char *separator = i == 0 ? "" : ", ";
+        if (key->kind == KEY_REAL) {
+            auvid_real_t x = ((const auvid_real_t *)from)[i];
+            print_real(separator, (auvid_real_t)((double)x / factor));
+        } else if (key->kind == KEY_WHOLE) {
+            printf("%s%lu", separator, (unsigned long)((const uint32_t *)from)[i]);
+        } else {
+            printf("%s%.15g", separator, ((const double *)from)[i]);
+        }
     }
     printf(key->most > 0 ? "]" : "");
 }
@@ -129,7 +153,7 @@ static void print_thrusters(const vehicle_t *v)
         print_keys(KEYS_THRUSTER, &v->thruster[i]);
         printf(", \"wrench\": [");
         for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
-            printf("%s%.9g", j == 0 ? "" : ", ", (double)v->allocation->thruster[i].wrench[j]);
+            print_real(j == 0 ? "" : ", ", v->allocation->thruster[i].wrench[j]);
         }
         printf("]}");
     }
@@ -150,8 +174,10 @@ static void print_capacity(const vehicle_t *v)
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
         auvid_real_t low = 0, high = 0;
         (void)auvid_allocation_capacity(&allocation, (auvid_dof_t)j, &low, &high);
-        printf("%s\"%s\": [%.9g, %.9g]", j == 0 ? "" : ", ", vehicle_dofs[j], (double)low,
-               (double)high);
+        printf("%s\"%s\": [", j == 0 ? "" : ", ", vehicle_dofs[j]);
+        print_real("", low);
+        print_real(", ", high);
+        printf("]");
     }
     printf("}");
 }
@@ -170,7 +196,7 @@ static void print_truth(const vehicle_t *v)
     printf(",\n  \"truth\": {");
     print_keys(KEYS_TRUTH, v);
     for (int i = 0; i < v->model->parameters; ++i) {
-        printf(", \"%s\": %.9g", v->model->parameter[i].name, truth[i]);
+        printf(", \"%s\": %.15g", v->model->parameter[i].name, truth[i]);
     }
     printf("}");
 }
@@ -187,7 +213,8 @@ void vehicle_json(const vehicle_t *v, const char *path)
     }
     printf("\",\n  \"name\": \"%s\",\n  \"title\": \"%s\",\n  \"model\": \"%s\",\n  \"fast\": %s",
            v->word, v->title, kinds[v->kind], v->fast ? "true" : "false");
-    printf(",\n  \"dry_mass_kg\": %.9g", (double)v->dry_mass_kg);
+    printf(",\n  \"dry_mass_kg\": ");
+    print_real("", v->dry_mass_kg);
     print_parameters(v->model);
     if (v->kind == VEHICLE_TERMS) {
         print_terms(&v->table.table);

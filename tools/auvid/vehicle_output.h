@@ -7,6 +7,10 @@
 
 #include "vehicle_file.h"
 
+/** The shortest decimal number that gives exactly this one. */
+typedef char vehicle_digits_t[32];
+void vehicle_digits(auvid_real_t x, vehicle_digits_t digits);
+
 /** Prints the parsed file as one JSON object: values in the units of the file. */
 void vehicle_json(const vehicle_t *vehicle, const char *path);
 
