@@ -25,7 +25,6 @@ typedef struct {
     log_t log[OPTIONS_LOGS], test_log;
     log_set_t train, test;
     survey_t survey; /**< of the training logs */
-    auvid_allocation_t allocation;
     log_use_t use;
     auvid_real_t tau_max[AUVID_DOF_COUNT];
     uint32_t cell_us;                         /**< length of the cells; 0: not chosen yet */

@@ -12,6 +12,10 @@
  * zero and does not count as excited. */
 #define NEGLIGIBLE 1e-3
 
+/* Relative to a thruster's largest force. Beyond, the forces are in another unit, or commands. */
+#define MOST_THRUST 2.0
+#define LEAST_THRUST 0.02
+
 /* ---- inputs ---- */
 
 /* Has the log inputs of the model in these six columns? */
@@ -33,27 +37,27 @@ static bool has_thrusters(const csv_log_t *log, int first)
     return any;
 }
 
-/* Has the log inputs of this kind? */
-static bool has_inputs(const csv_log_t *log, const job_t *job, input_kind_t kind)
+/* Has the log inputs of the kind in use? */
+static bool has_inputs(const csv_log_t *log, const job_t *job)
 {
-    const log_use_t use = {.kind = kind};
-    int first = log_inputs(&use);
-    return log_has_thrusters(&use) ? has_thrusters(log, first)
-                                   : has_dofs(log, job->options->model, first);
+    const log_use_t *use = &job->use;
+    return log_has_thrusters(use) ? log->has[log_input(use, 0)]
+                                  : has_dofs(log, job->options->model, log_input(use, 0));
 }
 
 /* Does the input act in this DoF? */
 static bool acts(const job_t *job, const csv_log_t *log, int j)
 {
     const log_use_t *use = &job->use;
-    if (!log_has_thrusters(use)) {
-        return log->has[log_inputs(use) + j];
-    }
+    const auvid_allocation_config_t *cfg = &use->allocation.cfg;
     bool any = false;
-    for (int k = 0; k < use->thrusters->cfg.thrusters; ++k) {
-        any = any || fabs((double)use->thrusters->cfg.thruster[k].wrench[j]) > 0.0;
+    if (!log_has_thrusters(use)) {
+        return log->has[log_input(use, j)];
     }
-    return any && (use->thrusters->cfg.dofs == 0 || (use->thrusters->cfg.dofs >> j & 1u) != 0);
+    for (int k = 0; k < cfg->thrusters; ++k) {
+        any = any || fabs((double)cfg->thruster[k].wrench[j]) > 0.0;
+    }
+    return any && (cfg->dofs == 0 || (cfg->dofs >> j & 1u) != 0);
 }
 
 static int no_inputs(const job_t *job, const csv_log_t *log)
@@ -67,15 +71,15 @@ static int no_inputs(const job_t *job, const csv_log_t *log)
 /* Each thruster of the vehicle needs its column, and there may be no other. */
 static int check_thrusters(const job_t *job, const csv_log_t *log)
 {
-    const vehicle_t *vehicle = job->options->thrusters;
-    int first = log_inputs(&job->use), thrusters = job->allocation.cfg.thrusters;
+    const log_use_t *use = &job->use;
+    int first = use->kind == INPUT_THRUST ? CSV_THRUSTER_N : CSV_THRUSTER;
     char why[80];
-    (void)snprintf(why, sizeof why, ": %s has %d thrusters", vehicle->word, thrusters);
+    (void)snprintf(why, sizeof why, ": %s has %d thrusters", use->vehicle->word, log_inputs(use));
     for (int k = 0; k < CSV_THRUSTERS; ++k) {
-        if (k < thrusters && !log->has[first + k]) {
-            return csv_missing(log, first + k, why);
+        if (k < log_inputs(use) && !log->has[log_input(use, k)]) {
+            return csv_missing(log, log_input(use, k), why);
         }
-        if (k >= thrusters && log->has[first + k]) {
+        if (k >= log_inputs(use) && log->has[first + k]) {
             return report_error("%s:%zu:1: there is a column %s%s", log->path, log->header,
                                 csv_name[first + k], why);
         }
@@ -83,26 +87,59 @@ static int check_thrusters(const job_t *job, const csv_log_t *log)
     return 0;
 }
 
-/* Takes the chosen thrusters. Their own forces or commands come before the wrench. */
-static int take_thrusters(job_t *job, const csv_log_t *log)
+/* All thrusters have one delay, because the recorder has one stream of inputs. */
+static int take_delay(job_t *job)
 {
-    const vehicle_t *vehicle = job->options->thrusters;
+    const vehicle_t *vehicle = job->use.vehicle;
+    double delay_s = vehicle->map[vehicle->thruster[0].map].delay_s;
+    for (int k = 1; k < log_inputs(&job->use); ++k) {
+        if (fabs(vehicle->map[vehicle->thruster[k].map].delay_s - delay_s) > 0.0) {
+            return report_error("fit: the thrusters of %s have different delays: fit takes one",
+                                vehicle->word);
+        }
+    }
+    job->use.delay_us = job->use.kind == INPUT_THRUST ? 0u : (uint32_t)(1e6 * delay_s + 0.5);
+    return 0;
+}
+
+/* Has the log the commands or speeds of the vehicle's thrusters? */
+static bool has_commands(const job_t *job, const csv_log_t *log)
+{
+    const log_use_t use = {.kind = INPUT_THRUSTER_COMMAND,
+                           .vehicle = job->use.vehicle,
+                           .allocation = job->use.allocation};
+    bool any = false;
+    for (int k = 0; k < log_inputs(&use); ++k) {
+        any = any || log->has[log_input(&use, k)];
+    }
+    return any;
+}
+
+/* Takes the vehicle of the thrusters. Their own forces or commands come before the wrench. */
+static int take_vehicle(job_t *job, const csv_log_t *log)
+{
+    const options_t *options = job->options;
+    log_use_t *use = &job->use;
     bool newtons = has_thrusters(log, CSV_THRUSTER_N);
-    bool thrusters = newtons || has_thrusters(log, CSV_THRUSTER);
-    if (vehicle == NULL) {
+    use->uncertain = options->thrusters != NULL;
+    use->vehicle = options->thrusters != NULL ? options->thrusters
+                   : options->whole           ? options->vehicle
+                                              : NULL;
+    if (use->vehicle == NULL) {
         return 0;
     }
-    if (auvid_allocation_init(&job->allocation, vehicle->allocation) != AUVID_OK) {
-        return report_error("fit: the thrusters of %s cannot be used", vehicle->word);
+    if (auvid_allocation_init(&use->allocation, use->vehicle->allocation) != AUVID_OK) {
+        return report_error("fit: the thrusters of %s cannot be used", use->vehicle->word);
     }
-    job->use.thrusters = &job->allocation;
-    if (thrusters) {
-        job->use.kind = newtons ? INPUT_THRUST : INPUT_THRUSTER_COMMAND;
-        return 0;
+    if (newtons || has_commands(job, log)) {
+        use->kind = newtons ? INPUT_THRUST : INPUT_THRUSTER_COMMAND;
+        return take_delay(job);
     }
-    return job->use.kind == INPUT_COMMAND
-               ? report_error("fit: --thrusters needs forces and moments (X_N ..), or thruster_1 "
-                              ".., not commands of the axes (cmd_*)")
+    return use->kind == INPUT_COMMAND && use->uncertain
+               ? report_error("fit: --%s needs forces and moments (X_N ..), or thruster_1 .., not "
+                              "commands of the axes (cmd_*)%s",
+                              options->whole ? "vehicle" : "thrusters",
+                              options->whole ? "; --model takes the vehicle's model alone" : "")
                : 0;
 }
 
@@ -110,21 +147,22 @@ static int take_thrusters(job_t *job, const csv_log_t *log)
 static int find_inputs(job_t *job)
 {
     const csv_log_t *log = &job->log[0].csv;
-    bool wrench = has_inputs(log, job, INPUT_WRENCH), command = has_inputs(log, job, INPUT_COMMAND);
+    const auvid_vehicle_t *model = job->options->model;
+    bool wrench = has_dofs(log, model, CSV_WRENCH), command = has_dofs(log, model, CSV_COMMAND);
     bool thrusters = has_thrusters(log, CSV_THRUSTER) || has_thrusters(log, CSV_THRUSTER_N);
     job->use.kind = wrench || !command ? INPUT_WRENCH : INPUT_COMMAND;
-    int status = take_thrusters(job, log);
+    int status = take_vehicle(job, log);
     if (status != 0 || log_has_thrusters(&job->use)) {
         return status;
     }
     if (!wrench && !command) {
-        return thrusters ? report_error("%s: the inputs are those of thrusters: name the vehicle "
-                                        "with --thrusters (%s)",
-                                        log->path, vehicle_words)
+        return thrusters ? report_error("%s:1:1: the inputs are those of thrusters: name their "
+                                        "vehicle (--thrusters, --vehicle)",
+                                        log->path)
                          : no_inputs(job, log);
     }
     return job->options->has_gain && job->use.kind != INPUT_COMMAND
-               ? report_error("%s: --gain needs commands (cmd_*), but the log has forces",
+               ? report_error("%s:1:1: --gain needs commands (cmd_*), but the log has forces",
                               log->path)
                : 0;
 }
@@ -139,7 +177,7 @@ static int check_velocities(const job_t *job, const csv_log_t *log)
         if (job->options->model->columns[j] != 0 && acts(job, log, j) && !log->has[CSV_NU + j]) {
             char why[80];
             (void)snprintf(why, sizeof why, ", but %s: a %s needs its %s",
-                           of != NULL ? of : csv_name[log_inputs(&job->use) + j],
+                           of != NULL ? of : csv_name[log_input(&job->use, j)],
                            j <= AUVID_HEAVE ? "force" : "moment",
                            j <= AUVID_HEAVE ? "velocity" : "rate");
             return csv_missing(log, CSV_NU + j, why);
@@ -164,12 +202,15 @@ static int check_gains(const job_t *job, const csv_log_t *log)
 /* Marks the known columns that are not used. */
 static void ignore_unused(const job_t *job, csv_log_t *log)
 {
-    int inputs = log_inputs(&job->use);
+    uint64_t used = UINT64_C(15) << CSV_QUATERNION | UINT64_C(63) << CSV_REFERENCE;
+    for (int k = 0; k < log_inputs(&job->use); ++k) {
+        used |= UINT64_C(1) << log_input(&job->use, k);
+    }
+    if (job->use.kind == INPUT_THRUSTER_COMMAND) {
+        used |= UINT64_C(1) << CSV_VOLTAGE;
+    }
     for (int c = CSV_WRENCH; c < CSV_COLUMNS; ++c) {
-        bool used = (c >= inputs && c < inputs + log_input_count(&job->use)) ||
-                    (c >= CSV_REFERENCE && c < CSV_REFERENCE + AUVID_DOF_COUNT) ||
-                    (c >= CSV_QUATERNION && c < CSV_POSITION);
-        if (log->has[c] && !used) {
+        if (log->has[c] && !(used >> c & 1u)) {
             csv_ignore(log, c);
         }
     }
@@ -193,33 +234,35 @@ static int check_columns(const job_t *job, csv_log_t *log)
 static int open_further(job_t *job, log_t *log, const char *path)
 {
     int status = csv_open(&log->csv, path);
-    if (status == 0 && !has_inputs(&log->csv, job, job->use.kind)) {
+    if (status == 0 && !has_inputs(&log->csv, job)) {
         status = report_error("%s:1:1: no input column of the same kind as in %s (%s ..)", path,
-                              job->log[0].csv.path, csv_name[log_inputs(&job->use)]);
+                              job->log[0].csv.path, csv_name[log_input(&job->use, 0)]);
     }
     return status != 0 ? status : check_columns(job, &log->csv);
 }
 
 /* ---- what is excited ---- */
 
-/* Commands that never exceed a newton, or forces of the wrong unit. */
-static int check_thrust(const job_t *job, const survey_t *survey)
+/* Are the forces of the thrusters of the size that the vehicle's have? */
+static int check_thrust(const job_t *job)
 {
-    double most = 0.0;
-    for (int k = 0; k < job->allocation.cfg.thrusters; ++k) {
-        most = fmax(most, (double)job->allocation.cfg.thruster[k].max_N);
+    const auvid_allocation_config_t *cfg = &job->use.allocation.cfg;
+    double largest = job->survey.largest_thrust, capacity = 0.0;
+    if (!log_has_thrusters(&job->use)) {
+        return 0;
     }
-    if (job->use.kind == INPUT_THRUST && survey->largest_thrust > 2.0 * most) {
-        return report_error("%s: a thruster has %.4g N, but those of %s have at most %.4g N",
-                            job->log[0].csv.path, survey->largest_thrust,
-                            job->options->thrusters->word, most);
+    for (int k = 0; k < cfg->thrusters; ++k) {
+        capacity = fmax(capacity, (double)cfg->thruster[k].max_N);
     }
-    if (job->use.kind == INPUT_THRUSTER_COMMAND && survey->largest_thrust > 1.0 + 1e-6) {
-        return report_error("%s: a command of a thruster is %.4g, but they are parts of the "
-                            "largest one, within +-1. Name columns in newtons thruster_1_N ..",
-                            job->log[0].csv.path, survey->largest_thrust);
-    }
-    return 0;
+    bool wrong = largest > MOST_THRUST * capacity ||
+                 (largest > 0.0 && largest < LEAST_THRUST * capacity);
+    return wrong ? report_error("%s: the largest force of a thruster is %.3g N, but those of %s "
+                                "have up to %.3g N: %s",
+                                job->log[0].csv.path, largest, job->use.vehicle->word, capacity,
+                                job->use.kind == INPUT_THRUST
+                                    ? "are the columns thruster_1_N .. in newtons?"
+                                    : "are the commands in the unit of the vehicle's thrust map?")
+                 : 0;
 }
 
 /* Finds the DoF that can be identified, and the largest values of their inputs. */
@@ -256,7 +299,7 @@ static int survey_all(job_t *job)
     for (int i = 0; i < job->train.logs && status == 0; ++i) {
         status = survey_read(&job->survey, &job->log[i], &job->use);
     }
-    status = status != 0 ? status : check_thrust(job, &job->survey);
+    status = status != 0 ? status : check_thrust(job);
     if (status == 0 && job->test.logs > 0) {
         status = survey_begin(&test, job->options->max_gap_s);
         status = status != 0 ? status : survey_read(&test, &job->test_log, &job->use);

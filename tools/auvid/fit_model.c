@@ -118,11 +118,15 @@ static void configure(const job_t *job, const auvid_vehicle_t *vehicle,
     set_cells(job, span_us, cfg);
     vehicle_use_averaged_model(cfg);
     cfg->search.seed = options->seed;
+    cfg->dry_mass_kg = fit_in_commands(job) ? 0 : options->vehicle->dry_mass_kg;
+    cfg->uncertainty = options->vehicle->uncertainty;
     if (fit_in_commands(job)) {
         cfg->uncertainty.thrust_scale = 0; /* the unit of a command has no scale error */
     }
     options_uncertainty(options, &cfg->uncertainty);
-    cfg->dry_mass_kg = (auvid_real_t)options->dry_mass_kg;
+    if (options->dry_mass_kg > 0.0) {
+        cfg->dry_mass_kg = (auvid_real_t)options->dry_mass_kg;
+    }
     cfg->exact_inputs = options->plain || options->literal;
     cfg->recorder.gap_us = (uint32_t)fmax(cfg->recorder.cell_us, gap_us(job));
     cfg->recorder.input = options->linear_input ? AUVID_INPUT_LINEAR : AUVID_INPUT_HOLD;

@@ -18,32 +18,32 @@ bool log_has_thrusters(const log_use_t *use)
 
 int log_inputs(const log_use_t *use)
 {
-    static const int first[] = {CSV_WRENCH, CSV_COMMAND, CSV_THRUSTER_N, CSV_THRUSTER};
-    return first[use->kind];
+    return log_has_thrusters(use) ? use->allocation.cfg.thrusters : AUVID_DOF_COUNT;
 }
 
-int log_input_count(const log_use_t *use)
+int log_input(const log_use_t *use, int k)
 {
-    return log_has_thrusters(use) ? use->thrusters->cfg.thrusters : AUVID_DOF_COUNT;
+    static const int first[] = {CSV_WRENCH, CSV_COMMAND, CSV_THRUSTER_N, CSV_THRUSTER};
+    bool speed = use->kind == INPUT_THRUSTER_COMMAND &&
+                 use->vehicle->map[use->vehicle->thruster[k].map].kind == THRUST_MAP_RPM;
+    return (speed ? CSV_RPM : first[use->kind]) + k;
 }
 
-void log_wrench(const log_use_t *use, const double *input, double wrench[AUVID_DOF_COUNT],
-                auvid_real_t *force_N)
+void log_wrench(const log_use_t *use, const double *input, double voltage_V,
+                double wrench[AUVID_DOF_COUNT], auvid_real_t *force_N)
 {
     auvid_real_t total[AUVID_DOF_COUNT] = {0};
+    for (int k = 0; k < log_inputs(use) && log_has_thrusters(use); ++k) {
+        force_N[k] = (auvid_real_t)(use->kind == INPUT_THRUST
+                                        ? input[k]
+                                        : vehicle_file_thrust(use->vehicle, k, input[k], voltage_V));
+    }
     if (log_has_thrusters(use)) {
-        for (int k = 0; k < use->thrusters->cfg.thrusters; ++k) {
-            force_N[k] = (auvid_real_t)input[k];
-        }
-        if (use->kind == INPUT_THRUSTER_COMMAND) {
-            (void)auvid_allocation_force(use->thrusters, force_N, force_N);
-        }
-        (void)auvid_allocation_wrench(use->thrusters, force_N, total);
+        (void)auvid_allocation_wrench(&use->allocation, force_N, total);
     }
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
-        double x = log_has_thrusters(use) ? (double)total[j] : input[j];
-        x = use->squared ? x * fabs(x) : x;
-        wrench[j] = use->kind == INPUT_COMMAND && use->gain[j] > 0.0 ? x * use->gain[j] : x;
+        double gain = use->kind == INPUT_COMMAND && use->gain[j] > 0.0 ? use->gain[j] : 1.0;
+        wrench[j] = log_has_thrusters(use) ? (double)total[j] : gain * input[j];
     }
 }
 
@@ -184,10 +184,17 @@ static void take_inputs(log_reader_t *r, const csv_row_t *row, log_sample_t *out
 {
     const log_use_t *use = r->use;
     double wrench[AUVID_DOF_COUNT];
-    int first = log_inputs(use), count = log_input_count(use);
-    out->has_input = take(r, row, first, count, r->input) && complete(r, first, count);
+    bool known = true;
+    out->input_us = out->t_us + (log_has_thrusters(use) ? use->delay_us : 0u);
+    (void)take(r, row, CSV_VOLTAGE, 1, &r->voltage_V);
+    for (int k = 0; k < log_inputs(use); ++k) {
+        int column = log_input(use, k);
+        out->has_input = take(r, row, column, 1, &r->input[k]) || out->has_input;
+        known = known && complete(r, column, 1);
+    }
+    out->has_input = out->has_input && known;
     if (out->has_input) {
-        log_wrench(use, r->input, wrench, out->force_N);
+        log_wrench(use, r->input, r->voltage_V, wrench, out->force_N);
         for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
             out->wrench[j] = (auvid_real_t)((use->dofs >> j & 1u) ? wrench[j] : 0.0);
         }

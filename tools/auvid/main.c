@@ -20,6 +20,7 @@ static const struct {
 } command_help[] = {
     {"demo", "[options]             identify a simulated vehicle and check the result"},
     {"fit", "TRAIN.csv .. [options] identify a vehicle from recorded logs"},
+    {"check", "FILE.ini [options]   what a vehicle file says, and what it lacks"},
 #ifdef __linux__
     {"node", "--bus IF [options]    identify a vehicle on a CAN bus"},
     {"vehicle", "--bus IF [options] simulate a vehicle on a CAN bus"},
@@ -43,8 +44,9 @@ static const char demo_fit_help[] =
     "\n";
 static const char demo_help[] =
     "options of demo\n"
-    "  --vehicle NAME     girona500 (default), or bluerov2: a BlueROV2 Heavy in six degrees of\n"
-    "                     freedom that stabilises roll and pitch\n"
+    "  --vehicle NAME     girona500 (default); bluerov2: a BlueROV2 Heavy in six degrees of freedom\n"
+    "                     that stabilises roll and pitch; bluerov2_standard; torpedo; surface; or\n"
+    "                     FILE.ini, a vehicle of yours (tools/auvid/README.md)\n"
     "  --sets K           data sets of 30 s of excitation; default 8\n"
     "  --disturbance N    rms of an unmodelled force on X, Y, Z [N], and 0.4 times this as a\n"
     "                     moment [Nm] on N (bluerov2: on K, M, N); default 0\n"
@@ -89,6 +91,7 @@ static const char fit_help[] =
     "  --bounds=LO,HI        bounds of every parameter; default -1000,1000\n"
     "  --model NAME          girona500 (default), fossen (six degrees of freedom), bluerov2 (the\n"
     "                        same, for a vehicle that is faster than its DVL of 5 Hz)\n"
+    "  --vehicle NAME        model, thrusters and uncertainties of this vehicle, or of FILE.ini\n"
     "  --thrusters NAME      the log is from the thrusters of girona500 or bluerov2: their errors\n"
     "                        are estimated, too. Without it nothing is identifiable, or --plain\n"
     "  --dry-mass KG         a smaller mass is marked as physically impossible\n"
@@ -103,6 +106,12 @@ static const char fit_help[] =
     "                        linearly: better where rows sample an input that varies between them\n"
     "  --coupling auto|on|off  terms between degrees of freedom; auto: chosen by cross-validation\n"
     "                        where a model without them exists (girona500)\n"
+    "\n";
+
+static const char check_help[] =
+    "options of check\n"
+    "  --json             print what was read as one JSON object\n"
+    "  --header           print C for firmware: the configuration of this vehicle\n"
     "\n";
 
 #ifdef __linux__
@@ -166,7 +175,7 @@ static const struct {
                {"replay", replay_help},
 #endif
                {"fit", columns_help},       {"fit", fit_exit_help},
-               {"demo node vehicle replay", exit_help}};
+               {"check", check_help},       {"demo node vehicle replay check", exit_help}};
 
 static bool is_command(const char *name)
 {
@@ -267,6 +276,9 @@ int main(int count, char **argument)
     } else if (strcmp(command, "fit") == 0) {
         status = options_fit(&options, count - 2, argument + 2);
         status = status != 0 ? status : fit(&options);
+    } else if (strcmp(command, "check") == 0) {
+        status = options_check(&options, count - 2, argument + 2);
+        status = status != 0 ? status : check(&options);
     } else if (count > 1 && (status = on_bus(command, count - 2, argument + 2)) >= 0) {
         return status == EXIT_REFUSED ? status : report_finish(status);
     } else if (command[0] == '\0') {

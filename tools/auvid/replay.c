@@ -18,15 +18,16 @@ static void one_per_dof(const log_use_t *use, const auvid_identifier_t *id,
 
 auvid_status_t replay_attach(const log_use_t *use, replay_inputs_t *inputs, auvid_identifier_t *id)
 {
-    bool known = use->thrusters != NULL;
+    bool known = use->uncertain;
     auvid_uncertain_config_t cfg = {.nominal_lag_s = AUVID_C(0.01)}; /* no errors */
     auvid_allocation_config_t thrusters;
     if (!known && !use->reference) {
         return AUVID_OK;
     }
     if (known) {
-        thrusters = use->thrusters->cfg;
-        auvid_uncertain_defaults(&cfg);
+        thrusters = *use->vehicle->allocation;
+        cfg = use->vehicle->uncertain;
+        cfg.fractions = false; /* the allocation gives newtons */
     } else {
         one_per_dof(use, id, &thrusters);
     }
@@ -64,7 +65,7 @@ static void feed(const log_use_t *use, log_sample_t *now, replay_inputs_t *input
         (void)auvid_identifier_velocity(id, now->t_us, now->nu, now->velocity);
     }
     if (now->has_input) {
-        (void)auvid_identifier_applied(id, now->t_us, now->wrench, force_N);
+        (void)auvid_identifier_applied(id, now->input_us, now->wrench, force_N);
     }
 }
 
@@ -98,7 +99,7 @@ static bool record(auvid_recorder_t *recorder, const log_sample_t *now, replay_t
         (void)auvid_recorder_velocity(recorder, now->t_us, now->nu, now->velocity);
     }
     if (now->has_input) {
-        (void)auvid_recorder_input(recorder, now->t_us, now->wrench, NULL);
+        (void)auvid_recorder_input(recorder, now->input_us, now->wrench, NULL);
     }
     while (status == AUVID_OK || status == AUVID_GAP) {
         status = auvid_recorder_pop(recorder, &cell);

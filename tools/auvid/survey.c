@@ -119,17 +119,25 @@ double survey_velocity_us(const survey_t *survey)
     return median(survey->intervals);
 }
 
-/* Adds the inputs of a row, the last of which are in input[]. */
-static void take_inputs(survey_t *survey, const csv_row_t *row, const log_use_t *use, double *input)
+/* Inputs and voltage that came last. */
+typedef struct {
+    double input[AUVID_MAX_THRUSTERS], voltage_V;
+} inputs_t;
+
+static void take_inputs(survey_t *survey, const csv_row_t *row, const log_use_t *use,
+                        inputs_t *last)
 {
     double wrench[AUVID_DOF_COUNT];
-    auvid_real_t force_N[AUVID_MAX_THRUSTERS];
-    int first = log_inputs(use);
-    for (int k = 0; k < log_input_count(use); ++k) {
-        input[k] = csv_has(row, first + k) ? row->value[first + k] : input[k];
-        survey->largest_thrust = fmax(survey->largest_thrust, fabs(input[k]));
+    auvid_real_t force_N[AUVID_MAX_THRUSTERS] = {0};
+    for (int k = 0; k < log_inputs(use); ++k) {
+        int column = log_input(use, k);
+        last->input[k] = csv_has(row, column) ? row->value[column] : last->input[k];
     }
-    log_wrench(use, input, wrench, force_N);
+    last->voltage_V = csv_has(row, CSV_VOLTAGE) ? row->value[CSV_VOLTAGE] : last->voltage_V;
+    log_wrench(use, last->input, last->voltage_V, wrench, force_N);
+    for (int k = 0; k < AUVID_MAX_THRUSTERS; ++k) {
+        survey->largest_thrust = fmax(survey->largest_thrust, fabs((double)force_N[k]));
+    }
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
         survey->largest[j] = fmax(survey->largest[j], fabs(wrench[j]));
     }
@@ -139,7 +147,7 @@ static int read_rows(survey_t *survey, log_t *log, const log_use_t *use, held_t 
 {
     csv_row_t row;
     units_t units = {0};
-    double input[AUVID_MAX_THRUSTERS] = {0};
+    inputs_t last = {{0}, 0.0};
     uint64_t t_us = 0, before_us = 0, present = 0;
     int status = csv_rewind(&log->csv);
     while (status == 0 && (status = csv_next(&log->csv, &row)) == 0) {
@@ -149,7 +157,7 @@ static int read_rows(survey_t *survey, log_t *log, const log_use_t *use, held_t 
         before_us = t_us;
         present |= row.present;
         take_velocity(held, &row, (double)t_us);
-        take_inputs(survey, &row, use, input);
+        take_inputs(survey, &row, use, &last);
         units_row(&units, &row);
     }
     if (status != CSV_END) {

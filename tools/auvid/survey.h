@@ -13,7 +13,7 @@ typedef struct {
     size_t rows, gaps;
     double span_s;                   /**< sum of the logs' lengths */
     double largest[AUVID_DOF_COUNT]; /**< of the inputs, as wrench */
-    double largest_thrust;           /**< of a thruster, as in the log */
+    double largest_thrust;           /**< of a thruster [N], if these are the inputs */
     uint64_t end_us;                 /**< time of the last row in the replay */
     double gap_s;                    /**< longest time between rows without a gap */
     uint32_t *intervals;             /**< private: counts of the times between velocities [us] */
