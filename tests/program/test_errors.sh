@@ -152,6 +152,53 @@ check "a binary file" rejects 'log.csv: not a text file' fit log.csv
 log "$header" 0,0,0 "$(printf '0.1,a\033[31m,0')"
 check "control characters do not reach the terminal" rejects "'a\?\[31m'" fit log.csv
 
+# ---- forms of a log ----
+q=t_s,qw,qx,qy,qz,u_mps,X_N
+log $q 0,1,0,0,0,0,0 0.1,2,0,0,0,1,1
+check "a quaternion of a norm far from 1" rejects \
+    'log.csv:3:1: the quaternion qw qx qy qz has the norm 2, not 1' fit log.csv
+log $q 0,1,0,0,0,0,0 0.1,1,0,,0,1,1
+check "a quaternion with an empty part" rejects 'log.csv:3:1: the quaternion is incomplete' \
+    fit log.csv
+log t_s,qw,qx,qz,u_mps,X_N 0,1,0,0,0,0 0.1,1,0,0,1,1
+check "a quaternion without a part" rejects 'no column qy in the header: a quaternion needs' \
+    fit log.csv
+log t_s,u_mps,thruster_1,thruster_2 0,0,0,0 0.1,1,1,1
+check "thrusters of an unknown vehicle" rejects \
+    'log.csv:1:1: the inputs are those of thrusters: name their vehicle' fit log.csv
+check "a thruster is missing" rejects 'no column thruster_3 in the header: girona500 has 5' \
+    fit log.csv --thrusters girona500
+v=t_s,u_mps,v_mps,w_mps,r_radps
+throttle=thruster_1,thruster_2,thruster_3,thruster_4,thruster_5
+log "$v,$throttle,thruster_6" 0,0,0,0,0,0,0,0,0,0,0 1,1,1,1,1,1,1,1,1,1,1
+check "a thruster too many" rejects 'there is a column thruster_6: girona500 has 5 thrusters' \
+    fit log.csv --thrusters girona500
+log "$v,${throttle//,/_N,}_N" 0,0,0,0,0,0,0,0,0,0 1,1,1,1,1,1,1,1,1,1
+check "commands in the columns of newtons" rejects \
+    'largest force of a thruster is 1 N, .* up to 154 N: are the columns .* in newtons' \
+    fit log.csv --thrusters girona500
+log "$v,$throttle" 0,0,0,0,0,0,0,0,0,0 1,1,1,1,1,90,1,1,1,1
+check "newtons in the columns of commands" rejects 'are the commands in the unit of the vehicle' \
+    fit log.csv --thrusters girona500
+log "${v%,*},$throttle" 0,0,0,0,0,0,0,0,0 1,1,1,1,1,1,1,1,1
+check "thrusters without a rate" rejects 'no column r_radps in the header, but the thrusters: a' \
+    fit log.csv --thrusters girona500
+printf '%s\n0,0,0\n0.1,%070000d,0\n' "$header" 0 >log.csv
+check "a line of 70 KB" rejects 'log.csv:3:1: the line is longer than 65535 characters' fit log.csv
+printf '%s\n0,0,0\n' "$header" >good.csv
+log "$header" 0,0,0 1,1,1
+check "a second training log is read as strictly" rejects 'good.csv:2:1: only one row' \
+    fit log.csv good.csv
+check "and a third that is missing" rejects 'none.csv: No such file' fit log.csv log.csv none.csv
+for bad in surge surge= surge=x surge=0 surge=-1 surge=nan =5 north=5; do
+    check "--gain $bad" refuses 'is not AXIS=NEWTONS' fit log.csv "--gain=$bad"
+done
+for bad in 0 0.05 2 x; do
+    check "--max-gap $bad" refuses '--max-gap:' fit log.csv --max-gap $bad
+done
+check "--dry-mass above the bounds" refuses '--dry-mass 2000 is not below the upper bound' \
+    fit log.csv --dry-mass 2000
+
 "$AUVID" demo --json --sets 1 --csv good.csv >/dev/null
 log t_s,u_mps,X_N 0,0,0 0.1,x,0
 check "an error in the test log names it" rejects 'log.csv:3:5: u_mps' \
