@@ -5,6 +5,7 @@
 #ifndef PROGRAM_FIT_H
 #define PROGRAM_FIT_H
 
+#include "decoupled.h"
 #include "literal.h"
 #include "options.h"
 #include "replay.h"
@@ -17,6 +18,7 @@ typedef struct {
     auvid_change_detector_t change;
     replay_inputs_t inputs; /**< if the thrusters are known, or there is a reference */
     literal_t literal;      /**< if chosen */
+    decoupled_t six;        /**< the model, if it has six DoF without coupling */
 } fitted_t;
 
 /** A fit: logs, options and models. */

@@ -104,8 +104,8 @@ static const char fit_help[] =
     "                        degrees of freedom: on K and M too)\n"
     "  --input hold|linear   an input is held until the next row (default), or interpolated\n"
     "                        linearly: better where rows sample an input that varies between them\n"
-    "  --coupling auto|on|off  terms between degrees of freedom; auto: chosen by cross-validation\n"
-    "                        where a model without them exists (girona500)\n"
+    "  --coupling auto|on|off  terms between degrees of freedom; auto: chosen by cross-validation for\n"
+    "                        girona500, on for six degrees of freedom\n"
     "\n";
 
 static const char check_help[] =
