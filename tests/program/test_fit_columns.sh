@@ -58,7 +58,8 @@ def quaternion(y):
     q = [a*c*e + b*d*f, b*c*e - a*d*f, a*d*e + b*c*f, a*c*f - b*d*e]
     return [0.97 * x * (1 if int(y[0]) % 2 else -1) for x in q]
 add(["qw", "qx", "qy", "qz"], quaternion); drop(*ANGLES)' <train.csv >quaternion.csv
-check "a quaternion of either sign and of a norm near 1" form 0 plain.json 1e-4 quaternion.csv --plain
+check "a quaternion of either sign and of a norm near 1" \
+    form 0 plain.json 1e-4 quaternion.csv --plain
 change 'empty(ANGLES, lambda i: i % 5)' <train.csv >slow_attitude.csv
 check "attitude slower than its rates, which propagate it" \
     form 0 plain.json 3e-3 slow_attitude.csv --plain

@@ -18,7 +18,7 @@ bool decoupled_exists(const auvid_vehicle_t *model)
 }
 #endif
 
-/* Does the equation of DoF j keep this parameter? Weight and buoyancy depend on the attitude only. */
+/* Does the equation of DoF j keep this parameter? Weight and buoyancy depend on attitude only. */
 static bool keeps(const auvid_parameter_t *p, int j)
 {
     switch (p->kind) {

@@ -34,7 +34,7 @@ typedef struct {
     auvid_real_t fixed[AUVID_MAX_PARAMETERS]; /**< values of the other parameters */
     const char *why[AUVID_DOF_COUNT];         /**< why a DoF cannot be identified, or NULL */
     fitted_t *coupled, *decoupled;            /**< NULL: not fitted */
-    double error[2]; /**< cross-validation errors of the two; < 0: none */
+    double error[2];                          /**< cross-validation errors of the two; < 0: none */
 } job_t;
 
 /** Are the parameters in units of command? */

@@ -168,8 +168,7 @@ static void take_literal(void *context, const auvid_sample_t *cell, bool after_g
 static int replay_literal(const job_t *job, fitted_t *fitted)
 {
     literal_cells_t to = {&fitted->literal, &fitted->id};
-    int status =
-        replay_cells(&job->train, &job->use, &fitted->id.recorder.cfg, take_literal, &to);
+    int status = replay_cells(&job->train, &job->use, &fitted->id.recorder.cfg, take_literal, &to);
     (void)auvid_identifier_close(&fitted->id);
     return status;
 }
@@ -251,4 +250,3 @@ const fitted_t *fit_choose_model(job_t *job)
     bool decoupled = job->error[1] >= 0.0 && !(job->error[0] < job->error[1]);
     return decoupled ? job->decoupled : job->coupled;
 }
-
