@@ -220,7 +220,7 @@ END
 wide=(-std=c11 -O1 -DAUVID_MAX_PARAMETERS=32 -I"$ROOT/lib/include" -I.)
 objects=("$ROOT"/build/wide/lib/src/*/*.o)
 of_tools=()
-for name in vehicles vehicles_ready vehicle_file vehicle_keys vehicle_terms thrust_map ini \
+for name in vehicles vehicles_ready vehicle_file vehicle_thrusters vehicle_keys vehicle_terms thrust_map ini \
     report_error; do
     of_tools+=("$ROOT/build/wide/tools/auvid/$name.o")
 done

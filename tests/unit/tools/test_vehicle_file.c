@@ -113,7 +113,8 @@ static void load(const embedded_t *file)
 static void test_values_and_places_of_a_text(void)
 {
     static ini_t ini;
-    const char *body = "\xEF\xBB\xBF# first\r\n[ a.1 ]  ; second\r\n\r\n  key-1 = 1 -2.5e1\t3 # third\n";
+    const char *body =
+        "\xEF\xBB\xBF# first\r\n[ a.1 ]  ; second\r\n\r\n  key-1 = 1 -2.5e1\t3 # third\n";
     double x[3];
     TEST_ASSERT_TRUE(ini_parse(&ini, "x.ini", body, strlen(body)));
     TEST_ASSERT_EQUAL(2, ini.entries);
