@@ -1,5 +1,6 @@
 /*
- * Prints the members of the four configurations that a vehicle file sets, with their bits: for test_vehicle_file.sh.
+ * Prints the members of the four configurations that a vehicle file sets, with their bits: for
+ * test_vehicle_file.sh.
  */
 #include <stdio.h>
 #include <string.h>

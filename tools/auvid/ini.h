@@ -53,7 +53,8 @@ bool ini_refuse_key(ini_t *ini, const char *section, const char *key, const char
 bool ini_numbers(ini_t *ini, const ini_entry_t *entry, int least, int most, double *out,
                  int *count);
 
-/** The next word of a value, up to a blank or a comma; a comma is a word. *at is where to look, and is moved behind it.
+/** The next word of a value, up to a blank or a comma; a comma is a word.
+ * @param at where to look; moved behind the word
  * @param word [size] written, cut if too long; "": there is none
  * @return its column */
 int ini_word(const ini_entry_t *entry, size_t *at, char *word, size_t size);

@@ -149,7 +149,7 @@ static void test_the_first_message_stays(void)
     TEST_ASSERT_EQUAL_STRING("x.ini:1:2: first", ini.message);
 }
 
-/* A ready file with one random change: a vehicle, or a message with a place. Never both, or none. */
+/* A ready file with one random change is a vehicle, or a message with a place. */
 static void test_damaged_files_are_read_or_refused_with_a_place(void)
 {
     static const char bytes[] = "[]=#;\n\t .,-+0123456789eEuvw|_xX\r\001\377";
