@@ -143,9 +143,13 @@ static void simulate_mount(const auvid_nav_mount_t *mount, sim_config_t *sim)
 /* The simulated vehicle must start within the limits of the guard, or it is never excited. */
 static bool check_start(ini_t *ini, const vehicle_t *v)
 {
-    double depth = v->sim.position[2], low = v->guard.surface ? 0.0 : (double)v->guard.depth_min_m;
-    double high =
-        fmin((double)v->guard.depth_max_m, v->sim.seabed_m - (double)v->guard.altitude_min_m);
+    const auvid_guard_config_t *g = &v->guard;
+    bool no_low = g->surface || (g->off & AUVID_GUARD_BIT(AUVID_GUARD_DEPTH_MIN)) != 0;
+    bool no_high = (g->off & AUVID_GUARD_BIT(AUVID_GUARD_DEPTH_MAX)) != 0;
+    bool no_floor = (g->off & AUVID_GUARD_BIT(AUVID_GUARD_ALTITUDE)) != 0;
+    double depth = v->sim.position[2], low = no_low ? 0.0 : (double)g->depth_min_m;
+    double floor_m = v->sim.seabed_m - (no_floor ? 0.0 : (double)g->altitude_min_m);
+    double high = no_high ? floor_m : fmin((double)g->depth_max_m, floor_m);
     const ini_entry_t *e = ini_find(ini, "truth", "depth_m");
     return (depth >= low && depth <= high) ||
            ini_refuse(ini, e != NULL ? e->line : ini_line(ini, "truth"), 1,
