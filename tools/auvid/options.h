@@ -66,15 +66,13 @@ typedef struct {
     double lower, upper;  /**< bounds of every parameter; default +-1000 */
     bool bias;
     bool linear_input;
+    bool whole;  /**< --vehicle was given: model, thrusters, all else */
+    bool header; /**< check: print C for firmware; the file is in train */
     coupling_t coupling;
     const vehicle_t *thrusters;          /**< of this vehicle; NULL: not known */
-    bool whole;                          /**< --vehicle was given: model, thrusters, all else */
     const auvid_vehicle_t *model;        /**< default Girona500 */
     const char *choice[OPTIONS_CHOICES]; /**< NAME=VALUE (--fix) or NAME,.. (--free), as given */
     int choices;
-
-    /* check; the file is in train */
-    bool header; /**< print C for firmware */
 
     /* node, vehicle, replay; seed, sets, disturbance and csv as above */
     const char *bus;   /**< interface */
