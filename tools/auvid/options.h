@@ -69,9 +69,9 @@ typedef struct {
     double lower, upper;  /**< bounds of every parameter; default +-1000 */
     bool bias;
     bool linear_input;
+    bool whole;  /**< --vehicle was given: model, thrusters, all else */
     coupling_t coupling;
     const vehicle_t *thrusters;          /**< of this vehicle; NULL: not known */
-    bool whole;                          /**< --vehicle was given: model, thrusters, all else */
     const auvid_vehicle_t *model;        /**< default Girona500 */
     double dry_mass_kg;                  /**< 0: not known */
     double max_gap_s;                    /**< default 0.5 */

@@ -46,7 +46,9 @@ static void print_members(vehicle_section_t section, const vehicle_t *v, const c
             int count = key->most > 0 ? key->most : 1;
             for (int i = 0; i < count; ++i) {
                 printf("    cfg->%s%s", to, member);
-                printf(key->most > 0 ? "[%d]" : "", i);
+                if (key->most > 0) {
+                    printf("[%d]", i);
+                }
                 printf(" = %s;\n", literal_of(((const auvid_real_t *)from)[i], text));
             }
         } else if (key->kind == KEY_YES) {

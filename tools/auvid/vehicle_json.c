@@ -18,7 +18,7 @@ void vehicle_digits(auvid_real_t x, vehicle_digits_t digits)
     for (int precision = 6; precision <= 17; ++precision) {
         (void)snprintf(digits, sizeof(vehicle_digits_t), "%.*g", precision, (double)x);
         auvid_real_t again = (auvid_real_t)strtod(digits, NULL);
-        if (memcmp(&again, &x, sizeof x) == 0) {
+        if (again >= x && again <= x) {
             return;
         }
     }
@@ -40,7 +40,9 @@ static void print_numbers(const vehicle_key_t *key, const char *base)
     if (key->count_offset > 0) {
         count = *(const int *)(const void *)(base + key->count_offset);
     }
-    printf(key->most > 0 ? "[" : "");
+    if (key->most > 0) {
+        printf("[");
+    }
     for (int i = 0; i < count; ++i) {
         const char *separator = i == 0 ? "" : ", ";
         if (key->kind == KEY_REAL) {
@@ -52,7 +54,9 @@ static void print_numbers(const vehicle_key_t *key, const char *base)
             printf("%s%.15g", separator, ((const double *)from)[i]);
         }
     }
-    printf(key->most > 0 ? "]" : "");
+    if (key->most > 0) {
+        printf("]");
+    }
 }
 
 /* The words whose bits are set. */

@@ -25,14 +25,14 @@ typedef enum {
 typedef struct {
     const char *key;
     key_kind_t kind;
-    size_t offset;   /**< of its member */
     int least, most; /**< numbers; 0: one */
+    bool required;
+    size_t offset; /**< of its member */
     double low, high;
     double factor;            /**< from the file's unit to the member's; 0: 1 */
     const char *const *words; /**< of KEY_CHOICE and KEY_BITS, the last one NULL */
     size_t count_offset;      /**< of the int that counts the numbers; 0: none */
-    bool required;
-    const char *member; /**< in C, if it is not the key */
+    const char *member;       /**< in C, if it is not the key */
 } vehicle_key_t;
 
 /** A table of keys. */

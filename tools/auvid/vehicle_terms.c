@@ -61,8 +61,8 @@ static bool take_parameter(place_t *p, vehicle_terms_t *t)
     if (*unit == '\0' || strlen(unit) >= VEHICLE_UNIT || strpbrk(unit, "\"\\") != NULL) {
         return refuse(p, "a parameter is KIND DOF UNIT, e.g. mass surge kg");
     }
-    strcpy(t->name[i], p->entry->key);
-    strcpy(t->unit[i], unit);
+    memcpy(t->name[i], p->entry->key, strlen(p->entry->key) + 1);
+    memcpy(t->unit[i], unit, strlen(unit) + 1);
     parameter->name = t->name[i];
     parameter->unit = t->unit[i];
     parameter->dof = (auvid_dof_t)dof;

@@ -65,7 +65,7 @@ static bool take_thruster(ini_t *ini, vehicle_t *v, int i)
     const vehicle_thruster_t *t = &v->thruster[i];
     auvid_thruster_t *to = &v->allocation_cfg.thruster[i];
     char section[VEHICLE_WORD];
-    double wrench[6], other[6];
+    double wrench[6] = {0}, other[6] = {0};
     (void)snprintf(section, sizeof section, "thruster.%d", i + 1);
     if (!set_wrench(ini, section, t, wrench)) {
         return false;
@@ -161,7 +161,7 @@ static int map_of(ini_t *ini, vehicle_t *v, const char *group)
         return i;
     }
     thrust_map_t *map = &v->map[v->maps++];
-    strcpy(v->group[i], group);
+    memcpy(v->group[i], group, strlen(group) + 1);
     if (group[0] == '\0') { /* in newtons */
         return i;
     }
