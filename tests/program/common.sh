@@ -40,6 +40,12 @@ exec(sys.argv[2])
 END
 }
 
+# same_result FILE: the JSON object in the file out is that in FILE, but for what it says of the
+# log.
+same_result() {
+    cmp <(grep -v '^  "log": ' out) <(grep -v '^  "log": ' "$1")
+}
+
 # refuses PATTERN ARGUMENTS...: exit 2, nothing on stdout, exactly one line on stderr, which
 # matches the extended regular expression. rejects: the same with exit 1, of fit for a bad log.
 refuses() {

@@ -61,7 +61,7 @@ check "  a replay of the log finds the same" exits 0 replay lag.log --json
 check "  in the same words" is out "assert d['wrong_inputs'] == [\"$late\"], d['wrong_inputs']"
 check "  its frames are the same" exits 0 replay lag.log --csv lag.csv
 check "  none different" grep -Eq ' as in the log, 0 different' out
-check "  fit of the motion finds the same" exits 0 fit lag.csv --thrusters girona500 --json
+check "  fit of the motion finds the same" exits 3 fit lag.csv --thrusters girona500 --json
 check "  in the same words, too" is out \
     "assert d['wrong_inputs'] == [\"$late\"], d['wrong_inputs']"
 check "without uncertain inputs a node" exits 0 \
@@ -193,7 +193,7 @@ head -n -1 run.log >whole.log
 check "a truncated log is used up to its last whole line" \
     used 'warning: cut.log:[0-9]+: the last line is truncated' cut.log
 exits 0 replay whole.log --sets 2 --json
-check "  as if the cut line were not there" cmp out used.out
+check "  as if the cut line were not there" same_result used.out
 check "a log cut within its only line" refuses 'no frame of auvid' replay <(printf '(1.000000) ca')
 # frames of other nodes on the bus
 sed '5i (0.000000) memory 404##1112233\n(0.000000) memory 00000404#11\n(0.000000) memory 404#R8' \

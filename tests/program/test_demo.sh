@@ -8,11 +8,11 @@ check "its JSON has the documented keys" is one.json '
 assert list(d) == ["version", "status", "seed", "model", "parameters", "wrong_inputs", "missing",
                    "not_modelled", "assumed", "drag", "delay_s", "r2_force", "r2_validation",
                    "change_test", "guard", "cell_s", "evaluations", "budget",
-                   "estimates"], list(d)
+                   "estimates", "velocity"], list(d)
 assert d["version"] == "0.1.0" and d["status"] == "ok" and d["seed"] == 1
 assert [p["name"] for p in d["parameters"]] == list(TRUTH)
-assert all(set(p) == {"name", "unit", "estimate", "sigma", "sigma_told", "thrust_error",
-                          "dvl_error", "identifiable", "note", "truth"}
+assert all(set(p) == {"name", "unit", "dof", "kind", "estimate", "sigma", "half_width",
+                      "sigma_told", "thrust_error", "dvl_error", "identifiable", "note", "truth"}
            for p in d["parameters"])
 assert all(abs(p["truth"] - TRUTH[p["name"]]) < 1e-4 for p in d["parameters"])
 for key, names in ("delay_s", "XYZN"), ("r2_force", "XYZN"), ("r2_validation", "uvwr"):

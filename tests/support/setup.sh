@@ -3,12 +3,13 @@
 # missing.
 #
 # usage: tests/support/setup.sh [test] [lint] [can] [fuzz] [vcan] [firmware] [validate] [eigen]
-#        [mutate]
+#        [mutate] [browser]
 #   test: g++, Eigen (EIGEN_DIR), cmocka, cmake, pkg-config, gcc-arm-none-eabi, Unity (UNITY_DIR,
 #         else fetched into third_party/unity)
 #   lint: clang, clang-tidy, cppcheck, binutils, python3
 #   can:  python3 with the packages of tests/can/requirements.txt, in third_party/venv
 #   validate: python3 with tools/python_validation and its packages, in third_party/validation
+#   browser: Chromium and a font, which show the page of `auvid fit --report`
 #   mutate: python3 with the packages of tests/mutation/requirements.txt, in third_party/mutation
 #   fuzz: clang with libFuzzer
 #   vcan: can-utils and, unless this machine's kernel has vcan, QEMU and a kernel in third_party/vm
@@ -80,6 +81,10 @@ look() {
             command -v candump >/dev/null || missing+=(can-utils)
             command -v ip >/dev/null || missing+=(iproute2)
             tests/vcan/run.sh --native || look_for_machine
+            ;;
+        browser)
+            command -v chromium >/dev/null || missing+=(chromium)
+            [ -e /usr/share/fonts/truetype/dejavu ] || missing+=(fonts-dejavu-core)
             ;;
         lint)
             for tool in clang clang-tidy cppcheck python3; do

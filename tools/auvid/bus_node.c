@@ -200,7 +200,7 @@ static int finish(run_t *run)
         report_add_truth(&result, &run->vehicle_sim);
     }
     if (run->options->json) {
-        report_json(&result, NULL, NULL, NULL);
+        report_json(stdout, &result, NULL, NULL, NULL);
     } else {
         printf("auvid %s node on %s, %s\n\n", AUVID_VERSION_STRING, run->options->bus,
                run->options->excite ? "exciting" : "passive");

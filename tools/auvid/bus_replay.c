@@ -10,6 +10,7 @@
 #include "commands.h"
 #include "report_error.h"
 #include "csv.h"
+#include "html.h"
 #include "report.h"
 #include "prior_file.h"
 #include "world.h"
@@ -27,6 +28,7 @@ typedef struct {
     auvid_prior_t prior;
     bus_candump_t log;
     csv_writer_t csv;
+    uint64_t start_us;               /* time of the first tick */
     auvid_can_frame_t sent[WAITING]; /* a ring buffer */
     uint32_t first, count;
     uint32_t ours, same, different; /* frames of auvid; estimates, equal and different */
@@ -108,6 +110,7 @@ static void take(run_t *run, const auvid_can_frame_t *frame)
     if (status < 0) {
         ++run->refused[-(int)status];
     } else if (status == AUVID_TICK) {
+        run->start_us = run->start_us > 0 ? run->start_us : run->node.t_us;
         write_row(run);
         (void)auvid_node_step(&run->node, NULL, out, &count);
         (void)auvid_node_work(&run->node, AUVID_DEFAULT_BUDGET);
@@ -197,8 +200,12 @@ static int report(const run_t *run)
 {
     static result_t result;
     report_gather(&result, &run->node.id, run->options->seed);
+    result.log = (report_log_t){.path = &run->options->log,
+                                .paths = 1,
+                                .rows = run->node.counters.ticks,
+                                .duration_s = 1e-6 * (double)(run->node.t_us - run->start_us)};
     if (run->options->json) {
-        report_json(&result, NULL, NULL, NULL);
+        report_json(stdout, &result, NULL, NULL, NULL);
     } else {
         printf("auvid %s replay of %s\n\n", AUVID_VERSION_STRING, run->options->log);
         report_result(&result, NULL);
@@ -207,7 +214,9 @@ static int report(const run_t *run)
                (unsigned)run->ours, (unsigned)run->node.counters.refused,
                (unsigned)run->node.counters.ticks, (unsigned)run->same, (unsigned)run->different);
     }
-    return run->different > 0 ? 1 : report_exit(&result);
+    int status = report_html(run->options, &result, NULL);
+    status = status != 0 ? status : report_exit(&result);
+    return status == 0 && run->different > 0 ? 1 : status;
 }
 
 int bus_replay(const options_t *options)

@@ -10,6 +10,7 @@
 #include "commands.h"
 #include "report_error.h"
 #include "csv.h"
+#include "html.h"
 #include "progress.h"
 #include "report.h"
 #include "statistics.h"
@@ -43,6 +44,7 @@ typedef struct {
     logger_t logger;
     estimates_t estimates;
     auvid_validation_t validation[WORLD_NODES];
+    trace_t trace;                /* of the held-out excitation */
     result_t result[WORLD_NODES]; /* all sets; last set only (literal) */
     double simulated_s;
 } run_t;
@@ -186,6 +188,7 @@ static bool identify(run_t *run, const options_t *options, uint64_t seed, progre
             options->literal ? options->vehicle->model : run->result[i].vehicle;
     }
     run->result[0].estimates = &run->estimates;
+    run->result[0].trace = &run->trace;
     report_add_truth(&run->result[0], &world->vehicle_sim);
     run->result[1].has_truth = true;
     memcpy(run->result[1].truth, run->result[0].truth, sizeof run->result[1].truth);
@@ -198,6 +201,22 @@ static bool identify(run_t *run, const options_t *options, uint64_t seed, progre
         result->still_missing = adaptive->missing & ~result->estimate.confidence.identifiable;
     }
     return true;
+}
+
+/* Simulates another excitation, of which the identifiers feed the cells to their validations. */
+static void simulate_held_out(run_t *run, double cell_s)
+{
+    const auvid_validation_t *validation = &run->validation[0];
+    uint32_t compared = 0;
+    trace_begin(&run->trace, (size_t)(HELD_OUT_SETS * WORLD_SET_S / cell_s), cell_s);
+    while (world_time_s(&run->world) < HELD_OUT_SETS * WORLD_SET_S) {
+        world_tick(&run->world);
+        (void)world_work(&run->world, 0);
+        if (validation->cells != compared) {
+            compared = validation->cells;
+            trace_add(&run->trace, validation, &validation->last, false);
+        }
+    }
 }
 
 /* Simulates another excitation with the estimate and with the true parameters. */
@@ -228,10 +247,7 @@ static bool validate(run_t *run, const options_t *options, uint64_t seed)
                                          AUVID_C(1e-6) * (auvid_real_t)cfg.recorder.cell_us) >= 0;
         auvid_identifier_attach(&world->node[i].id, valid[i] ? &run->validation[i] : NULL);
     }
-    while (world_time_s(world) < HELD_OUT_SETS * WORLD_SET_S) {
-        world_tick(world);
-        (void)world_work(world, 0);
-    }
+    simulate_held_out(run, 1e-6 * cfg.recorder.cell_us);
     for (int i = 0; i < WORLD_NODES; ++i) {
         auvid_real_t value[AUVID_DOF_COUNT];
         valid[i] = valid[i] && auvid_validation_r2(&run->validation[i], value) == AUVID_OK;
@@ -344,7 +360,7 @@ static int single_run(run_t *run, const options_t *options)
     const result_t *last = options->literal ? &run->result[1] : NULL;
     const second_result_t second = {"last_set", last, NULL};
     if (options->json) {
-        report_json(&run->result[0], NULL, last != NULL ? &second : NULL, NULL);
+        report_json(stdout, &run->result[0], NULL, last != NULL ? &second : NULL, NULL);
     } else {
         print_heading(options);
         putchar('\n');
@@ -354,7 +370,8 @@ static int single_run(run_t *run, const options_t *options)
         }
         printf("  time  %.0f s simulated in %.2f s\n", run->simulated_s, wall_s);
     }
-    return report_exit(&run->result[0]);
+    status = report_html(options, &run->result[0], last != NULL ? &second : NULL);
+    return status != 0 ? status : report_exit(&run->result[0]);
 }
 
 /* Does all runs and adds them to the tallies. The results of the first run are kept. */
@@ -409,7 +426,7 @@ static int many_runs(run_t *run, const options_t *options)
         }
         const second_result_t second = {"last_set", &first[1], last};
         if (options->json) {
-            report_json(&first[0], all, last != NULL ? &second : NULL, NULL);
+            report_json(stdout, &first[0], all, last != NULL ? &second : NULL, NULL);
         } else {
             report_campaign(&first[0], all, last);
         }

@@ -10,6 +10,7 @@
 #include "commands.h"
 #include "fit.h"
 #include "heldout.h"
+#include "html.h"
 #include "report.h"
 #include "report_error.h"
 
@@ -111,9 +112,36 @@ static void warn_too_long(const job_t *job, const auvid_identifier_t *id)
     }
 }
 
+/* What the report says of the logs. */
+static void gather_logs(const job_t *job, const auvid_identifier_t *id, result_t *result)
+{
+    const survey_t *survey = &job->survey;
+    const csv_log_t *test = &job->test_log.csv;
+    result->log = (report_log_t){.path = job->options->train,
+                                 .paths = job->options->trains,
+                                 .rows = survey->rows,
+                                 .duration_s = survey->span_s,
+                                 .velocity_s = 1e-6 * survey_velocity_us(survey),
+                                 .gaps = survey->gaps,
+                                 .gap_s = survey->gap_s};
+    if (job->options->validate != NULL) {
+        result->held_out = (report_log_t){.path = &job->options->validate,
+                                          .paths = 1,
+                                          .rows = test->rows,
+                                          .duration_s = test->last_s - test->first_s};
+    }
+    result->trace = &job->trace;
+    if (id->metric.sets.recorded == 0 && job->use.dofs != 0) {
+        result->remedy = survey->gaps > 0
+                             ? "the log: record a row every 0.2 s or more often, without gaps"
+                             : "the log: record for longer";
+    }
+}
+
 static void gather(const job_t *job, const auvid_identifier_t *id, result_t *result)
 {
     report_gather(result, id, job->options->seed);
+    gather_logs(job, id, result);
     result->in_commands = fit_in_commands(job);
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
         bool excited = (id->estimate.excited >> j & 1u) != 0;
@@ -141,17 +169,18 @@ static int run(job_t *job)
     gather(job, id, &result);
     warn_too_long(job, id);
     if (options->validate != NULL && result.estimate.number > 0 &&
-        heldout_r2(&job->test, &job->use, &id->recorder.cfg, options->seed, &result) != 0) {
+        heldout_r2(&job->test, &job->use, &id->recorder.cfg, options->seed, &job->trace, &result) !=
+            0) {
         return EXIT_LOG_REFUSED;
     }
     int status = conclude(job, &result, id);
     if (options->json) {
-        report_json(&result, NULL, NULL, NULL);
+        report_json(stdout, &result, NULL, NULL, NULL);
     } else {
         print_heading(job, id);
         report_result(&result, NULL);
     }
-    return status;
+    return report_html(options, &result, NULL) == 0 ? status : EXIT_REFUSED;
 }
 
 int fit(const options_t *options)

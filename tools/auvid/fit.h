@@ -10,6 +10,7 @@
 #include "options.h"
 #include "replay.h"
 #include "survey.h"
+#include "trace.h"
 
 /** A model identified from the logs. */
 typedef struct {
@@ -34,6 +35,7 @@ typedef struct {
     auvid_real_t fixed[AUVID_MAX_PARAMETERS]; /**< values of the other parameters */
     const char *why[AUVID_DOF_COUNT];         /**< why a DoF cannot be identified, or NULL */
     fitted_t *coupled, *decoupled;            /**< NULL: not fitted */
+    trace_t trace;                            /**< of the held-out log */
     double error[2];                          /**< cross-validation errors of the two; < 0: none */
 } job_t;
 

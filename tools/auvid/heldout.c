@@ -121,6 +121,8 @@ typedef struct {
     size_t used;         /* number of blocks */
     double began_us;     /* start of the last one */
     double block_us;     /* their length */
+    trace_t *trace;
+    bool after_gap; /* since the cell that was compared last */
 } blocks_t;
 
 /* Makes room by blocks of twice the length. */
@@ -143,10 +145,13 @@ static void take_cell(void *context, const auvid_sample_t *cell, bool after_gap)
     uint32_t before = b->validation.cells;
     if (after_gap) {
         auvid_validation_gap(&b->validation);
+        b->after_gap = true;
     }
     if (auvid_validation_add(&b->validation, cell) != AUVID_OK || b->validation.cells == before) {
         return;
     }
+    trace_add(b->trace, &b->validation, cell, b->after_gap);
+    b->after_gap = false;
     if ((double)cell->t_us - b->began_us >= b->block_us) {
         if (b->used == BLOCKS) {
             merge_blocks(b);
@@ -176,7 +181,7 @@ static void intervals(blocks_t *b, uint64_t seed, result_t *result)
 }
 
 int heldout_r2(const log_set_t *logs, const log_use_t *use, const auvid_recorder_config_t *recorder,
-               uint64_t seed, result_t *result)
+               uint64_t seed, trace_t *trace, result_t *result)
 {
     const auvid_estimate_t *e = &result->estimate;
     auvid_real_t cell_s = AUVID_C(1e-6) * (auvid_real_t)recorder->cell_us;
@@ -186,6 +191,9 @@ int heldout_r2(const log_set_t *logs, const log_use_t *use, const auvid_recorder
     }
     b->began_us = -1e18;
     b->block_us = 1e6 * BLOCK_S;
+    b->trace = trace;
+    const csv_log_t *csv = &logs->log[0].csv;
+    trace_begin(trace, (size_t)((csv->last_s - csv->first_s) / (double)cell_s), (double)cell_s);
     result->has_validation = true;
     int status = 0;
     if (auvid_validation_init(&b->validation, result->vehicle, e->pi, e->excited, e->delay_s,

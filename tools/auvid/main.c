@@ -33,6 +33,7 @@ static const char demo_fit_help[] =
     "  --seed N           seed of all random numbers; default 1\n"
     "  --literal          the literal smoothing of the paper: smoothed states, raw wrench\n"
     "  --json             print one JSON object instead of tables\n"
+    "  --report FILE.html  also write a page with plots, which needs no network (one run)\n"
     "  --thrust-scale S   relative standard deviation of the common scale error of the supplied\n"
     "                     thrust, which no motion reveals; default 0.05 (5 %), for commands 0\n"
     "  --dvl-scale S      relative standard deviation of the scale error of the DVL's velocity;\n"
@@ -144,7 +145,7 @@ static const char replay_help[] =
     "options of replay\n"
     "  --seed N, --sets K, --vehicle NAME, --prior FILE   as for the node that wrote the log\n"
     "  --csv FILE         write the motion and thrust of the log as a log for fit\n"
-    "  --json, --thrust-scale S, --dvl-scale S   as for demo\n"
+    "  --json, --report FILE.html, --thrust-scale S, --dvl-scale S   as for demo\n"
     "\n";
 #endif
 static const char columns_help[] =

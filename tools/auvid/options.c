@@ -257,6 +257,9 @@ static int demo_option(reader_t *r, options_t *options)
     if (is(r, "--vehicle")) {
         return take_vehicle(r, options, true);
     }
+    if (is(r, "--report")) {
+        return take_value(r, &options->report);
+    }
     if (is(r, "--adaptive")) {
         return take_flag(r, &options->adaptive);
     }
@@ -311,6 +314,9 @@ static int fit_option(reader_t *r, options_t *options)
     int choice = 0, status = 0;
     if (is(r, "--validate")) {
         return take_value(r, &options->validate);
+    }
+    if (is(r, "--report")) {
+        return take_value(r, &options->report);
     }
     if (is(r, "--bounds")) {
         return take_bounds(r, options);
@@ -435,6 +441,9 @@ static int replay_option(reader_t *r, options_t *options)
     if (is(r, "--csv")) {
         return take_value(r, &options->csv);
     }
+    if (is(r, "--report")) {
+        return take_value(r, &options->report);
+    }
     if (is(r, "--sets")) {
         return take_count32(r, 1, 1000, &options->sets);
     }
@@ -451,7 +460,10 @@ static int read_all(options_t *options, int count, char **argument, const char *
                     int (*own_option)(reader_t *, options_t *), words_t *words)
 {
     reader_t r = {.count = count, .argument = argument};
-    *options = (options_t){.seed = 1,
+    *options = (options_t){.command = command,
+                           .arguments = count,
+                           .argument = argument,
+                           .seed = 1,
                            .vehicle = vehicle_default(),
                            .model = &auvid_girona500,
                            .speed = 1,
@@ -504,6 +516,12 @@ static int check_scenario(const options_t *options)
                                                                 : NULL;
     if (options->scenario != NULL && other != NULL) {
         return report_error("demo: --scenario and %s cannot be combined", other);
+    }
+    const char *many = options->scenario != NULL ? "--scenario"
+                       : options->runs > 0       ? "--runs"
+                                                 : NULL;
+    if (options->report != NULL && many != NULL) {
+        return report_error("demo: --report and %s cannot be combined: it is of one run", many);
     }
     if (options->adaptive && options->literal) {
         return report_error("demo: --adaptive and --literal cannot be combined");

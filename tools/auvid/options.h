@@ -43,12 +43,16 @@ typedef struct {
 
 /** All options. */
 typedef struct {
+    const char *command;   /**< the sub-command */
+    char *const *argument; /**< [arguments] after it, as given */
+    int arguments;
     bool json;
     bool literal;
+    bool plain;    /**< no uncertain inputs (uncertain.h): all are exact but for those below */
+    bool adaptive; /**< demo: excite until all is identified, for at most `sets` sets */
     uint64_t seed; /**< default 1 */
     /** Uncertainties that the identifier is given. Negative: the library's default. */
     double thrust_scale, dvl_scale, delay_s;
-    bool plain;               /**< no uncertain inputs (uncertain.h): all are exact but for these */
     const vehicle_t *vehicle; /**< default Girona500 */
 
     /* demo */
@@ -57,8 +61,8 @@ typedef struct {
     uint32_t sets;        /**< of 30 s; default 8 */
     uint32_t runs;        /**< 0: one run, reported in full */
     uint32_t budget;      /**< of work in a tick [units]; default AUVID_DEFAULT_BUDGET */
-    bool adaptive;        /**< excite until all is identified, for at most `sets` sets */
     const char *csv;      /**< file to write; NULL: none */
+    const char *report;   /**< demo, fit, replay: page to write (html.h); NULL: none */
     const char *scenario; /**< NULL: none */
     options_field_t field;
 
@@ -69,20 +73,20 @@ typedef struct {
     double lower, upper;  /**< bounds of every parameter; default +-1000 */
     bool bias;
     bool linear_input;
-    bool whole;  /**< --vehicle was given: model, thrusters, all else */
+    bool whole;    /**< --vehicle was given: model, thrusters, all else */
+    bool has_gain; /**< commands are converted to newtons */
     coupling_t coupling;
     const vehicle_t *thrusters;          /**< of this vehicle; NULL: not known */
     const auvid_vehicle_t *model;        /**< default Girona500 */
     double dry_mass_kg;                  /**< 0: not known */
     double max_gap_s;                    /**< default 0.5 */
-    bool has_gain;                       /**< commands are converted to newtons */
     double gain[AUVID_DOF_COUNT];        /**< newtons per unit of command; 0: not given */
     const char *choice[OPTIONS_CHOICES]; /**< NAME=VALUE (--fix) or NAME,.. (--free), as given */
     int choices;
 
     /* check */
     const char *file; /**< the vehicle file */
-    bool header; /**< print C for firmware */
+    bool header;      /**< print C for firmware */
 
     /* node, vehicle, replay; seed, sets, disturbance and csv as above */
     const char *bus;   /**< interface */

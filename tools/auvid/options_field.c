@@ -86,6 +86,7 @@ int options_field_check(options_t *options)
     bool matched = f->matched && (f->mixture || f->perfect_thrust || f->mismatches > 0);
     const char *other = options->scenario != NULL    ? "--scenario"
                         : options->csv != NULL       ? "--csv"
+                        : options->report != NULL    ? "--report"
                         : options->literal           ? "--literal"
                         : options->adaptive          ? "--adaptive"
                         : options->disturbance_N > 0 ? "--disturbance"

@@ -51,6 +51,7 @@ void report_gather(result_t *result, const auvid_identifier_t *id, uint64_t seed
     if (a != NULL) {
         result->trip = a->guard.trip;
     }
+    result->inputs_estimated = id->attached.uncertain != NULL;
     if (id->attached.uncertain != NULL) {
         (void)auvid_uncertain_causes(id->attached.uncertain, &result->causes);
     }
@@ -196,6 +197,10 @@ bool report_missing(const result_t *result, unsigned which, char *text, size_t s
 {
     const auvid_estimate_t *e = &result->estimate;
     auvid_parameter_t parameter[AUVID_MAX_PARAMETERS];
+    if (result->remedy != NULL) {
+        (void)snprintf(text, size, "%s", which == 0 ? result->remedy : "");
+        return which == 0;
+    }
     auvid_vehicle_t vehicle = *result->vehicle;
     for (int i = 0; i < vehicle.parameters; ++i) {
         parameter[i] = result->vehicle->parameter[i];

@@ -1,14 +1,17 @@
 /**
  * @file report.h
- * The final report: tables for people, one JSON object for programs.
+ * The final report: tables or a page for people, one JSON object for programs.
  */
 #ifndef PROGRAM_REPORT_H
 #define PROGRAM_REPORT_H
+
+#include <stdio.h>
 
 #include "auvid/actuation.h"
 #include "auvid/uncertain.h"
 #include "vehicle_sim.h"
 #include "event_log.h"
+#include "trace.h"
 
 /** Standard errors in the printed 95 % half-width, for few sets (see estimate.h). */
 #define HALF_WIDTH 2.1
@@ -22,6 +25,17 @@ typedef struct {
     } at[1024]; /**< only the first are stored */
 } estimates_t;
 
+/** What was read: one log, or several together. Zero: not known. */
+typedef struct {
+    const char *const *path; /**< [paths] */
+    int paths;               /**< 0: no log */
+    size_t rows;             /**< of a log of the bus: tick frames */
+    double duration_s;       /**< sum of the logs' lengths */
+    double velocity_s;       /**< time between velocities: the median */
+    size_t gaps;             /**< intervals of more than gap_s */
+    double gap_s;
+} report_log_t;
+
 /** One identification. */
 typedef struct {
     uint64_t seed;
@@ -30,6 +44,8 @@ typedef struct {
     uint32_t budget;              /**< work units per tick */
     uint32_t max_work;            /**< largest number of units in a call of work */
     const estimates_t *estimates; /**< NULL: not listed */
+    const trace_t *trace;         /**< of the held-out run; NULL: none */
+    report_log_t log, held_out;   /**< identified from, and validated on */
     double truth[AUVID_MAX_PARAMETERS];
     auvid_guard_trip_t trip; /**< cause of ABORTED */
     auvid_estimate_t estimate;
@@ -44,8 +60,10 @@ typedef struct {
     double r2_low[AUVID_DOF_COUNT], r2_high[AUVID_DOF_COUNT]; /**< 95 % interval */
     double r2_truth[AUVID_DOF_COUNT];                         /**< of the true parameters */
     const char *why[AUVID_DOF_COUNT]; /**< why the log does not identify DoF j, or NULL */
+    const char *remedy;               /**< NULL, or the only advice: the log has no data set */
     bool has_truth;                   /**< the vehicle is simulated */
     bool has_guard;                   /**< something was excited */
+    bool inputs_estimated;            /**< errors of thrust and sensors, with the parameters */
     bool in_commands;                 /**< the inputs are commands, which set the units */
     bool has_validation, has_interval, has_r2_truth;
 } result_t;
@@ -139,9 +157,9 @@ void report_result(const result_t *result, const result_t *last);
 /** Prints the table of many runs; last as above. */
 void report_campaign(const result_t *first, const campaign_t *campaign, const campaign_t *last);
 
-/** Prints the JSON object. campaign, second and events may be NULL. */
-void report_json(const result_t *result, const campaign_t *campaign, const second_result_t *second,
-                 const event_log_t *events);
+/** Writes the JSON object. campaign, second and events may be NULL. */
+void report_json(FILE *out, const result_t *result, const campaign_t *campaign,
+                 const second_result_t *second, const event_log_t *events);
 
 /** Flushes stdout. Returns status, or EXIT_REFUSED after one line on stderr if it cannot. */
 int report_finish(int status);

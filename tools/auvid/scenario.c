@@ -410,7 +410,7 @@ static int play(scenario_run_t *run, int which)
     }
     const second_result_t second = {run->other_key, &run->other, NULL};
     if (options->json) {
-        report_json(&run->result, NULL, run->other_key != NULL ? &second : NULL, &run->log);
+        report_json(stdout, &run->result, NULL, run->other_key != NULL ? &second : NULL, &run->log);
     } else {
         print_tables(run);
     }

@@ -15,7 +15,7 @@ COMMANDS = {
     "optimizer": "compare the optimizer with others, on the same cost",
     "paper": "the paper's experiment in simulation: figures, tables, initialisation",
     "campaign": "many simulated runs: errors and the Cramer-Rao bound",
-    "report": "identify a vehicle from your own log: a page with figures",
+    "residuals": "identify a vehicle from your own log: have the residuals a pattern?",
 }
 
 

@@ -1,5 +1,4 @@
 """Style of all figures: labels, units, legible in grey (lines differ in lightness and dash)."""
-import base64
 import io
 
 import matplotlib
@@ -47,9 +46,3 @@ def png(fig):
 def save(fig, path):
     path.write_bytes(png(fig))
     return path
-
-
-def inline(fig, words):
-    """The figure within HTML; words: alternative text."""
-    data = base64.b64encode(png(fig)).decode()
-    return f'<img alt="{words}" src="data:image/png;base64,{data}">'

@@ -1,4 +1,4 @@
-"""auvid-validate report and paper, from outside."""
+"""auvid-validate residuals and paper, from outside."""
 import json
 import os
 import pathlib
@@ -12,7 +12,7 @@ import pytest
 from auvid_validation.cli import main
 from auvid_validation.library import program, root
 from auvid_validation.recorded import Log, Model, as_csv
-from auvid_validation.report import agreement, whiteness
+from auvid_validation.residuals import agreement, whiteness
 
 TANK = pathlib.Path(root(), os.environ.get("AUVID_TANK_DATA", "../shared/data/bluerov2_tank"))
 
@@ -21,11 +21,11 @@ def auvid(*arguments):
     subprocess.run([str(program()), *map(str, arguments)], check=True, capture_output=True)
 
 
-def report(out, *arguments):
+def residuals(out, *arguments):
     """-> (exit status, numbers)"""
     with pytest.raises(SystemExit) as end:
-        main(["report", *map(str, arguments), "--out", str(out)])
-    return end.value.code, out / "report.json"
+        main(["residuals", *map(str, arguments), "--out", str(out)])
+    return end.value.code, out / "residuals.json"
 
 
 @pytest.fixture(scope="module")
@@ -43,14 +43,13 @@ def logs(tmp_path_factory):
     return at
 
 
-def test_a_page_is_complete_and_the_numbers_are_in_it_and_in_json(logs, tmp_path, capsys):
-    status, path = report(tmp_path, logs / "train.csv", "--validate", logs / "test.csv", "--both")
-    assert not status and "held-out R2" in capsys.readouterr().out
-    page, numbers = (tmp_path / "report.html").read_text(), json.loads(path.read_text())
-    embedded = re.search(r'<script type="application/json" id="numbers">(.*?)</script>', page)
-    assert json.loads(embedded[1]) == numbers
-    assert not re.search(r'(src|href)="(?!data:)', page) and page.count("<img") == 6
-    for one in numbers:
+def test_the_summary_has_r2_and_patterns_and_the_numbers_are_in_json(logs, tmp_path, capsys):
+    status, path = residuals(tmp_path, logs / "train.csv", "--validate", logs / "test.csv",
+                             "--both")
+    said = capsys.readouterr().out
+    assert not status and said.count("held-out R2") == 8 and said.count("pattern (p") + said.count(
+        "pattern found (p") == 8 and len(list(tmp_path.glob("residuals_?.png"))) == 2
+    for one in json.loads(path.read_text()):
         assert len(one["fit"]["parameters"]) == 13
         for symbol, value in one["judged"]["r2"].items():  # simulated twice, by two programs
             assert abs(value - one["fit"]["r2_validation"][symbol]) < 0.003
@@ -62,7 +61,7 @@ def test_frames_give_the_same_motion_in_every_format(logs, tmp_path):
         (tmp_path / kind).mkdir()
         found.append(as_csv(logs / f"bus.{kind}", tmp_path / kind).read_bytes())
     assert found[0] == found[1] == found[2] and found[0].count(b"\n") > 1500
-    status, _ = report(tmp_path, logs / "bus.blf")
+    status, _ = residuals(tmp_path, logs / "bus.blf")
     assert not status
 
 
@@ -98,21 +97,21 @@ BAD = {
 def test_a_bad_log_gives_a_message_of_one_line_and_exit_status_2(words, logs, tmp_path, capsys):
     name, source, edit = BAD[words]
     path = change(logs / source, tmp_path / name, edit) if source else tmp_path / name
-    status, _ = report(tmp_path / "out", path)
+    status, _ = residuals(tmp_path / "out", path)
     error = capsys.readouterr().err
     assert status == 2 and error.count("\n") == 1 and words in error and name in error
 
 
 def test_a_log_with_a_byte_order_mark_is_read(logs, tmp_path):
     marked = change(logs / "train.csv", tmp_path / "x.csv", lambda b: b"\xef\xbb\xbf" + b)
-    assert not report(tmp_path / "out", marked)[0]
+    assert not residuals(tmp_path / "out", marked)[0]
 
 
 @pytest.mark.parametrize("name", ["train.csv", "bus.log"])
 def test_a_log_with_a_truncated_last_line_is_used_up_to_there_with_a_warning(
         name, logs, tmp_path, capsys):
     cut = change(logs / name, tmp_path / name, lambda b: b[:-5])
-    assert not report(tmp_path / "out", cut)[0]
+    assert not residuals(tmp_path / "out", cut)[0]
     assert "warning: " in (said := capsys.readouterr().err) and "the last line" in said
 
 
@@ -128,24 +127,24 @@ def test_can_fd_frames_in_a_log_are_skipped(logs, tmp_path):
 def test_a_log_too_short_to_validate_on_gives_a_message(logs, tmp_path, capsys):
     short = change(logs / "test.csv", tmp_path / "s.csv",
                    lambda b: b"".join(b.splitlines(True)[:6]))
-    status, _ = report(tmp_path / "out", logs / "train.csv", "--validate", short)
+    status, _ = residuals(tmp_path / "out", logs / "train.csv", "--validate", short)
     assert status == 2 and "s.csv: nothing to validate on" in capsys.readouterr().err
 
 
 def test_both_needs_two_logs(logs, tmp_path, capsys):
-    assert report(tmp_path, logs / "train.csv", "--both")[0] == 2
+    assert residuals(tmp_path, logs / "train.csv", "--both")[0] == 2
 
 
-def test_the_two_logs_of_one_vehicle_agree_and_of_a_changed_one_do_not(logs, tmp_path):
+def test_the_two_logs_of_one_vehicle_agree_and_of_a_changed_one_do_not(logs, tmp_path, capsys):
     names, *rows = [line.split(",") for line in (logs / "test.csv").read_text().splitlines()]
     wrench = [name[-2:] in ("_N", "Nm") for name in names]
     heavier = [[str(1.4 * float(x)) if w else x for x, w in zip(row, wrench)] for row in rows]
     other = tmp_path / "other.csv"  # of a vehicle with 1.4 times the mass and drag
     other.write_text("".join(",".join(row) + "\n" for row in [names, *heavier]))
     for name, differ in ((logs / "test.csv", set()), (other, {"m_u", "m_v", "m_w", "m_r"})):
-        status, path = report(tmp_path, logs / "train.csv", "--validate", name, "--both")
-        page, (a, b) = (tmp_path / "report.html").read_text(), json.loads(path.read_text())
-        said = re.search(r"<h2>Do the two logs agree\?</h2><p>(Yes|No): (.*?)</p>", page)
+        status, path = residuals(tmp_path, logs / "train.csv", "--validate", name, "--both")
+        a, b = json.loads(path.read_text())
+        said = re.search(r"Do the two logs agree\? (Yes|No): (.*)", capsys.readouterr().out)
         differing = {p["name"] for p, q in zip(a["fit"]["parameters"], b["fit"]["parameters"])
                  if abs(p["estimate"] - q["estimate"]) > 2.1 * np.hypot(p["sigma"], q["sigma"])}
         assert not status and differ <= differing and bool(differing) == (said[1] == "No")
@@ -193,8 +192,8 @@ def test_a_velocity_without_a_model_is_taken_from_the_record_and_a_gap_restarts(
 
 @pytest.mark.skipif(not (TANK / "run_a.csv").exists(), reason="no tank data")
 def test_the_tank_data_both_directions(tmp_path):
-    status, path = report(tmp_path, TANK / "run_a.csv", "--validate", TANK / "run_b.csv", "--both",
-                          "--bias")
+    status, path = residuals(tmp_path, TANK / "run_a.csv", "--validate", TANK / "run_b.csv",
+                             "--both", "--bias")
     assert not status
     # least squares of the same model, each axis alone, with a bias
     for one, reached in zip(json.loads(path.read_text()),
@@ -218,7 +217,7 @@ def test_the_papers_experiment_in_short(tmp_path, capsys):
 
 @pytest.mark.parametrize("arguments", [
     ("paper", "--sets", "1"), ("paper", "--seed", "-1"), ("paper", "--out", "/dev/null/there"),
-    ("paper", "--disturbance", "-1"), ("paper", "--sets", "100"), ("report",),
+    ("paper", "--disturbance", "-1"), ("paper", "--sets", "100"), ("residuals",),
 ])
 def test_bad_options_give_a_message_of_one_line(arguments, capsys, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
