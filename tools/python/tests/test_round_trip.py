@@ -1,0 +1,130 @@
+"""A run written as the log of each stack is read back, and identified as from its own CSV."""
+import json
+import subprocess
+
+import numpy as np
+import pytest
+
+import log_writers
+from conftest import AUVID, INPUTS
+
+MOTION = "phi_rad theta_rad psi_rad u_mps v_mps w_mps p_radps q_radps r_radps".split()
+#: Largest rounding: of an attitude [rad], of a velocity or rate, of a command.
+ROUNDING = {".BIN": (0.5e-2 * np.pi / 180 + 1e-6, 1e-6, 1e-6), ".tlog": (1e-6, 1e-6, 1e-6),
+            ".ulg": (1e-6, 1e-6, 1e-6), ".mcap": (1e-8, 1e-8, 1e-8), ".db3": (1e-8, 1e-8, 1e-8)}
+
+
+def write(run, path):
+    """The run as a log of the kind that the suffix says."""
+    if path.suffix == ".BIN":
+        path.write_bytes(log_writers.bin_log(run))
+    elif path.suffix == ".tlog":
+        path.write_bytes(log_writers.tlog(run))
+    elif path.suffix == ".ulg":
+        path.write_bytes(log_writers.ulg_log(run))
+    elif path.suffix == ".mcap":
+        log_writers.bag(run).mcap(path)
+    else:
+        log_writers.bag(run).database(path)
+    return path
+
+
+def table(rows, names):
+    return np.column_stack([rows[name] for name in names])
+
+
+def fit(path):
+    done = subprocess.run([AUVID, "fit", path, "--plain", "--bias", "--json"], capture_output=True,
+                          text=True)
+    assert done.stdout, done.stderr
+    return json.loads(done.stdout)
+
+
+def reference(run, path, inputs):
+    """The CSV of the run itself."""
+    np.savetxt(path, np.hstack([run.t[:, None], run.attitude, run.nu, run.commands]), "%.9g", ",",
+               header=",".join(["t_s", *MOTION, *inputs]), comments="")
+    return path
+
+
+@pytest.mark.parametrize("suffix", ROUNDING)
+def test_a_run_read_back_is_the_run_within_the_rounding_of_the_format(suffix, run, tmp_path,
+                                                                      convert):
+    status, said, rows = convert(write(run, tmp_path / f"dive{suffix}"), "--resample", "velocity")
+    assert status == 0, said
+    bags = suffix in (".mcap", ".db3")
+    inputs = "X_N Y_N Z_N K_Nm M_Nm N_Nm".split() if bags else INPUTS["cmd"]
+    bound = ROUNDING[suffix]
+    # a .tlog has milliseconds, and the samples of its DVL the time at which they were received
+    assert np.allclose(rows["t_s"], run.t - run.t[0], rtol=0, atol=2e-3 if suffix == ".tlog"
+                       else 1e-6)
+    turned = table(rows, MOTION[:3]) - run.attitude
+    if suffix != ".tlog":
+        assert np.abs((turned + np.pi) % (2 * np.pi) - np.pi).max() <= bound[0]
+        assert np.abs(table(rows, MOTION[6:]) - run.nu[:, 3:]).max() <= bound[1]
+        assert np.abs(table(rows, inputs) - run.commands).max() <= bound[2]
+    assert np.abs(table(rows, MOTION[3:6]) - run.nu[:, :3]).max() <= bound[1]
+
+
+@pytest.mark.parametrize("suffix", [".BIN", ".ulg", ".mcap"])
+def test_a_log_is_identified_as_the_run_itself(suffix, run, tmp_path, convert):
+    status, said, _ = convert(write(run, tmp_path / f"dive{suffix}"), "--resample", "velocity")
+    assert status == 0, said
+    found = fit(tmp_path / "out.csv")
+    inputs = "X_N Y_N Z_N K_Nm M_Nm N_Nm".split() if suffix == ".mcap" else INPUTS["cmd"]
+    wanted = fit(reference(run, tmp_path / "run.csv", inputs))
+    assert found["status"] == wanted["status"] == "ok"
+    for a, b in zip(found["parameters"], wanted["parameters"], strict=True):
+        assert a["name"] == b["name"] and a["identifiable"] == b["identifiable"]
+        if b["sigma"]:  # rounding moves an estimate by a small part of its standard error
+            assert abs(a["estimate"] - b["estimate"]) < 0.02 * b["sigma"], (a, b)
+
+
+@pytest.mark.parametrize("suffix", [".BIN", ".ulg", ".mcap"])
+def test_the_velocity_of_the_filter_is_rotated_into_body_axes(suffix, short, tmp_path, convert):
+    """Without the raw DVL: what XKF1, vehicle_local_position and Odometry say is the same."""
+    path = tmp_path / f"dive{suffix}"
+    if suffix == ".BIN":
+        path.write_bytes(log_writers.bin_log(short, skip=["VISO"]))
+    elif suffix == ".ulg":
+        path.write_bytes(log_writers.ulg_log(short, skip=["vehicle_visual_odometry"]))
+    else:
+        whole = log_writers.bag(short)
+        whole.messages = [m for m in whole.messages if m[0] != "/dvl"]
+        whole.mcap(path)
+    status, said, rows = convert(path, "--resample", "velocity")
+    assert status == 0 and "raw DVL" not in said
+    bound = 3e-4 if suffix == ".BIN" else 1e-6  # attitude in hundredths of a degree
+    assert np.abs(table(rows, MOTION[3:6]) - short.nu[:, :3]).max() <= bound
+
+
+def test_a_row_per_sample_has_empty_cells_where_nothing_is_new(short, tmp_path, convert):
+    """BlueOS: the DVL's samples and those of the autopilot have their own rows."""
+    path = tmp_path / "recorder.mcap"
+    log_writers.blueos(path, short)
+    status, said, rows = convert(path)
+    assert status == 0 and "recording of BlueOS" in said
+    for name, wanted in zip(INPUTS["cmd"], short.commands.T):
+        assert np.allclose(rows[name][np.isfinite(rows[name])], wanted, atol=1e-6)
+    text = (tmp_path / "out.csv").read_text()
+    assert "nan" not in text and np.all(np.diff(rows["t_s"]) > 0)
+
+
+def test_thrusters_have_the_sign_of_their_direction(short, tmp_path, convert):
+    path = tmp_path / "dive.BIN"
+    path.write_bytes(log_writers.bin_log(short))
+    rows = convert(path, "--resample", "velocity")[2]
+    wanted = np.rint(400 * short.commands @ log_writers.HEAVY.T) / 400
+    assert np.abs(table(rows, [f"thruster_{k + 1}" for k in range(8)]) - wanted).max() < 1e-6
+    assert np.abs(wanted).max() > 0.1
+
+
+def test_a_grid_interpolates_motion_and_holds_commands(short, tmp_path, convert):
+    path = write(short, tmp_path / "dive.mcap")
+    rows = convert(path, "--resample", "50")[2]
+    t = rows["t_s"] + 1.7e9
+    start = float(np.ceil(50 * (short.t[0] + 1.7e9)) / 50)
+    assert np.allclose(np.diff(t), 0.02, atol=1e-5) and len(t) > 100
+    at = rows["t_s"] + short.t[0]
+    assert np.allclose(rows["u_mps"], np.interp(at, short.t, short.nu[:, 0]), atol=1e-5), start
+    assert set(np.round(rows["X_N"], 6)) <= set(np.round(short.commands[:, 0], 6))
