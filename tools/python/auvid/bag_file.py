@@ -4,7 +4,6 @@ import json
 import sqlite3
 from typing import NamedTuple
 
-from mcap.exceptions import McapError
 from mcap.records import Channel, Message, Schema
 from mcap.stream_reader import StreamReader
 from rosbags.typesys import Stores, TypesysError, get_types_from_idl, get_types_from_msg, \
@@ -53,22 +52,27 @@ class Types:
         self.store.register(get_types_from_msg(DVL, "marine_acoustic_msgs/msg/Dvl"))
 
     def define(self, kind, encoding, text):
-        """Adds a definition. One that agrees with a known one, or cannot be read, is no news."""
+        """Adds a definition, or replaces one that differs. One that cannot be read is ignored."""
         with contextlib.suppress(TypesysError):
             types = get_types_from_idl(text) if "idl" in encoding else \
                 get_types_from_msg(text, kind)
             for name, fields in types.items():
-                self.store.fielddefs.pop(name, None)
-                self.store.register({name: fields})
+                if self.store.fielddefs.get(name) != fields:
+                    self.store.fielddefs.pop(name, None)
+                    self.store.register({name: fields})
 
     def knows(self, kind):
         return kind in self.store.fielddefs
 
     def decode(self, sample):
         """The message, as an object with its fields, or as a dictionary from JSON."""
-        if sample.kind == "json":
-            return json.loads(sample.data)
-        return self.store.deserialize_cdr(sample.data, sample.kind)
+        try:
+            if sample.kind == "json":
+                return json.loads(sample.data)
+            return self.store.deserialize_cdr(sample.data, sample.kind)
+        except Exception as error:  # any exception of the parser on a damaged message
+            raise LogError(f"{sample.topic}: a message cannot be decoded as {sample.kind}: the log "
+                           "is damaged, or the type is another version") from error
 
 
 def ros_name(kind):
@@ -93,7 +97,7 @@ def _database(path, types):
             for key, time, data in file.execute("select topic_id, timestamp, data from messages "
                                                 "order by timestamp"):
                 yield Sample(*topics[key], time * 1e-9, data)
-    except sqlite3.DatabaseError as error:
+    except (sqlite3.Error, LookupError, TypeError, ValueError) as error:
         raise LogError(f"the database cannot be read ({error}): it is cut off or damaged; try "
                        "sqlite3 FILE .recover") from error
 
@@ -114,7 +118,7 @@ def _mcap(path, types, notes):
                                            else kind)
                 elif isinstance(record, Message) and record.channel_id in channels:
                     yield Sample(*channels[record.channel_id], record.log_time * 1e-9, record.data)
-        except (McapError, EOFError) as error:
+        except Exception as error:  # any exception of the parser on a damaged file
             if not channels:
                 raise LogError("no message in this file: check that it is an .mcap") from error
             notes.append("the file is cut off: it ends within a record; what stands before is "

@@ -1,7 +1,7 @@
 """ArduSub's DataFlash log (.BIN). pymavlink knows the formats; the file is read as a stream."""
 import struct
 
-from pymavlink.DFReader import DFFormat
+from pymavlink.DFReader import FORMAT_TO_STRUCT, DFFormat
 
 from auvid import ardupilot
 from auvid.log_error import LogError
@@ -68,7 +68,8 @@ class Reader:
             return
         self.length[kind] = length
         if name in WANTED:
-            form = DFFormat(kind, name, length, letters, columns)
+            known = all(letter in FORMAT_TO_STRUCT for letter in letters)
+            form = DFFormat(kind, name, length, letters if known else "", columns)
             if 3 + struct.calcsize(form.msg_struct) != length:
                 raise LogError(f"the format of {name} does not have the length that the log gives: "
                                "the log is damaged; copy it from the vehicle again")
@@ -84,9 +85,11 @@ def _fields(form, values):
 
 
 def _take(recording, name, m):
-    """Adds a message to the series."""
+    """Adds a message to the series or the parameters."""
     t = m["TimeUS"] * 1e-6
-    if name == "ATT":
+    if name == "PARM":
+        recording.parameters[m["Name"].split(b"\0")[0].decode("ascii", "replace")] = m["Value"]
+    elif name == "ATT":
         recording.add("attitude", t, [m[k] * DEGREE for k in ("Roll", "Pitch", "Yaw")], "ATT")
     elif name == "IMU" and m.get("I", 0) == 0:
         recording.add("rates", t, [m["GyrX"], m["GyrY"], m["GyrZ"]], "IMU")
@@ -108,12 +111,11 @@ def read(path, options):
     with path.open("rb") as file:
         reader = Reader(file)
         for form, values in reader.messages():
-            m = _fields(form, values)
-            if form.name == "PARM":
-                name = m["Name"].split(b"\0")[0].decode("ascii", "replace")
-                recording.parameters[name] = m["Value"]
-            else:
-                _take(recording, form.name, m)
+            try:
+                _take(recording, form.name, _fields(form, values))
+            except KeyError as error:
+                raise LogError(f"{form.name} has no field {error}: the log is damaged, or of "
+                               "another version of ArduSub") from error
     if len(reader.length) == 1:
         raise LogError("no DataFlash message in this file: check that it is a .BIN of ArduSub")
     if reader.cut:

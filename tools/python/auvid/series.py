@@ -36,6 +36,7 @@ COLUMNS = {
 
 BUFFER = 1 << 17   # numbers held in memory by each series
 JITTER_S = 1.0     # samples may be out of order by less than this
+DAY_S = 86400.0    # a longer gap is an error of the clock
 
 
 class Column:
@@ -80,6 +81,9 @@ class Series:
                                "the log holds two recordings; split it, and convert each")
             self.unordered += t < self.last
             return
+        if self.last is not None and t - self.last > DAY_S:
+            raise LogError(f"{self.label}: time jumps from {self.last:.3f} to {t:.3f} s: the clock "
+                           "was set, or the log is damaged; split it, and convert each part")
         self.first = t if self.first is None else self.first
         self.last = t
         self.count += 1

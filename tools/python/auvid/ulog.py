@@ -112,7 +112,7 @@ def _odometry(recording, t, m, name, raw):
 
 def _take(recording, name, m):
     """Adds a message to the series."""
-    t = (m.get("timestamp_sample") or m.get("timestamp")) * 1e-6
+    t = (m.get("timestamp_sample") or m.get("timestamp", 0)) * 1e-6
     add = recording.add
     if name == "vehicle_attitude":
         add("quaternion", t, m.four("q"), name)

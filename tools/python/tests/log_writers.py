@@ -3,6 +3,7 @@
 A run has t, attitude [rad], nu (u v w p q r), commands (of -1..1, surge .. yaw), position (NED) and
 voltage, in rows.
 """
+import functools
 import json
 import sqlite3
 import struct
@@ -193,26 +194,36 @@ def ulg_log(run, skip=(), parameters=None):
     return b"".join(out)
 
 
+@functools.lru_cache
+def store():
+    """The types of ROS 2, and the DVL's."""
+    from rosbags.typesys import Stores, get_types_from_msg, get_typestore
+    from auvid.bag_file import DVL
+    types = get_typestore(Stores.ROS2_HUMBLE)
+    types.register(get_types_from_msg(DVL, "marine_acoustic_msgs/msg/Dvl"))
+    return types
+
+
 class Bag:
     """Messages of a ROS 2 bag; then written as .mcap or .db3."""
 
     def __init__(self):
-        from rosbags.typesys import Stores, get_types_from_msg, get_typestore
-        from auvid.bag_file import DVL
-        self.store = get_typestore(Stores.ROS2_HUMBLE)
-        self.store.register(get_types_from_msg(DVL, "marine_acoustic_msgs/msg/Dvl"))
+        self.store = store()
         self.messages = []  # topic, type, recorded [ns], bytes
+        self.zeros = {}     # type -> message
 
     def make(self, kind, **fields):
         """A message with these fields; all others are zero."""
         names = self.store.fielddefs[kind][1]
-        values = [fields.get(name, self._zero(form)) for name, form in names]
+        values = [fields[name] if name in fields else self._zero(form) for name, form in names]
         return self.store.types[kind](*values)
 
     def _zero(self, form):
         kind, what = form
         if kind.name == "NAME":
-            return self.make(what)
+            if what not in self.zeros:
+                self.zeros[what] = self.make(what)
+            return self.zeros[what]
         if kind.name == "BASE":
             return "" if what[0] == "string" else 0
         element, count = what

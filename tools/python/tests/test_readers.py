@@ -10,7 +10,9 @@ import pytest
 import log_writers
 from auvid import ardupilot, dataflash, frames, tlog, ulog
 from conftest import DIVES
+from test_round_trip import write
 
+LONG = os.environ.get("AUVID_TEST_LONG")
 OPTIONS = types.SimpleNamespace(only=None, map=None, clock="stamp", frames="enu")
 
 
@@ -104,6 +106,33 @@ def test_commands_from_the_geometry_of_px4_have_the_sign_of_the_wrench():
     assert np.allclose(ulog.mixer(p), [[0, 0], [1, 0], [0, 1], [0, 0], [0, 0], [1, 0]])
 
 
+def damaged(data, rng):
+    """The log with some bytes changed, removed or cut off."""
+    out, at = bytearray(data), int(rng.integers(len(data)))
+    kind = rng.integers(3)
+    if kind == 0:
+        for k in rng.integers(len(out), size=20):
+            out[k] = rng.integers(256)
+    elif kind == 1:
+        del out[at:at + int(rng.integers(1, 50))]
+    else:
+        del out[at:]
+    return bytes(out)
+
+
+@pytest.mark.parametrize("suffix", [".BIN", ".tlog", ".ulg", ".mcap", ".db3"])
+def test_a_damaged_log_never_ends_in_a_trace(suffix, short, tmp_path, convert):
+    short = log_writers.Run(*(values[:20] for values in short))
+    whole, path = write(short, tmp_path / f"whole{suffix}"), tmp_path / f"dive{suffix}"
+    rng, seen = np.random.default_rng(1), set()
+    for _ in range(300 if LONG else 6):
+        path.write_bytes(damaged(whole.read_bytes(), rng))
+        status, said, _ = convert(path)
+        seen.add(status)
+        assert status in (0, 1) and said.endswith("\n") and "nan" not in said, said
+    assert seen <= {0, 1}
+
+
 def big_log(path, size):
     """A .BIN with the messages of a fast IMU between those that are used; time goes on."""
     kinds = ["ATT", "IMU", "VISO", "XKF1", "RCOU", "BAT"]
@@ -134,7 +163,7 @@ def big_log(path, size):
 
 
 @pytest.mark.parametrize("megabytes", [4, pytest.param(2048, marks=pytest.mark.skipif(
-    not os.environ.get("AUVID_TEST_LONG"), reason="AUVID_TEST_LONG=1 runs it"))])
+    not LONG, reason="AUVID_TEST_LONG=1 runs it"))])
 def test_memory_does_not_grow_with_the_log(megabytes, tmp_path):
     seconds = big_log(tmp_path / "dive.BIN", megabytes << 20)
     code = "import resource, sys; from auvid import cli; cli.main(sys.argv[1:]); " \

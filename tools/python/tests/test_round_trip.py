@@ -10,8 +10,9 @@ from conftest import AUVID, INPUTS
 
 MOTION = "phi_rad theta_rad psi_rad u_mps v_mps w_mps p_radps q_radps r_radps".split()
 #: Largest rounding: of an attitude [rad], of a velocity or rate, of a command.
-ROUNDING = {".BIN": (0.5e-2 * np.pi / 180 + 1e-6, 1e-6, 1e-6), ".tlog": (1e-6, 1e-6, 1e-6),
-            ".ulg": (1e-6, 1e-6, 1e-6), ".mcap": (1e-8, 1e-8, 1e-8), ".db3": (1e-8, 1e-8, 1e-8)}
+ROUNDING = {".BIN": (0.5e-2 * np.pi / 180 + 1e-6, 1e-6, 1e-6), ".ulg": (1e-6, 1e-6, 1e-6),
+            ".mcap": (1e-8, 1e-8, 1e-8), ".db3": (1e-8, 1e-8, 1e-8)}
+WRENCH = "X_N Y_N Z_N K_Nm M_Nm N_Nm".split()
 
 
 def write(run, path):
@@ -47,37 +48,45 @@ def reference(run, path, inputs):
     return path
 
 
-@pytest.mark.parametrize("suffix", ROUNDING)
-def test_a_run_read_back_is_the_run_within_the_rounding_of_the_format(suffix, run, tmp_path,
-                                                                      convert):
-    status, said, rows = convert(write(run, tmp_path / f"dive{suffix}"), "--resample", "velocity")
-    assert status == 0, said
-    bags = suffix in (".mcap", ".db3")
-    inputs = "X_N Y_N Z_N K_Nm M_Nm N_Nm".split() if bags else INPUTS["cmd"]
-    bound = ROUNDING[suffix]
-    # a .tlog has milliseconds, and the samples of its DVL the time at which they were received
-    assert np.allclose(rows["t_s"], run.t - run.t[0], rtol=0, atol=2e-3 if suffix == ".tlog"
-                       else 1e-6)
+def compare(rows, run, suffix):
+    """The rows are the run within the rounding of the format."""
+    inputs = WRENCH if suffix in (".mcap", ".db3") else INPUTS["cmd"]
+    attitude, motion, command = ROUNDING[suffix]
+    assert np.allclose(rows["t_s"], run.t - run.t[0], rtol=0, atol=1e-6)
     turned = table(rows, MOTION[:3]) - run.attitude
-    if suffix != ".tlog":
-        assert np.abs((turned + np.pi) % (2 * np.pi) - np.pi).max() <= bound[0]
-        assert np.abs(table(rows, MOTION[6:]) - run.nu[:, 3:]).max() <= bound[1]
-        assert np.abs(table(rows, inputs) - run.commands).max() <= bound[2]
-    assert np.abs(table(rows, MOTION[3:6]) - run.nu[:, :3]).max() <= bound[1]
+    assert np.abs((turned + np.pi) % (2 * np.pi) - np.pi).max() <= attitude
+    assert np.abs(table(rows, MOTION[3:]) - run.nu).max() <= motion
+    assert np.abs(table(rows, inputs) - run.commands).max() <= command
 
 
 @pytest.mark.parametrize("suffix", [".BIN", ".ulg", ".mcap"])
-def test_a_log_is_identified_as_the_run_itself(suffix, run, tmp_path, convert):
-    status, said, _ = convert(write(run, tmp_path / f"dive{suffix}"), "--resample", "velocity")
-    assert status == 0, said
+def test_a_log_is_the_run_within_rounding_and_is_identified_as_the_run(suffix, run, tmp_path,
+                                                                       convert):
+    status, said, rows = convert(write(run, tmp_path / f"dive{suffix}"), "--resample", "velocity")
+    assert status == 0 and "the raw DVL; not used: " in said, said
+    compare(rows, run, suffix)
     found = fit(tmp_path / "out.csv")
-    inputs = "X_N Y_N Z_N K_Nm M_Nm N_Nm".split() if suffix == ".mcap" else INPUTS["cmd"]
-    wanted = fit(reference(run, tmp_path / "run.csv", inputs))
+    wanted = fit(reference(run, tmp_path / "run.csv", WRENCH if suffix == ".mcap" else
+                           INPUTS["cmd"]))
     assert found["status"] == wanted["status"] == "ok"
     for a, b in zip(found["parameters"], wanted["parameters"], strict=True):
         assert a["name"] == b["name"] and a["identifiable"] == b["identifiable"]
         if b["sigma"]:  # rounding moves an estimate by a small part of its standard error
             assert abs(a["estimate"] - b["estimate"]) < 0.02 * b["sigma"], (a, b)
+
+
+def test_a_database_is_read_as_the_run(short, tmp_path, convert):
+    status, said, rows = convert(write(short, tmp_path / "dive.db3"), "--resample", "velocity")
+    assert status == 0, said
+    compare(rows, short, ".db3")
+
+
+def test_a_telemetry_log_is_read_as_the_run(short, tmp_path, convert):
+    """Times are in ms, and of the DVL those of reception, so attitudes are a little older."""
+    rows = convert(write(short, tmp_path / "dive.tlog"), "--resample", "velocity")[2]
+    assert np.allclose(rows["t_s"], short.t, rtol=0, atol=2e-3)
+    assert np.abs(table(rows, MOTION[3:6]) - short.nu[:, :3]).max() < 1e-6
+    assert np.abs(table(rows, MOTION[:3]) - short.attitude).max() < 2e-3
 
 
 @pytest.mark.parametrize("suffix", [".BIN", ".ulg", ".mcap"])
