@@ -59,11 +59,12 @@ def advise(recording, streams):
     inputs = [s for s in streams if s.is_input]
     slow = min(inputs, key=lambda s: s.series.rate_hz)
     if slow.series.rate_hz < INPUT_HZ:
-        said.append(f"thruster commands at {slow.series.rate_hz:.2g} Hz in a {recording.path.suffix}"
-                    f": {recording.remedies['rate']}")
+        said.append(f"thruster commands at {slow.series.rate_hz:.2g} Hz in a "
+                    f"{recording.path.suffix}: {recording.remedies['rate']}")
     rate = velocity.series.rate_hz
     if rate < VELOCITY_HZ:
-        said.append(f"velocity at {rate:.2g} Hz: a small vehicle needs {VELOCITY_HZ:.0f} Hz or more")
+        said.append(f"velocity at {rate:.2g} Hz: a small vehicle needs {VELOCITY_HZ:.0f} Hz or "
+                    "more")
     count, total = _gaps(velocity)
     if count and rate >= VELOCITY_HZ:
         said.append(f"{velocity.series.label}: {count} gaps longer than {GAP_S:.0f} s, "

@@ -53,8 +53,8 @@ def _thrusters(recording):
     output, sign = _outputs(recording)
     if None in output or not output:
         recording.notes.append(
-            "the parameters of the outputs (SERVOn_FUNCTION) are not in the log: outputs 1 to 8 are "
-            "taken for thrusters 1 to 8, as wired; log the parameters to have their directions")
+            "the parameters of the outputs (SERVOn_FUNCTION) are not in the log: outputs 1 to 8 "
+            "are taken for thrusters 1 to 8, as wired; log the parameters to have their directions")
         output, sign = list(range(8)), [1.0] * 8
     frame = int(recording.parameters.get("FRAME_CONFIG", -1))
     known = frame in FRAMES and len(FRAMES[frame]) == len(output)
@@ -109,7 +109,7 @@ def _settings(recording):
 def finish(recording):
     """Turns outputs into commands, and adds the notes."""
     recording.remedies.update(
-        rate="use the .BIN, 10 Hz" if recording.path.suffix != ".BIN" else "log them at 10 Hz",
+        rate="use the .BIN, 10 Hz" if recording.path.suffix.lower() != ".bin" else "log them at 10 Hz",
         velocity="the log has neither VISO nor XKF1: log them (a DVL with VISO_TYPE=1, EKF3)",
         command="set bit 10 of LOG_BITMASK, which logs the outputs",
         attitude="set bit 0 of LOG_BITMASK, which logs the attitude")

@@ -77,6 +77,7 @@ class Reader:
     def imu(self, sample, m):
         t, flip = self.time(sample, m.header), self.flips(sample.topic, m.header.frame_id)
         self.recording.add("rates", t, _xyz(m.angular_velocity, flip), sample.topic)
+        self.recording.add("specific_force", t, _xyz(m.linear_acceleration, flip), sample.topic)
         if m.orientation_covariance[0] >= 0:
             q = [m.orientation.w, m.orientation.x, m.orientation.y, m.orientation.z]
             self.recording.add("imu_quaternion", t, list(frames.ned_frd(q)) if flip else q,
@@ -117,8 +118,8 @@ def _check_clocks(reader):
     delays = sorted(reader.delay.items(), key=lambda item: item[1])
     if delays and delays[-1][1] - delays[0][1] > STAMP_S:
         (near, a), (far, b) = delays[0], delays[-1]
-        raise LogError(f"mixed clocks: the stamps of {far} are {b:.1f} s behind the recording, those "
-                       f"of {near} {a:.1f} s; correct the clocks, or use --clock recording")
+        raise LogError(f"mixed clocks: the stamps of {far} are {b:.1f} s behind the recording, "
+                       f"those of {near} {a:.1f} s; correct the clocks, or use --clock recording")
 
 
 def _notes(reader, unknown):
@@ -129,8 +130,8 @@ def _notes(reader, unknown):
     axes = {"enu": "forward, left, up (REP 103)", "ned": "forward, right, down"}
     for topic, frame in sorted(reader.assumed.items()):
         other = "ned" if frame == "enu" else "enu"
-        recording.notes.append(f"{topic}: its frame does not name its axes: taken as {axes[frame]}; "
-                               f"if they are {axes[other]}, use --frames {other}")
+        recording.notes.append(f"{topic}: its frame does not name its axes: taken as "
+                               f"{axes[frame]}; if they are {axes[other]}, use --frames {other}")
     for topic, kind in sorted(unknown.items()):
         recording.notes.append(f"{topic}: type {kind} is not defined in this bag: not read; record "
                                "an .mcap, which holds definitions")

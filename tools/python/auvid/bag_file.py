@@ -97,7 +97,9 @@ def _database(path, types):
             for key, time, data in file.execute("select topic_id, timestamp, data from messages "
                                                 "order by timestamp"):
                 yield Sample(*topics[key], time * 1e-9, data)
-    except (sqlite3.Error, LookupError, TypeError, ValueError) as error:
+    except LogError:
+        raise
+    except Exception as error:  # any exception on a damaged file
         raise LogError(f"the database cannot be read ({error}): it is cut off or damaged; try "
                        "sqlite3 FILE .recover") from error
 

@@ -40,8 +40,8 @@ def _parser():
     parser.add_argument("--resample", type=_resample, metavar="HZ|velocity", help="rows at this "
                         "rate, or at the times of the velocity: motion is interpolated, commands "
                         "are held. Default: a row per sample; an empty cell means no new sample")
-    parser.add_argument("--map", metavar="COLUMNS.ini", help="which column or field is which column "
-                        "of auvid, with unit, sign and frame")
+    parser.add_argument("--map", metavar="COLUMNS.ini", help="which column or field is which "
+                        "column of auvid, with unit, sign and frame")
     parser.add_argument("--only", metavar="NAME", help="of several vehicles, this one: the system "
                         "id of a .tlog, or prefixes of topics, separated by commas")
     parser.add_argument("--frames", choices=("enu", "ned"), default="enu", help="axes of messages "

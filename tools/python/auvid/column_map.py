@@ -16,18 +16,20 @@ import math
 from typing import NamedTuple
 
 from auvid.log_error import LogError, UsageError
-from auvid.series import ATTITUDE, COMMANDS, POSITION, QUATERNION, RATES, VELOCITY, WRENCH, Recording
+from auvid.series import ATTITUDE, COMMANDS, FORCE, POSITION, QUATERNION, RATES, VELOCITY, \
+    WRENCH, Recording
 from auvid.streams import INPUT
 
 UNITS = {"": 1, "1": 1, "%": 0.01, "s": 1, "ms": 1e-3, "us": 1e-6, "ns": 1e-9, "m": 1, "cm": 0.01,
          "mm": 1e-3, "m/s": 1, "cm/s": 0.01, "mm/s": 1e-3, "kn": 1852 / 3600, "rad": 1,
          "deg": math.pi / 180, "rad/s": 1, "deg/s": math.pi / 180, "N": 1, "kN": 1e3, "Nm": 1,
-         "V": 1, "mV": 1e-3, "rpm": 1}
+         "V": 1, "m/s2": 1, "g": 9.80665, "mV": 1e-3, "rpm": 1}
 GROUPS = {"dvl": VELOCITY, "attitude": ATTITUDE, "quaternion": QUATERNION, "rates": RATES,
-          "position": POSITION}
+          "position": POSITION, "specific_force": FORCE}
 KNOWN = {"t_s", *(c for group in GROUPS.values() for c in group), *WRENCH, *COMMANDS, "voltage_V"}
 #: Columns that change their sign between forward, left, up and forward, right, down.
-TURNED = {"v_mps", "w_mps", "q_radps", "r_radps", "theta_rad", "z_m", "Y_N", "Z_N", "M_Nm", "N_Nm",
+TURNED = {"v_mps", "w_mps", "q_radps", "r_radps", "theta_rad", "depth_m", "fy_mps2",
+          "fz_mps2", "Y_N", "Z_N", "M_Nm", "N_Nm",
           "cmd_sway", "cmd_heave", "cmd_pitch", "cmd_yaw"}
 
 
@@ -105,8 +107,8 @@ def read_csv(path, options):
         rows.fieldnames = header
         for column, entry in entries.items():
             if entry.source not in header:
-                raise LogError(f"no column {entry.source} (for {column}) in the header; its columns "
-                               f"are {', '.join(header)[:300]}")
+                raise LogError(f"no column {entry.source} (for {column}) in the header; its "
+                               f"columns are {', '.join(header)[:300]}")
 
         def value(row, column):
             entry = entries[column]
@@ -115,8 +117,8 @@ def read_csv(path, options):
         groups = grouped(entries)
         for row in rows:
             if None in row.values() or None in row:
-                raise LogError(f"line {rows.line_num}: the row does not have {len(header)} columns; "
-                               "the file may be cut off")
+                raise LogError(f"line {rows.line_num}: the row does not have {len(header)} "
+                               "columns; the file may be cut off")
             t = value(row, "t_s")
             for name, columns in groups:
                 if all(row[entries[c].source].strip() for c in columns):

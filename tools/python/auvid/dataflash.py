@@ -93,6 +93,7 @@ def _take(recording, name, m):
         recording.add("attitude", t, [m[k] * DEGREE for k in ("Roll", "Pitch", "Yaw")], "ATT")
     elif name == "IMU" and m.get("I", 0) == 0:
         recording.add("rates", t, [m["GyrX"], m["GyrY"], m["GyrZ"]], "IMU")
+        recording.add("specific_force", t, [m["AccX"], m["AccY"], m["AccZ"]], "IMU")
     elif name == "VISO" and m["dt"] > 0:
         ardupilot.add_dvl(recording, t, m["dt"], [m["PosDX"], m["PosDY"], m["PosDZ"]], m["conf"],
                           "VISO")

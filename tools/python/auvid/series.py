@@ -16,7 +16,8 @@ ATTITUDE = ["phi_rad", "theta_rad", "psi_rad"]
 QUATERNION = ["qw", "qx", "qy", "qz"]
 RATES = ["p_radps", "q_radps", "r_radps"]
 VELOCITY = ["u_mps", "v_mps", "w_mps"]
-POSITION = ["x_m", "y_m", "z_m"]
+POSITION = ["north_m", "east_m", "depth_m"]
+FORCE = ["fx_mps2", "fy_mps2", "fz_mps2"]
 WRENCH = ["X_N", "Y_N", "Z_N", "K_Nm", "M_Nm", "N_Nm"]
 COMMANDS = ["cmd_" + dof for dof in DOFS]
 
@@ -29,6 +30,7 @@ COLUMNS = {
     "velocity": VELOCITY,                     # filtered, in body axes
     "velocity_ned": ["v_n", "v_e", "v_d"],    # filtered; the writer rotates it
     "position": POSITION,
+    "specific_force": FORCE,                  # of the accelerometers, in body axes
     "wrench": WRENCH,
     "commands": COMMANDS,
     "voltage": ["voltage_V"],

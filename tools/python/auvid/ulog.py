@@ -12,7 +12,8 @@ MOTORS = 12        # of actuator_motors
 BODY_FRD, NED = 3, 1       # velocity_frame of vehicle_odometry
 THRUST = {"vehicle_thrust_setpoint": "surge sway heave", "vehicle_torque_setpoint":
           "roll pitch yaw"}
-WANTED = {"vehicle_attitude", "vehicle_angular_velocity", "vehicle_local_position",
+WANTED = {"vehicle_attitude", "vehicle_angular_velocity", "vehicle_acceleration",
+          "vehicle_local_position",
           "vehicle_odometry", "vehicle_visual_odometry", "actuator_motors", "battery_status",
           *THRUST}
 
@@ -118,6 +119,8 @@ def _take(recording, name, m):
         add("quaternion", t, m.four("q"), name)
     elif name == "vehicle_angular_velocity":
         add("rates", t, m.three([f"xyz[{k}]" for k in range(3)]), name)
+    elif name == "vehicle_acceleration":
+        add("specific_force", t, m.three([f"xyz[{k}]" for k in range(3)]), name)
     elif name == "vehicle_local_position":
         if m.get("v_xy_valid", 1) and m.get("v_z_valid", 1):
             add("local_velocity", t, m.three(["vx", "vy", "vz"]), name)

@@ -145,8 +145,8 @@ def tlog(run, systems=(1,), heartbeat=True, parameters=PARAMETERS):
 TOPICS = {  # name: fields of a ULog message
     "vehicle_attitude": "uint64_t timestamp;uint64_t timestamp_sample;float[4] q;",
     "vehicle_angular_velocity": "uint64_t timestamp;uint64_t timestamp_sample;float[3] xyz;",
-    "vehicle_local_position": "uint64_t timestamp;uint64_t timestamp_sample;float x;float y;float z;"
-                              "float vx;float vy;float vz;bool v_xy_valid;bool v_z_valid;",
+    "vehicle_local_position": "uint64_t timestamp;uint64_t timestamp_sample;float x;float y;"
+                              "float z;float vx;float vy;float vz;bool v_xy_valid;bool v_z_valid;",
     "vehicle_visual_odometry": "uint64_t timestamp;uint64_t timestamp_sample;float[3] velocity;"
                                "uint8_t velocity_frame;",
     "actuator_motors": "uint64_t timestamp;uint64_t timestamp_sample;float[12] control;",
@@ -228,7 +228,8 @@ class Bag:
             return "" if what[0] == "string" else 0
         element, count = what
         if element[0].name == "BASE":
-            return np.zeros(count, {"float64": float, "float32": np.float32}.get(element[1][0], int))
+            kinds = {"float64": float, "float32": np.float32}
+            return np.zeros(count, kinds.get(element[1][0], int))
         return [self._zero(element) for _ in range(count)]
 
     def header(self, t, frame=""):

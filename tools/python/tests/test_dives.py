@@ -44,7 +44,7 @@ def identities(recording):
     yawing = q * np.sin(phi) + r * np.cos(phi)
     euler = [p + yawing * np.tan(theta), q * np.cos(phi) - r * np.sin(phi), yawing / np.cos(theta)]
     turned = (np.diff(angle, axis=0) / np.diff(t)[:, None]).T
-    (t_place, place), (t_body, body) = by_name["x_m"], by_name["u_mps"]
+    (t_place, place), (t_body, body) = by_name["north_m"], by_name["u_mps"]
     attitude = np.column_stack([np.interp(t_body, t, a) for a in angle.T])
     ned = np.einsum("nij,nj->ni", matrix(attitude), body)
     moved = (np.diff(place, axis=0) / np.diff(t_place)[:, None]).T

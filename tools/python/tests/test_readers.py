@@ -54,7 +54,8 @@ def test_a_ulog_is_read_as_pyulog_reads_it(short, tmp_path):
     path.write_bytes(log_writers.ulg_log(short))
     recording, log = ulog.read(path, OPTIONS), ULog(str(path))
     data = log.get_dataset("vehicle_attitude").data
-    wanted = np.column_stack([data["timestamp_sample"] * 1e-6] + [data[f"q[{k}]"] for k in range(4)])
+    wanted = np.column_stack([data["timestamp_sample"] * 1e-6,
+                              *(data[f"q[{k}]"] for k in range(4))])
     series = recording.series["quaternion"]
     assert np.array_equal(np.column_stack([series.times, series.values]), wanted)
     assert recording.parameters == log.initial_parameters
