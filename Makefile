@@ -38,8 +38,9 @@ PROGRAM := $(if $(filter %/tick.c,$(PORT)),$(PROGRAM),$(filter-out tools/auvid/b
 RECORDED = $(foreach test,$(UNIT:tests/%.c=release/tests/%) $(VEHICLES:tests/%.c=wide/tests/%),\
     build/$(test))
 # What of the program tests run as well: the demo's world.
-WORLD := $(addprefix tools/auvid/,world.c frames.c vehicles.c field_run.c field_table.c \
-    statistics.c report.c report_error.c) $(MEMORY)
+WORLD := $(addprefix tools/auvid/,world.c frames.c vehicles.c vehicles_ready.c vehicle_file.c \
+    vehicle_keys.c vehicle_terms.c thrust_map.c ini.c field_run.c field_table.c statistics.c \
+    report.c report_error.c) $(MEMORY)
 SUPPORT := $(wildcard tests/support/*.c)
 UNIT := $(wildcard tests/unit/*/test_*.c)
 REFERENCE := $(wildcard tests/reference/test_*.cpp)

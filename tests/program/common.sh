@@ -41,13 +41,19 @@ END
 }
 
 # refuses PATTERN ARGUMENTS...: exit 2, nothing on stdout, exactly one line on stderr, which
-# matches the extended regular expression.
+# matches the extended regular expression. rejects: the same with exit 1, of fit for a bad log.
 refuses() {
-    local pattern=$1 status=0
-    shift
+    one_line 2 "$@"
+}
+rejects() {
+    one_line 1 "$@"
+}
+one_line() {
+    local wanted=$1 pattern=$2 status=0
+    shift 2
     "$AUVID" "$@" >refuse.out 2>refuse.err </dev/null || status=$?
     cat refuse.err
-    [ "$status" = 2 ] && [ ! -s refuse.out ] && [ "$(wc -l <refuse.err)" = 1 ] &&
+    [ "$status" = "$wanted" ] && [ ! -s refuse.out ] && [ "$(wc -l <refuse.err)" = 1 ] &&
         grep -Eq -- "$pattern" refuse.err
 }
 

@@ -9,7 +9,9 @@ check "unknown option of demo" refuses 'demo: unknown option --bias' demo --bias
 check "unknown option of fit" refuses 'fit: unknown option --runs' fit x.csv --runs=3
 check "unexpected argument" refuses "demo: unexpected argument 'x'" demo x
 check "no training log" refuses 'fit: no TRAIN.csv' fit --json
-check "two training logs" refuses "unexpected argument 'b.csv'" fit a.csv b.csv
+# shellcheck disable=SC2046
+check "more training logs than it takes" refuses "unexpected argument 'x.csv'" fit \
+    $(printf 'x.csv %.0s' $(seq 65))
 check "a missing value" refuses -- '--seed needs a value' demo --seed
 check "an empty value" refuses -- '--csv needs a value' demo --csv=
 check "a flag with a value" refuses -- '--json takes no value' demo --json=yes
@@ -59,99 +61,149 @@ check "--coupling of another kind" refuses "'no' is not one of auto, on, off" \
 # ---- logs ----
 header=t_s,u_mps,X_N
 log() { printf '%s\n' "$@" >log.csv; }
-check "no such file" refuses 'none.csv: No such file' fit none.csv
-check "a directory" refuses '\.: Is a directory' fit .
+check "no such file" rejects 'none.csv: No such file' fit none.csv
+check "a directory" rejects '\.: Is a directory' fit .
 : >log.csv
-check "empty file" refuses 'log.csv:1:1: the file is empty' fit log.csv
+check "empty file" rejects 'log.csv:1:1: the file is empty' fit log.csv
 printf '\n\n' >log.csv
-check "nothing but empty lines" refuses 'log.csv:1:1: the file is empty' fit log.csv
+check "nothing but empty lines" rejects 'log.csv:1:1: the file is empty' fit log.csv
 log "$header"
-check "a header and no row" refuses 'log.csv:1:1: no row after the header' fit log.csv
+check "a header and no row" rejects 'log.csv:1:1: no row after the header' fit log.csv
 log "$header" 0,0,0
-check "one row" refuses 'log.csv:2:1: only one row' fit log.csv
+check "one row" rejects 'log.csv:2:1: only one row' fit log.csv
 log u_mps,X_N 0,0 1,1
-check "no column t_s" refuses 'log.csv:1:1: no column t_s .*its columns are: u_mps, X_N$' \
+check "no column t_s" rejects 'log.csv:1:1: no column t_s .*its columns are: u_mps, X_N$' \
     fit log.csv
 log t,u_mps,X_N 0,0,0 1,1,1
-check "  one that resembles it is named" refuses 'no column t_s .*; t resembles it$' fit log.csv
+check "  one that resembles it is named" rejects 'no column t_s .*; t resembles it$' fit log.csv
 log 't_s;u_mps;X_N' '0;0;0' '0,1;0;0'
-check "semicolons between the columns" refuses \
+check "semicolons between the columns" rejects \
     'log.csv:1:1: no column t_s .*separated by semicolons; .*by commas' fit log.csv
 log "$(printf 't_s\tu_mps\tX_N')" "$(printf '0\t0\t0')"
-check "tabs between the columns" refuses \
+check "tabs between the columns" rejects \
     'no column t_s .*separated by tabs; .*by commas' fit log.csv
 log "u_mps,$(seq -s , 1 400)" 0 1
-check "a list of many columns is cut" refuses \
+check "a list of many columns is cut" rejects \
     'its columns are: u_mps, 1, 2, .*, \.\.\.$' fit log.csv
 log t_s,X_N 0,0 1,1
-check "a force without its velocity" refuses \
+check "a force without its velocity" rejects \
     'log.csv:1:1: no column u_mps in the header, but X_N: ' fit log.csv
 log t_s,u_ms,X_N 0,0,0 1,1,1
-check "  a column that resembles it is named" refuses 'but X_N: .*; u_ms resembles it$' fit log.csv
+check "  a column that resembles it is named" rejects 'but X_N: .*; u_ms resembles it$' fit log.csv
 for other in 'u_mps [m/s]' 'U_MPS' 'u'; do
     log "t_s,$other,X_N" 0,0,0 1,1,1
-    check "  so is '$other'" refuses ' resembles it$' fit log.csv
+    check "  so is '$other'" rejects ' resembles it$' fit log.csv
 done
 for other in v_mps x_m speed; do
     log "t_s,$other,X_N" 0,0,0 1,1,1
-    check "  but not $other" refuses "X_N: [^;]*$" fit log.csv
+    check "  but not $other" rejects "X_N: [^;]*$" fit log.csv
 done
 log t_s,u_mps,N_Nm 0,0,0 1,1,1
-check "a moment without its rate" refuses 'log.csv:1:1: no column r_radps in the header, but N_Nm' \
+check "a moment without its rate" rejects 'log.csv:1:1: no column r_radps in the header, but N_Nm' \
     fit log.csv
 log t_s,u_mps,X_N,K_Nm 0,0,0,0 1,1,1,1
-check "  in roll, too, where the model has it" refuses 'no column p_radps in the header, but K_Nm' \
+check "  in roll, too, where the model has it" rejects 'no column p_radps in the header, but K_Nm' \
     fit log.csv --model fossen
-check "  and not where it has none" exits 1 fit log.csv
+check "  and not where it has none" exits 3 fit log.csv
 log t_s,u_mps,cmd_surge,cmd_yaw 0,0,0,0 1,1,1,1
-check "a command without its rate" refuses \
+check "a command without its rate" rejects \
     'no column r_radps in the header, but cmd_yaw' fit log.csv
 log t_s,u_mps 0,0 1,1
-check "no input column" refuses 'log.csv:1:1: no input column' fit log.csv
+check "no input column" rejects 'log.csv:1:1: no input column' fit log.csv
 check "  the message names those of six degrees of freedom" \
-    refuses ' Z_N K_Nm M_Nm N_Nm, .* cmd_roll cmd_pitch cmd_yaw' fit log.csv --model fossen
+    rejects ' Z_N K_Nm M_Nm N_Nm, .* cmd_roll cmd_pitch cmd_yaw' fit log.csv --model fossen
 log t_s,u_mps,X_N,u_mps 0,0,0,0 1,1,1,1
-check "a second column of the same name" refuses 'log.csv:1:15: duplicate column u_mps' fit log.csv
+check "a second column of the same name" rejects 'log.csv:1:15: duplicate column u_mps' fit log.csv
 log "$header" 0,0,0 0.1,fast,0 0.2,0,0
-check "text in a number" refuses "log.csv:3:5: u_mps: 'fast' is not a number" fit log.csv
+check "text in a number" rejects "log.csv:3:5: u_mps: 'fast' is not a number" fit log.csv
 log "$header" 0,0,0 0.1,0,1.2.3
-check "two points in a number" refuses "log.csv:3:7: X_N: '1.2.3' is not a number" fit log.csv
+check "two points in a number" rejects "log.csv:3:7: X_N: '1.2.3' is not a number" fit log.csv
 log "$header" 0,0,0 0.1,0,1e5N
-check "a unit after a number" refuses "log.csv:3:7: X_N: '1e5N' is not a number" fit log.csv
+check "a unit after a number" rejects "log.csv:3:7: X_N: '1e5N' is not a number" fit log.csv
 log "$header" 0,0,0 0.1,0,0x10
-check "a hexadecimal number" refuses "log.csv:3:7: X_N: '0x10' is not a number" fit log.csv
+check "a hexadecimal number" rejects "log.csv:3:7: X_N: '0x10' is not a number" fit log.csv
 for bad in nan NaN inf -inf Infinity 1e999; do
     log "$header" 0,0,0 "0.1,$bad,0"
-    check "$bad" refuses "log.csv:3:5: u_mps: '$bad' is not a finite number" fit log.csv
+    check "$bad" rejects "log.csv:3:5: u_mps: '$bad' is not a finite number" fit log.csv
 done
-log "$header" 0,0,0 0.1,,0
-check "an empty field" refuses "log.csv:3:5: u_mps: '' is empty" fit log.csv
+log "$header" 0,0,0 ,0,0
+check "an empty time" rejects "log.csv:3:1: t_s: '' is empty" fit log.csv
+log "$header" 0,,0 0.1,,0
+check "a column that is empty in all rows" rejects \
+    'log.csv:1:1: the column u_mps has no value in any row' fit log.csv
 log "$header" 0,0,0 0.1,2e6,0
-check "a value that is too large" refuses 'log.csv:3:5: u_mps: .* beyond' fit log.csv
+check "a value that is too large" rejects 'log.csv:3:5: u_mps: .* beyond' fit log.csv
 log "$header" 0,0,0 nan,0,0
-check "a time that is not finite" refuses 'log.csv:3:1: t_s: .*not a finite' fit log.csv
+check "a time that is not finite" rejects 'log.csv:3:1: t_s: .*not a finite' fit log.csv
 log "$header" 0,0,0 0.2,0,0 0.1,0,0
-check "time that goes back" refuses "log.csv:4:1: t_s: time goes back: '0.1'" fit log.csv
+check "time that goes back" rejects "log.csv:4:1: t_s: time goes back: '0.1'" fit log.csv
 log u_mps,t_s,X_N 0,0,0 0,0.2,0 0,0.2,0
-check "time that stands still" refuses 'log.csv:4:3: t_s: time does not advance' fit log.csv
+check "time that stands still" rejects 'log.csv:4:3: t_s: time does not advance' fit log.csv
 log "$header" 0,0,0 2e9,0,0
-check "a gap of decades" refuses 'log.csv:3:1: t_s: more than 1e9 s' fit log.csv
+check "a gap of decades" rejects 'log.csv:3:1: t_s: more than 1e9 s' fit log.csv
 log "$header" 0,0,0 0.1,0 0.2,0,0
-check "a row too short" refuses 'log.csv:3:6: the row ends after 2 of 3 columns' fit log.csv
+check "a row too short" rejects 'log.csv:3:6: the row ends after 2 of 3 columns' fit log.csv
 log "$header" 0,0,0 0.1,0,0,0
-check "a row too long" refuses 'log.csv:3:9: the row has more than 3 columns' fit log.csv
+check "a row too long" rejects 'log.csv:3:9: the row has more than 3 columns' fit log.csv
 log "$header" 0,0,0 '' 0.1,x,0
-check "empty lines count as lines" refuses 'log.csv:4:5: u_mps' fit log.csv
+check "empty lines count as lines" rejects 'log.csv:4:5: u_mps' fit log.csv
 printf '%s\n0,0,0\n0.1,0\0,0\n' "$header" >log.csv
-check "a binary file" refuses 'log.csv: not a text file' fit log.csv
+check "a binary file" rejects 'log.csv: not a text file' fit log.csv
 log "$header" 0,0,0 "$(printf '0.1,a\033[31m,0')"
-check "control characters do not reach the terminal" refuses "'a\?\[31m'" fit log.csv
+check "control characters do not reach the terminal" rejects "'a\?\[31m'" fit log.csv
+
+# ---- forms of a log ----
+q=t_s,qw,qx,qy,qz,u_mps,X_N
+log $q 0,1,0,0,0,0,0 0.1,2,0,0,0,1,1
+check "a quaternion of a norm far from 1" rejects \
+    'log.csv:3:1: the quaternion qw qx qy qz has the norm 2, not 1' fit log.csv
+log $q 0,1,0,0,0,0,0 0.1,1,0,,0,1,1
+check "a quaternion with an empty part" rejects 'log.csv:3:1: the quaternion is incomplete' \
+    fit log.csv
+log t_s,qw,qx,qz,u_mps,X_N 0,1,0,0,0,0 0.1,1,0,0,1,1
+check "a quaternion without a part" rejects 'no column qy in the header: a quaternion needs' \
+    fit log.csv
+log t_s,u_mps,thruster_1,thruster_2 0,0,0,0 0.1,1,1,1
+check "thrusters of an unknown vehicle" rejects \
+    'log.csv:1:1: the inputs are those of thrusters: name their vehicle' fit log.csv
+check "a thruster is missing" rejects 'no column thruster_3 in the header: girona500 has 5' \
+    fit log.csv --thrusters girona500
+v=t_s,u_mps,v_mps,w_mps,r_radps
+throttle=thruster_1,thruster_2,thruster_3,thruster_4,thruster_5
+log "$v,$throttle,thruster_6" 0,0,0,0,0,0,0,0,0,0,0 1,1,1,1,1,1,1,1,1,1,1
+check "a thruster too many" rejects 'there is a column thruster_6: girona500 has 5 thrusters' \
+    fit log.csv --thrusters girona500
+log "$v,${throttle//,/_N,}_N" 0,0,0,0,0,0,0,0,0,0 1,1,1,1,1,1,1,1,1,1
+check "commands in the columns of newtons" rejects \
+    'largest force of a thruster is 1 N, .* up to 154 N: are the columns .* in newtons' \
+    fit log.csv --thrusters girona500
+log "$v,$throttle" 0,0,0,0,0,0,0,0,0,0 1,1,1,1,1,90,1,1,1,1
+check "newtons in the columns of commands" rejects 'are the commands in the unit of the vehicle' \
+    fit log.csv --thrusters girona500
+log "${v%,*},$throttle" 0,0,0,0,0,0,0,0,0 1,1,1,1,1,1,1,1,1
+check "thrusters without a rate" rejects 'no column r_radps in the header, but the thrusters: a' \
+    fit log.csv --thrusters girona500
+printf '%s\n0,0,0\n0.1,%070000d,0\n' "$header" 0 >log.csv
+check "a line of 70 KB" rejects 'log.csv:3:1: the line is longer than 65535 characters' fit log.csv
+printf '%s\n0,0,0\n' "$header" >good.csv
+log "$header" 0,0,0 1,1,1
+check "a second training log is read as strictly" rejects 'good.csv:2:1: only one row' \
+    fit log.csv good.csv
+check "and a third that is missing" rejects 'none.csv: No such file' fit log.csv log.csv none.csv
+for bad in surge surge= surge=x surge=0 surge=-1 surge=nan =5 north=5; do
+    check "--gain $bad" refuses 'is not AXIS=NEWTONS' fit log.csv "--gain=$bad"
+done
+for bad in 0 0.05 2 x; do
+    check "--max-gap $bad" refuses '--max-gap:' fit log.csv --max-gap $bad
+done
+check "--dry-mass above the bounds" refuses '--dry-mass 2000 is not below the upper bound' \
+    fit log.csv --dry-mass 2000
 
 "$AUVID" demo --json --sets 1 --csv good.csv >/dev/null
 log t_s,u_mps,X_N 0,0,0 0.1,x,0
-check "an error in the test log names it" refuses 'log.csv:3:5: u_mps' \
+check "an error in the test log names it" rejects 'log.csv:3:5: u_mps' \
     fit good.csv --validate log.csv
-check "no such test log" refuses 'none.csv: No such file' fit good.csv --validate none.csv
+check "no such test log" rejects 'none.csv: No such file' fit good.csv --validate none.csv
 full() {
     ! "$AUVID" "$@" >/dev/full 2>err && [ "$(wc -l <err)" = 1 ] && grep -q 'standard output' err
 }

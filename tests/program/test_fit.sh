@@ -63,7 +63,7 @@ check "without --validate there is no R2 of velocity" is out \
     'assert set(d["r2_validation"].values()) == {None} and "r2_interval" not in d'
 
 # ---- errors of thrust and sensors ----
-check "without a check of thrust and sensors" exits 0 fit train.csv --json
+check "without a check of thrust and sensors" exits 3 fit train.csv --json
 check "  the estimates are the same, and nothing is identifiable" is out '
 first = {p["name"]: p["estimate"] for p in json.load(open("fit.json"))["parameters"]}
 assert all(P[n]["estimate"] == first[n] for n in TRUTH)
@@ -151,8 +151,8 @@ D = 180 / math.pi
 # in_degrees NAME CODE PATTERN: fit refuses a log changed by this code, with this message.
 in_degrees() {
     change "$degrees$2" <train.csv >degrees.csv
-    check "$1" refuses "$3" fit degrees.csv
-    check "  in the test log, too" refuses "$3" fit train.csv --validate degrees.csv
+    check "$1" rejects "$3" fit degrees.csv
+    check "  in the test log, too" rejects "$3" fit train.csv --validate degrees.csv
 }
 in_degrees "attitude in degrees" 'scale(D, *ANGLES)' \
     'degrees.csv: theta_rad .*degrees.*radians'
@@ -210,7 +210,7 @@ for n in TRUTH:
     assert n in ("m_v", "Y_v", "Y_vv") or error(n) < (0.02 if n[0] == "m" else 0.1), (n, error(n))
 assert min(d["r2_validation"][k] for k in "uwr") > 0.98, d["r2_validation"]'
 change 'for y in r: y[C["u_mps"]] = y[C["v_mps"]] = y[C["w_mps"]] = 0' <train.csv >stuck.csv
-check "a velocity that stands at zero while thrust acts" exits 0 fit stuck.csv --plain --json
+check "a velocity that stands at zero while thrust acts" exits 3 fit stuck.csv --plain --json
 check "  identifies only yaw and the buoyancy" is out '
 for n in TRUTH:
     known = n in ("m_r", "N_r", "N_rr", "W-B")
@@ -223,18 +223,18 @@ check "nor is one whose input is rounding noise" exits 0 fit dust.csv --plain --
 check "  Y is ignored" is out 'assert P["m_v"]["estimate"] is None'
 change 'drop("X_N", "Y_N", "Z_N", "K_Nm", "M_Nm"); drop("u_mps", "v_mps", "w_mps", "phi_rad")' \
     <train.csv >yaw.csv
-check "yaw can be identified by itself" exits 0 fit yaw.csv --plain --json --coupling off
+check "yaw can be identified by itself" exits 3 fit yaw.csv --plain --json --coupling off
 check "  and nothing else is" is out \
     'assert {n for n in TRUTH if P[n]["estimate"] is not None} == {"m_r", "N_r", "N_rr"}'
 change 'for y in r: y[C["X_N"]] = y[C["Y_N"]] = y[C["Z_N"]] = y[C["N_Nm"]] = 0' <train.csv >rest.csv
-check "nothing excited: exit 1" exits 1 fit rest.csv --plain --json
+check "nothing excited: exit 3" exits 3 fit rest.csv --plain --json
 check "  and status not_excited" is out '
 assert d["status"] == "not_excited" and all(p["estimate"] is None for p in d["parameters"])'
 head -n 40 train.csv >short.csv
-check "a log too short for one row: exit 1" exits 1 fit short.csv --plain --json
+check "a log too short for one row: exit 3" exits 3 fit short.csv --plain --json
 check "  and status not_excited" is out 'assert d["status"] == "not_excited"'
 change 'r = r[::30]' <train.csv >sparse.csv
-check "rows further apart than 0.5 s: exit 1" exits 1 fit sparse.csv --plain
+check "rows further apart than 0.5 s: exit 3" exits 3 fit sparse.csv --plain
 
 change '
 names = dict(X_N="cmd_surge", Y_N="cmd_sway", Z_N="cmd_heave", K_Nm="cmd_roll", M_Nm="cmd_pitch",
@@ -248,9 +248,9 @@ check "  200 N per unit, with these units in the report" is out '
 assert all(abs(200 * P[n]["estimate"] / TRUTH[n] - 1) < (0.02 if n[0] == "m" else 0.1)
            for n in TRUTH)
 assert P["m_u"]["unit"] == "cmd s2/m" and P["W-B"]["unit"] == "cmd"'
-check "thrusters of commands" refuses '--thrusters needs forces' \
+check "thrusters of commands" rejects '--thrusters needs forces' \
     fit commands.csv --thrusters girona500
-check "training and test log must have the same kind of inputs" refuses 'test.csv:1:1: .*kind' \
+check "training and test log must have the same kind of inputs" rejects 'test.csv:1:1: .*kind' \
     fit commands.csv --validate test.csv
 
 check "--bias identifies constant forces too" exits 0 fit train.csv --plain --json --bias
@@ -404,10 +404,10 @@ for k in range(50 * 1500):
 END
 sed 's/ref_surge/other/' loop.csv >unreferred.csv
 fix="--fix X_uu=0 --thrust-scale 0 --json"
-check "a vehicle in closed loop is identified by its reference" exits 0 fit loop.csv $fix
+check "a vehicle in closed loop is identified by its reference" exits 3 fit loop.csv $fix
 check "  as it is" is out '
 assert abs(P["m_u"]["estimate"] / 250 - 1) < 0.1 and abs(P["X_u"]["estimate"] / -120 - 1) < 0.1, P'
-check "without it" exits 0 fit unreferred.csv $fix
+check "without it" exits 3 fit unreferred.csv $fix
 check "  its mass is too small" is out 'assert P["m_u"]["estimate"] < 0.8 * 250, P["m_u"]'
 check "a quick vehicle keeps its cells" is fit.json 'assert d["cell_s"] == 0.1'
 

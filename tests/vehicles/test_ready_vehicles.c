@@ -22,12 +22,15 @@ void tearDown(void)
 static void test_vehicles_and_models_have_names(void)
 {
     TEST_ASSERT_NOT_NULL(rov);
-    TEST_ASSERT_TRUE(vehicle_named("girona500") == &vehicle_girona500);
+    TEST_ASSERT_TRUE(vehicle_named("girona500") == vehicle_default());
     TEST_ASSERT_NULL(vehicle_named("bluerov"));
-    TEST_ASSERT_TRUE(vehicle_model("girona500") == &auvid_girona500);
-    TEST_ASSERT_TRUE(vehicle_model("bluerov2") == &auvid_bluerov2_heavy);
-    TEST_ASSERT_TRUE(vehicle_model("fossen") == &auvid_fossen);
-    TEST_ASSERT_NULL(vehicle_model(""));
+    TEST_ASSERT_TRUE(vehicle_model("test", "girona500") == &auvid_girona500);
+    TEST_ASSERT_EQUAL_STRING(auvid_bluerov2_heavy.name, vehicle_model("test", "bluerov2")->name);
+    TEST_ASSERT_TRUE(vehicle_model("test", "bluerov2") == rov->model);
+    TEST_ASSERT_TRUE(vehicle_model("test", "fossen") == &auvid_fossen);
+    TEST_ASSERT_NULL(vehicle_model("test", ""));
+    TEST_ASSERT_EQUAL_STRING("girona500, bluerov2, bluerov2_standard, torpedo, surface",
+                             vehicle_words());
 }
 
 /* A row of one cell needs no averaging. */
@@ -46,7 +49,7 @@ static void test_a_world_names_what_the_library_refused(void)
 {
     const world_config_t config = {.vehicle = rov, .seed = 1, .sets = 1};
     vehicle_t tumbling = *rov;
-    tumbling.tilt_max_rad = (auvid_real_t)INFINITY;
+    tumbling.guard.roll_max_rad = (auvid_real_t)INFINITY;
     const world_config_t refused = {.vehicle = &tumbling, .seed = 1, .sets = 1};
     auvid_identifier_config_t cfg;
     TEST_ASSERT_TRUE(world_begin(&world, &config));
@@ -75,9 +78,55 @@ static void test_the_simulated_bluerov2_has_the_librarys_parameters(void)
     }
 }
 
+/* The files have the constants of the library. */
+static void test_the_ready_vehicles_have_the_librarys_thrusters(void)
+{
+    const auvid_allocation_config_t *known[] = {&auvid_allocation_girona500,
+                                                &auvid_allocation_bluerov2_heavy};
+    const vehicle_t *vehicles[] = {vehicle_default(), rov};
+    for (int k = 0; k < 2; ++k) {
+        const auvid_allocation_config_t *a = vehicles[k]->allocation;
+        TEST_ASSERT_EQUAL(known[k]->thrusters, a->thrusters);
+        TEST_ASSERT_EQUAL(known[k]->dofs, a->dofs);
+        TEST_ASSERT_EQUAL(known[k]->priority, a->priority);
+        for (int i = 0; i < a->thrusters; ++i) {
+            const auvid_thruster_t *x = &known[k]->thruster[i], *y = &a->thruster[i];
+            TEST_ASSERT_EQUAL(x->law, y->law);
+            TEST_ASSERT_TRUE(x->min_N == y->min_N && x->max_N == y->max_N);
+            TEST_ASSERT_TRUE(x->gain_forward == y->gain_forward &&
+                             x->gain_backward == y->gain_backward);
+            for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
+                TEST_ASSERT_DOUBLE_WITHIN(sizeof(auvid_real_t) == sizeof(float) ? 0 : 1e-8,
+                                          (double)x->wrench[j], (double)y->wrench[j]);
+            }
+        }
+    }
+}
+
+static void test_the_ready_vehicles_have_the_simulators_truth(void)
+{
+    void (*const known[])(sim_config_t *) = {sim_defaults, sim_bluerov2};
+    const vehicle_t *vehicles[] = {vehicle_default(), rov};
+    for (int k = 0; k < 2; ++k) {
+        sim_config_t c, d = vehicles[k]->sim;
+        known[k](&c);
+        TEST_ASSERT_EQUAL(c.model, d.model);
+        TEST_ASSERT_EQUAL_MEMORY(c.parameter, d.parameter, sizeof c.parameter);
+        TEST_ASSERT_EQUAL_MEMORY(&c.fossen, &d.fossen, sizeof c.fossen);
+        for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
+            for (int i = 0; i < c.thrusters; ++i) {
+                TEST_ASSERT_TRUE(c.thruster_matrix[j][i] == d.thruster_matrix[j][i]);
+                TEST_ASSERT_TRUE(sim_thruster_limit(&c, i, 1) == sim_thruster_limit(&d, i, 1));
+                TEST_ASSERT_TRUE(sim_thruster_limit(&c, i, -1) == sim_thruster_limit(&d, i, -1));
+            }
+        }
+        TEST_ASSERT_TRUE(c.hold_Nm_rad == d.hold_Nm_rad && c.hold_Nms_rad == d.hold_Nms_rad);
+    }
+}
+
 static void test_simulator_and_allocation_have_the_same_thrusters(void)
 {
-    const vehicle_t *vehicles[] = {&vehicle_girona500, rov};
+    const vehicle_t *vehicles[] = {vehicle_default(), rov};
     for (int k = 0; k < 2; ++k) {
         const auvid_allocation_config_t *a = vehicles[k]->allocation;
         vehicle_sim_config_t cfg;
@@ -133,7 +182,7 @@ static void test_the_bluerov2_is_identified_over_the_bus(void)
         most_rad = fmax(most_rad, fabs(world.vehicle_sim.sim.truth.euler[1]));
     }
     TEST_ASSERT_EQUAL(AUVID_GUARD_DONE, world.actuation.guard.state);
-    TEST_ASSERT_TRUE(most_rad > 0.3 && most_rad < (double)rov->tilt_max_rad);
+    TEST_ASSERT_TRUE(most_rad > 0.3 && most_rad < (double)rov->guard.roll_max_rad);
     for (int i = 0; i < AUVID_FOSSEN_COUNT; ++i) {
         double value = (double)e->pi[i];
         TEST_ASSERT_EQUAL_FLOAT(value, world.vehicle_sim.estimate[i]); /* as received in frames */
@@ -155,6 +204,8 @@ int main(void)
     RUN_TEST(test_literal_smoothing_has_rows_without_averaging);
     RUN_TEST(test_a_world_names_what_the_library_refused);
     RUN_TEST(test_the_simulated_bluerov2_has_the_librarys_parameters);
+    RUN_TEST(test_the_ready_vehicles_have_the_librarys_thrusters);
+    RUN_TEST(test_the_ready_vehicles_have_the_simulators_truth);
     RUN_TEST(test_simulator_and_allocation_have_the_same_thrusters);
     RUN_TEST(test_the_bluerov2_hovers_upright);
     RUN_TEST(test_the_bluerov2_is_identified_over_the_bus);

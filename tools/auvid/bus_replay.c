@@ -156,7 +156,7 @@ static int begin(run_t *run)
     }
     (void)auvid_identifier_attach_prediction(&run->node.id, &run->prediction);
     (void)auvid_identifier_attach_change_test(&run->node.id, &run->change);
-    status = o->plain ? AUVID_OK : world_uncertain(&run->node, &run->uncertain);
+    status = o->plain ? AUVID_OK : world_uncertain(&run->node, &run->uncertain, o->vehicle);
     if (status < 0) {
         return report_error("replay: uncertain inputs: %s", auvid_status_str(status));
     }

@@ -12,6 +12,7 @@ int demo(const options_t *options);
 int scenario(const options_t *options);   /**< demo --scenario */
 int field_demo(const options_t *options); /**< demo --field, --mismatch, --matched */
 int fit(const options_t *options);
+int check(const options_t *options);
 
 /* Only with the Linux port. */
 int bus_node(const options_t *options);    /**< auvid node */

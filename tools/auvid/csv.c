@@ -1,444 +1,196 @@
+/*
+ * The rows of a log.
+ */
 #include "csv.h"
 
-#include <errno.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "columns.h"
 #include "report_error.h"
 
 #define LARGEST 1e6      /* largest value: its square must fit a float */
 #define LARGEST_TIME 1e9 /* largest time since the first row [s] */
+#define NORM_ERROR 0.05  /* largest error of a quaternion's norm */
 
-const char *const csv_name[CSV_COLUMNS] = {
-    "t_s",     "phi_rad",   "theta_rad", "psi_rad",   "u_mps",     "v_mps",     "w_mps",
-    "p_radps", "q_radps",   "r_radps",   "X_N",       "Y_N",       "Z_N",       "K_Nm",
-    "M_Nm",    "N_Nm",      "cmd_surge", "cmd_sway",  "cmd_heave", "cmd_roll",  "cmd_pitch",
-    "cmd_yaw", "ref_surge", "ref_sway",  "ref_heave", "ref_roll",  "ref_pitch", "ref_yaw"};
-
-/* State of the reader. A field is the text between commas, without blanks and quotes. */
-typedef struct {
-    csv_log_t *log;
-    char *text, *at; /* the file; start of the next line */
-    size_t line;     /* number of the current line, from 1 */
-    char *start;     /* start of the current line */
-    size_t length;   /* its length */
-    bool whole;      /* it has a line end */
-    int fields;      /* number of fields in the header */
-    int *column;     /* [fields] column of the log, or -1 */
-    size_t room;     /* capacity in rows */
-} reader_t;
-
-static int out_of_memory(const char *path)
+int csv_open(csv_log_t *log, const char *path)
 {
-    return report_error("%s: not enough memory", path);
+    *log = (csv_log_t){.path = path};
+    int status = csv_lines_open(&log->lines, path);
+    if (status == 0 && (status = csv_read_header(log)) != 0) {
+        csv_close(log);
+    }
+    return status;
 }
 
-/* Reads the whole file, with a terminating zero. */
-static int slurp(const char *path, char **out, size_t *size)
+void csv_close(csv_log_t *log)
 {
-    FILE *file = fopen(path, "rb");
-    char *text = NULL;
-    size_t used = 0, room = 0;
-    if (file == NULL) {
-        return report_error("%s: %s", path, strerror(errno));
-    }
-    for (;;) {
-        if (used + 1 >= room) {
-            room = room == 0 ? 65536 : 2 * room;
-            char *more = realloc(text, room);
-            if (more == NULL) {
-                free(text);
-                (void)fclose(file);
-                return out_of_memory(path);
-            }
-            text = more;
+    csv_lines_close(&log->lines);
+    free(log->column);
+    log->column = NULL;
+}
+
+int csv_rewind(csv_log_t *log)
+{
+    log->rows = 0;
+    int status = csv_lines_rewind(&log->lines);
+    return status != 0 ? status : csv_lines_next(&log->lines);
+}
+
+/* Converts a plain decimal number, as strtod does but faster. A mantissa and a power of ten that are
+ * both exact give the nearest number in one operation (Clinger 1990). Returns false for all others.
+ */
+static bool quick_number(const char *text, double *value)
+{
+    static const double power[] = {1e0,  1e1,  1e2,  1e3,  1e4,  1e5,  1e6,  1e7,
+                                   1e8,  1e9,  1e10, 1e11, 1e12, 1e13, 1e14, 1e15,
+                                   1e16, 1e17, 1e18, 1e19, 1e20, 1e21, 1e22};
+    const char *c = text + (*text == '-');
+    uint64_t mantissa = 0;
+    int digits = 0, after_point = 0;
+    for (bool point = false; (*c >= '0' && *c <= '9') || (*c == '.' && !point); ++c) {
+        if (*c == '.') {
+            point = true;
+        } else {
+            mantissa = 10 * mantissa + (uint64_t)(*c - '0');
+            after_point += point;
+            ++digits;
         }
-        errno = 0;
-        size_t got = fread(text + used, 1, room - used - 1, file);
-        used += got;
-        if (got == 0) {
-            break;
+        if (digits > 15) {
+            return false;
         }
     }
-    int problem = ferror(file) ? (errno != 0 ? errno : EIO) : 0;
-    (void)fclose(file);
-    if (problem != 0) {
-        free(text);
-        return report_error("%s: %s", path, strerror(problem));
+    if (*c != '\0' || digits == 0) {
+        return false;
     }
-    text[used] = '\0';
-    *out = text;
-    *size = used;
-    return 0;
+    double size = (double)mantissa / power[after_point];
+    *value = *text == '-' ? -size : size;
+    return true;
 }
 
-/* Takes the next line of the text; NULL at the end. Empty lines are skipped. */
-static char *next_line(reader_t *r)
+/* Reports what is wrong with a field. */
+static int refuse(const csv_log_t *log, const char *field, int column, const char *trouble)
 {
-    while (*r->at != '\0') {
-        r->start = r->at;
-        ++r->line;
-        char *end = r->at + strcspn(r->at, "\n");
-        r->whole = *end == '\n';
-        r->at = r->whole ? end + 1 : end;
-        *end = '\0';
-        if (end > r->start && end[-1] == '\r') {
-            end[-1] = '\0';
-        }
-        r->length = strlen(r->start);
-        if (r->start[strspn(r->start, " \t")] != '\0') {
-            return r->start;
-        }
-    }
-    return NULL;
+    return report_error("%s:%zu:%zu: %s: '%.24s' %s", log->path, log->lines.line,
+                        csv_field_column(&log->lines, field), csv_name[column], field, trouble);
 }
 
-/* Takes the next field from *rest; NULL after the last one. */
-static char *next_field(char **rest)
-{
-    char *field = *rest;
-    if (field == NULL) {
-        return NULL;
-    }
-    char *end = field + strcspn(field, ",");
-    *rest = *end == ',' ? end + 1 : NULL;
-    *end = '\0';
-    field += strspn(field, " \t\"");
-    for (end = field + strlen(field); end > field && strchr(" \t\"", end[-1]) != NULL; --end) {
-        end[-1] = '\0';
-    }
-    return field;
-}
-
-static size_t column_of(const reader_t *r, const char *field)
-{
-    return (size_t)(field - r->start) + 1;
-}
-
-static int known_column(const char *name)
-{
-    for (int i = 0; i < CSV_COLUMNS; ++i) {
-        if (strcmp(name, csv_name[i]) == 0) {
-            return i;
-        }
-    }
-    return -1;
-}
-
-static void add_name(csv_list_t list, const char *name)
-{
-    static const char rest[] = ", ...";
-    size_t used = strlen(list), end = sizeof rest - 1;
-    const char *comma = used > 0 ? ", " : "";
-    bool full = used >= end && strcmp(list + used - end, rest) == 0;
-    bool fits = used + strlen(comma) + strlen(name) + sizeof rest <= sizeof(csv_list_t);
-    if (!full) {
-        (void)snprintf(list + used, sizeof(csv_list_t) - used, "%s%s", fits ? comma : rest,
-                       fits ? name : "");
-    }
-}
-
-int csv_missing(const csv_log_t *log, int column, const char *why)
-{
-    const char *like = log->like[column];
-    return report_error("%s:%zu:1: no column %s in the header%s%s%s%s", log->path, log->header,
-                        csv_name[column], why, like[0] != '\0' ? "; " : "", like,
-                        like[0] != '\0' ? " resembles it" : "");
-}
-
-void csv_ignore(csv_log_t *log, int column)
-{
-    add_name(log->ignored, csv_name[column]);
-}
-
-void csv_notes(const csv_log_t *log)
-{
-    csv_list_t like = "";
-    for (int c = 0; c < CSV_COLUMNS; ++c) {
-        if (log->like[c][0] != '\0') {
-            char pair[64];
-            (void)snprintf(pair, sizeof pair, "%s resembles %s", log->like[c], csv_name[c]);
-            add_name(like, pair);
-        }
-    }
-    if (log->cut > 0) {
-        report_warning("%s:%zu: the last line has no line end and may be truncated: it is ignored",
-                       log->path, log->cut);
-    }
-    if (log->ignored[0] != '\0') {
-        report_error_line("%s: ignored columns: %s%s%s%s", log->path, log->ignored,
-                          like[0] != '\0' ? " (" : "", like, like[0] != '\0' ? ")" : "");
-    }
-}
-
-/* Name of the separator of the columns if it is not the comma; else NULL. */
-static const char *other_separator(const char *line)
-{
-    int commas = 0, semicolons = 0, tabs = 0;
-    for (; *line != '\0'; ++line) {
-        commas += *line == ',';
-        semicolons += *line == ';';
-        tabs += *line == '\t';
-    }
-    return semicolons > commas ? "semicolons" : tabs > commas ? "tabs" : NULL;
-}
-
-static int read_name(reader_t *r, const char *field, int *column)
-{
-    csv_log_t *log = r->log;
-    int like = columns_like(field);
-    *column = known_column(field);
-    add_name(log->columns, field);
-    if (*column < 0) {
-        add_name(log->ignored, field);
-        if (like >= 0) {
-            (void)snprintf(log->like[like], sizeof log->like[like], "%s", field);
-        }
-        return 0;
-    }
-    if (log->has[*column]) {
-        return report_error("%s:%zu:%zu: duplicate column %s", log->path, r->line,
-                            column_of(r, field), field);
-    }
-    log->has[*column] = true;
-    return 0;
-}
-
-static int read_header(reader_t *r)
-{
-    csv_log_t *log = r->log;
-    if (strncmp(r->at, "\xef\xbb\xbf", 3) == 0) {
-        r->at += 3; /* a byte order mark */
-    }
-    char *rest = next_line(r);
-    if (rest == NULL) {
-        return report_error("%s:1:1: the file is empty", log->path);
-    }
-    const char *separator = other_separator(rest);
-    log->header = r->line;
-    r->fields = 1;
-    for (const char *c = rest; *c != '\0'; ++c) {
-        r->fields += *c == ',';
-    }
-    r->column = malloc((size_t)r->fields * sizeof r->column[0]);
-    if (r->column == NULL) {
-        return out_of_memory(log->path);
-    }
-    for (int i = 0; i < r->fields; ++i) {
-        if (read_name(r, next_field(&rest), &r->column[i]) != 0) {
-            return EXIT_REFUSED;
-        }
-    }
-    for (int c = 0; c < CSV_COLUMNS; ++c) {
-        log->like[c][0] = log->has[c] ? '\0' : log->like[c][0];
-    }
-    if (!log->has[CSV_T]) {
-        char why[sizeof(csv_list_t) + 64];
-        (void)snprintf(why, sizeof why,
-                       separator != NULL ? ": its columns are separated by %s; "
-                                           "separate them by commas"
-                                         : "; its columns are: %s",
-                       separator != NULL ? separator : log->columns);
-        return csv_missing(log, CSV_T, why);
-    }
-    return 0;
-}
-
-/* Parses one field into the row. */
-static int read_value(const reader_t *r, const char *field, int column, double *value)
+/* Converts a field. Returns what is wrong with it, or NULL. */
+static const char *convert(const char *field, double *value)
 {
     char *end = NULL;
+    if (quick_number(field, value)) {
+        return NULL;
+    }
     *value = strtod(field, &end);
-    bool plain = field[0] != '\0' && field[strspn(field, "0123456789+-.eE")] == '\0';
-    const char *trouble = NULL;
+    bool plain = field[strspn(field, "0123456789+-.eE")] == '\0';
+    if (end == field || *end != '\0' || (!plain && isfinite(*value))) {
+        return "is not a number";
+    }
+    return isfinite(*value) ? NULL : "is not a finite number";
+}
+
+/* Reads a field into the row. An empty one is no new sample, except for the time. */
+static int read_value(const csv_log_t *log, const char *field, int column, csv_row_t *row)
+{
     if (field[0] == '\0') {
-        trouble = "is empty";
-    } else if (end == field || *end != '\0' || (!plain && isfinite(*value))) {
-        trouble = "is not a number";
-    } else if (!isfinite(*value)) {
-        trouble = "is not a finite number";
-    } else if (column != CSV_T && fabs(*value) > LARGEST) {
+        return column == CSV_T ? refuse(log, field, column, "is empty") : 0;
+    }
+    const char *trouble = convert(field, &row->value[column]);
+    if (trouble == NULL && column != CSV_T && fabs(row->value[column]) > LARGEST) {
         trouble = "is beyond +-1e6";
     }
-    return trouble == NULL ? 0
-                           : report_error("%s:%zu:%zu: %s: '%.24s' %s", r->log->path, r->line,
-                                          column_of(r, field), csv_name[column], field, trouble);
+    row->present |= UINT64_C(1) << column;
+    return trouble == NULL ? 0 : refuse(log, field, column, trouble);
 }
 
-static int check_time(const reader_t *r, const char *field, const csv_row_t *row)
+/* Checks the time of the row and keeps it. */
+static int take_time(csv_log_t *log, const char *field, double t)
 {
-    const csv_log_t *log = r->log;
-    double t = row->value[CSV_T];
     const char *trouble = NULL;
-    if (log->rows > 0 && t <= log->row[log->rows - 1].value[CSV_T]) {
-        trouble =
-            t < log->row[log->rows - 1].value[CSV_T] ? "time goes back" : "time does not advance";
-    } else if (log->rows > 0 && t - log->row[0].value[CSV_T] > LARGEST_TIME) {
+    if (log->rows > 0 && t <= log->last_s) {
+        trouble = t < log->last_s ? "time goes back" : "time does not advance";
+    } else if (log->rows > 0 && t - log->first_s > LARGEST_TIME) {
         trouble = "more than 1e9 s after the first row";
     }
+    log->first_s = log->rows == 0 ? t : log->first_s;
+    log->last_s = t;
+    ++log->rows;
     return trouble == NULL ? 0
-                           : report_error("%s:%zu:%zu: t_s: %s: '%.24s'", log->path, r->line,
-                                          column_of(r, field), trouble, field);
+                           : report_error("%s:%zu:%zu: t_s: %s: '%.24s'", log->path,
+                                          log->lines.line, csv_field_column(&log->lines, field),
+                                          trouble, field);
 }
 
-static int read_row(reader_t *r, char *rest, csv_row_t *row)
+/* Computes the attitude from a quaternion from body to world axes. */
+static int take_quaternion(const csv_log_t *log, csv_row_t *row)
 {
-    const char *time_field = r->start;
-    memset(row, 0, sizeof *row);
-    for (int i = 0; i < r->fields; ++i) {
-        char *field = next_field(&rest);
+    const uint64_t all = UINT64_C(15) << CSV_QUATERNION;
+    const double *q = row->value + CSV_QUATERNION;
+    if ((row->present & all) == 0) {
+        return 0;
+    }
+    if ((row->present & all) != all) {
+        return report_error("%s:%zu:1: the quaternion is incomplete: qw, qx, qy and qz must be "
+                            "given together",
+                            log->path, row->line);
+    }
+    double norm = sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);
+    if (!(fabs(norm - 1.0) <= NORM_ERROR)) {
+        return report_error("%s:%zu:1: the quaternion qw qx qy qz has the norm %.4g, not 1",
+                            log->path, row->line, norm);
+    }
+    double w = q[0] / norm, x = q[1] / norm, y = q[2] / norm, z = q[3] / norm;
+    double *angle = row->value + CSV_ATTITUDE;
+    angle[0] = atan2(2.0 * (w * x + y * z), 1.0 - 2.0 * (x * x + y * y));
+    angle[1] = asin(fmax(-1.0, fmin(1.0, 2.0 * (w * y - z * x))));
+    angle[2] = atan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z));
+    row->present |= UINT64_C(7) << CSV_ATTITUDE;
+    return 0;
+}
+
+static int read_row(csv_log_t *log, csv_row_t *row)
+{
+    char *rest = log->lines.start;
+    const char *time_field = rest;
+    *row = (csv_row_t){.line = log->lines.line};
+    for (int c = 0; c < CSV_COLUMNS; ++c) {
+        row->value[c] = NAN;
+    }
+    for (int i = 0; i < log->fields; ++i) {
+        char *field = csv_field(&rest);
         if (field == NULL) {
-            return report_error("%s:%zu:%zu: the row ends after %d of %d columns", r->log->path,
-                                r->line, r->length + 1, i, r->fields);
+            return report_error("%s:%zu:%zu: the row ends after %d of %d columns", log->path,
+                                row->line, log->lines.length + 1, i, log->fields);
         }
-        int column = r->column[i];
-        if (column >= 0 && read_value(r, field, column, &row->value[column]) != 0) {
+        int column = log->column[i];
+        if (column >= 0 && read_value(log, field, column, row) != 0) {
             return EXIT_REFUSED;
         }
         time_field = column == CSV_T ? field : time_field;
     }
     if (rest != NULL) {
-        return report_error("%s:%zu:%zu: the row has more than %d columns", r->log->path, r->line,
-                            column_of(r, rest), r->fields);
+        return report_error("%s:%zu:%zu: the row has more than %d columns", log->path, row->line,
+                            csv_field_column(&log->lines, rest), log->fields);
     }
-    return check_time(r, time_field, row);
+    int status = take_time(log, time_field, row->value[CSV_T]);
+    return status == 0 && log->quaternion ? take_quaternion(log, row) : status;
 }
 
-static int read_rows(reader_t *r)
+int csv_next(csv_log_t *log, csv_row_t *row)
 {
-    csv_log_t *log = r->log;
-    for (char *line = next_line(r); line != NULL; line = next_line(r)) {
-        if (!r->whole) {
-            log->cut = r->line;
-            break;
-        }
-        if (log->rows == r->room) {
-            r->room = r->room == 0 ? 1024 : 2 * r->room;
-            csv_row_t *more = realloc(log->row, r->room * sizeof *more);
-            if (more == NULL) {
-                return out_of_memory(log->path);
-            }
-            log->row = more;
-        }
-        if (read_row(r, line, &log->row[log->rows]) != 0) {
-            return EXIT_REFUSED;
-        }
-        ++log->rows;
+    int status = csv_lines_next(&log->lines);
+    if (status == 0 && log->lines.whole) {
+        return read_row(log, row);
     }
-    if (log->rows < 2) {
-        return report_error("%s:%zu:1: %s", log->path, r->line,
+    if (status == 0) {
+        log->cut = log->lines.line;
+        status = CSV_END;
+    }
+    if (status == CSV_END && log->rows < 2) {
+        return report_error("%s:%zu:1: %s", log->path, log->lines.line,
                             log->rows == 0 ? "no row after the header"
                                            : "only one row: at least two are needed");
     }
-    return 0;
-}
-
-int csv_read(csv_log_t *log, const char *path)
-{
-    reader_t r = {.log = log};
-    size_t size = 0;
-    memset(log, 0, sizeof *log);
-    log->path = path;
-    if (slurp(path, &r.text, &size) != 0) {
-        return EXIT_REFUSED;
-    }
-    r.at = r.text;
-    int status = 0;
-    if (strlen(r.text) != size) {
-        status = report_error("%s: not a text file", path);
-    }
-    if (status == 0) {
-        status = read_header(&r);
-    }
-    if (status == 0) {
-        status = read_rows(&r);
-    }
-    free(r.column);
-    free(r.text);
-    if (status != 0) {
-        csv_free(log);
-    }
     return status;
-}
-
-void csv_free(csv_log_t *log)
-{
-    free(log->row);
-    log->row = NULL;
-    log->rows = 0;
-}
-
-int csv_create(csv_writer_t *writer, const char *path)
-{
-    const char *suffix = ".part";
-    size_t length = strlen(path);
-    *writer = (csv_writer_t){.path = path};
-    if (strncmp(path, "/dev/", 5) != 0) { /* a device cannot be replaced */
-        writer->temporary = malloc(length + strlen(suffix) + 1);
-        if (writer->temporary == NULL) {
-            return out_of_memory(path);
-        }
-        memcpy(writer->temporary, path, length);
-        memcpy(writer->temporary + length, suffix, strlen(suffix) + 1);
-    }
-    writer->file = fopen(writer->temporary == NULL ? path : writer->temporary, "w");
-    if (writer->file == NULL) {
-        int problem = errno;
-        free(writer->temporary);
-        writer->temporary = NULL;
-        return report_error("%s: cannot be written: %s", path, strerror(problem));
-    }
-    return 0;
-}
-
-void csv_write_header(csv_writer_t *writer)
-{
-    for (int i = 0; i < CSV_COMMAND; ++i) {
-        fprintf(writer->file, "%s%s", i == 0 ? "" : ",", csv_name[i]);
-    }
-    fputc('\n', writer->file);
-}
-
-void csv_write_row(csv_writer_t *writer, const csv_row_t *row)
-{
-    fprintf(writer->file, "%.6f", row->value[CSV_T]);
-    for (int i = CSV_T + 1; i < CSV_COMMAND; ++i) {
-        fprintf(writer->file, ",%.9g", row->value[i]);
-    }
-    fputc('\n', writer->file);
-}
-
-int csv_commit(csv_writer_t *writer)
-{
-    errno = 0;
-    bool bad = ferror(writer->file) != 0;
-    bad = fclose(writer->file) != 0 || bad;
-    writer->file = NULL;
-    if (!bad && writer->temporary != NULL) {
-        bad = rename(writer->temporary, writer->path) != 0;
-    }
-    if (bad) {
-        int problem = errno != 0 ? errno : EIO;
-        (void)report_error("%s: cannot be written: %s", writer->path, strerror(problem));
-        csv_discard(writer);
-        return EXIT_REFUSED;
-    }
-    free(writer->temporary);
-    writer->temporary = NULL;
-    return 0;
-}
-
-void csv_discard(csv_writer_t *writer)
-{
-    if (writer->file != NULL) {
-        (void)fclose(writer->file);
-        writer->file = NULL;
-    }
-    if (writer->temporary != NULL) {
-        (void)remove(writer->temporary);
-        free(writer->temporary);
-        writer->temporary = NULL;
-    }
 }

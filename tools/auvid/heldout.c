@@ -5,11 +5,14 @@
 #include <string.h>
 
 #include "literal.h"
+#include "report_error.h"
 #include "simulator.h"
 #include "statistics.h"
 
-/* Length of the bootstrap blocks, because residuals of neighbouring cells are correlated. */
+/* Shortest length of the bootstrap blocks, because residuals of neighbouring cells are correlated.
+ * When a log has more than BLOCKS of them, they become twice as long. */
 #define BLOCK_S 10.0
+enum { BLOCKS = 8192 };
 
 /* ---- cross-validation ---- */
 
@@ -110,70 +113,86 @@ static void interval(const block_t *block, size_t blocks, sim_rng_t *rng, result
     result->r2_high[j] = statistics_quantile(r2, RESAMPLES, 0.975);
 }
 
-/* Simulates all cells, sums errors in block[][AUVID_DOF_COUNT], returns the number of blocks. */
-static size_t simulate(auvid_validation_t *validation, const cells_t *cells, block_t *block)
+/* Simulates cells and sums errors. */
+typedef struct {
+    auvid_validation_t validation;
+    block_t block[BLOCKS][AUVID_DOF_COUNT];
+    block_t one[BLOCKS]; /* blocks of one DoF */
+    size_t used;         /* number of blocks */
+    double began_us;     /* start of the last one */
+    double block_us;     /* their length */
+} blocks_t;
+
+/* Makes room by blocks of twice the length. */
+static void merge_blocks(blocks_t *b)
 {
-    size_t used = 0;
-    double began_us = -1e18;
-    for (size_t i = 0; i < cells->cells; ++i) {
-        const auvid_sample_t *cell = &cells->cell[i].sample;
-        uint32_t before = validation->cells;
-        if (cells->cell[i].after_gap) {
-            auvid_validation_gap(validation);
-        }
-        if (auvid_validation_add(validation, cell) != AUVID_OK || validation->cells == before) {
-            continue;
-        }
-        if ((double)cell->t_us - began_us >= 1e6 * BLOCK_S) {
-            began_us = (double)cell->t_us;
-            ++used;
-        }
-        for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
-            double y = (double)cell->nu[j], e = y - (double)validation->predicted[j];
-            const block_t one = {.count = 1.0, .y = y, .yy = y * y, .ee = e * e};
-            add(&block[(used - 1) * AUVID_DOF_COUNT + (size_t)j], &one);
+    for (size_t i = 0; i < b->used / 2; ++i) {
+        for (size_t j = 0; j < AUVID_DOF_COUNT; ++j) {
+            b->block[i][j] = b->block[2 * i][j];
+            add(&b->block[i][j], &b->block[2 * i + 1][j]);
         }
     }
-    return used;
+    b->used /= 2;
+    b->block_us *= 2.0;
+    memset(b->block[b->used], 0, (BLOCKS - b->used) * sizeof b->block[0]);
 }
 
-bool heldout_r2(const csv_log_t *log, const replay_t *replay,
-                const auvid_recorder_config_t *recorder, uint64_t seed, result_t *result)
+static void take_cell(void *context, const auvid_sample_t *cell, bool after_gap)
 {
-    cells_t cells;
-    auvid_validation_t validation;
-    auvid_real_t cell_s = AUVID_C(1e-6) * (auvid_real_t)recorder->cell_us;
-    uint32_t dofs = result->estimate.excited;
-    if (!replay_record(log, replay, recorder, &cells)) {
-        return false;
+    blocks_t *b = context;
+    uint32_t before = b->validation.cells;
+    if (after_gap) {
+        auvid_validation_gap(&b->validation);
     }
-    result->has_validation = true;
-    size_t max_blocks = cells.cells + 1; /* at most one block per cell */
-    block_t *block = calloc(max_blocks * AUVID_DOF_COUNT, sizeof *block);
-    block_t *one = calloc(max_blocks, sizeof *one);
-    if (block == NULL || one == NULL) {
-        free(block);
-        free(one);
-        cells_free(&cells);
-        return false;
+    if (auvid_validation_add(&b->validation, cell) != AUVID_OK || b->validation.cells == before) {
+        return;
     }
-    if (auvid_validation_init(&validation, result->vehicle, result->estimate.pi, dofs,
-                              result->estimate.delay_s, result->estimate.first_order_lag,
-                              cell_s) == AUVID_OK) {
-        size_t blocks = simulate(&validation, &cells, block);
-        sim_rng_t rng;
-        sim_rng_seed(&rng, seed, 0);
-        for (size_t j = 0; j < AUVID_DOF_COUNT && blocks > 0; ++j) {
-            for (size_t i = 0; i < blocks; ++i) {
-                one[i] = block[i * AUVID_DOF_COUNT + j];
-            }
-            interval(one, blocks, &rng, result, (int)j);
+    if ((double)cell->t_us - b->began_us >= b->block_us) {
+        if (b->used == BLOCKS) {
+            merge_blocks(b);
         }
-        result->validated = blocks > 0 ? dofs : 0u;
-        result->has_interval = true;
+        b->began_us = (double)cell->t_us;
+        ++b->used;
     }
-    free(block);
-    free(one);
-    cells_free(&cells);
-    return true;
+    for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
+        double y = (double)cell->nu[j], e = y - (double)b->validation.predicted[j];
+        const block_t one = {.count = 1.0, .y = y, .yy = y * y, .ee = e * e};
+        add(&b->block[b->used - 1][j], &one);
+    }
+}
+
+static void intervals(blocks_t *b, uint64_t seed, result_t *result)
+{
+    sim_rng_t rng;
+    sim_rng_seed(&rng, seed, 0);
+    for (size_t j = 0; j < AUVID_DOF_COUNT && b->used > 0; ++j) {
+        for (size_t i = 0; i < b->used; ++i) {
+            b->one[i] = b->block[i][j];
+        }
+        interval(b->one, b->used, &rng, result, (int)j);
+    }
+    result->validated = b->used > 0 ? result->estimate.excited : 0u;
+    result->has_interval = true;
+}
+
+int heldout_r2(const log_set_t *logs, const log_use_t *use, const auvid_recorder_config_t *recorder,
+               uint64_t seed, result_t *result)
+{
+    const auvid_estimate_t *e = &result->estimate;
+    auvid_real_t cell_s = AUVID_C(1e-6) * (auvid_real_t)recorder->cell_us;
+    blocks_t *b = calloc(1, sizeof *b);
+    if (b == NULL) {
+        return report_error("%s: not enough memory", logs->log[0].csv.path);
+    }
+    b->began_us = -1e18;
+    b->block_us = 1e6 * BLOCK_S;
+    result->has_validation = true;
+    int status = 0;
+    if (auvid_validation_init(&b->validation, result->vehicle, e->pi, e->excited, e->delay_s,
+                              e->first_order_lag, cell_s) == AUVID_OK) {
+        status = replay_cells(logs, use, recorder, take_cell, b);
+        intervals(b, seed, result);
+    }
+    free(b);
+    return status;
 }

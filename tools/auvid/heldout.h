@@ -13,8 +13,9 @@
  * least-squares parameters of all others. Negative if there are fewer than two sets. */
 double heldout_cross_validation(const auvid_metric_t *metric);
 
-/** Simulates the log with the estimate and fills the validation in *result. False: no memory. */
-bool heldout_r2(const csv_log_t *log, const replay_t *replay,
-                const auvid_recorder_config_t *recorder, uint64_t seed, result_t *result);
+/** Simulates the logs with the estimate and fills the validation in *result. Returns 0, or
+ * EXIT_REFUSED after one line on stderr. */
+int heldout_r2(const log_set_t *logs, const log_use_t *use, const auvid_recorder_config_t *recorder,
+               uint64_t seed, result_t *result);
 
 #endif

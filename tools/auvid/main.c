@@ -19,7 +19,8 @@ static const struct {
     const char *name, *usage;
 } command_help[] = {
     {"demo", "[options]             identify a simulated vehicle and check the result"},
-    {"fit", "TRAIN.csv [options]    identify a vehicle from a recorded log"},
+    {"fit", "TRAIN.csv .. [options] identify a vehicle from recorded logs"},
+    {"check", "FILE.ini [options]   what a vehicle file says, and what it lacks"},
 #ifdef __linux__
     {"node", "--bus IF [options]    identify a vehicle on a CAN bus"},
     {"vehicle", "--bus IF [options] simulate a vehicle on a CAN bus"},
@@ -43,8 +44,9 @@ static const char demo_fit_help[] =
     "\n";
 static const char demo_help[] =
     "options of demo\n"
-    "  --vehicle NAME     girona500 (default), or bluerov2: a BlueROV2 Heavy in six degrees of\n"
-    "                     freedom that stabilises roll and pitch\n"
+    "  --vehicle NAME     girona500 (default); bluerov2: a BlueROV2 Heavy in six degrees of freedom\n"
+    "                     that stabilises roll and pitch; bluerov2_standard; torpedo; surface; or\n"
+    "                     FILE.ini, a vehicle of yours (tools/auvid/README.md)\n"
     "  --sets K           data sets of 30 s of excitation; default 8\n"
     "  --disturbance N    rms of an unmodelled force on X, Y, Z [N], and 0.4 times this as a\n"
     "                     moment [Nm] on N (bluerov2: on K, M, N); default 0\n"
@@ -89,8 +91,13 @@ static const char fit_help[] =
     "  --bounds=LO,HI        bounds of every parameter; default -1000,1000\n"
     "  --model NAME          girona500 (default), fossen (six degrees of freedom), bluerov2 (the\n"
     "                        same, for a vehicle that is faster than its DVL of 5 Hz)\n"
+    "  --vehicle NAME        model, thrusters and uncertainties of this vehicle, or of FILE.ini\n"
     "  --thrusters NAME      the log is from the thrusters of girona500 or bluerov2: their errors\n"
     "                        are estimated, too. Without it nothing is identifiable, or --plain\n"
+    "  --dry-mass KG         a smaller mass is marked as physically impossible\n"
+    "  --gain AXIS=NEWTONS   of one unit of this axis' command (yaw, roll, pitch: newton metres), as\n"
+    "                        in surge=40; repeatable, for all axes in use. Then units are SI\n"
+    "  --max-gap S           rows further apart begin a new record, 0.1 to 1; default 0.5\n"
     "  --fix NAME=VALUE      fix this parameter; repeatable\n"
     "  --free NAME,NAME,..   also identify these parameters\n"
     "  --bias                also identify a constant force on X and Y and a moment on N (six\n"
@@ -99,6 +106,12 @@ static const char fit_help[] =
     "                        linearly: better where rows sample an input that varies between them\n"
     "  --coupling auto|on|off  terms between degrees of freedom; auto: chosen by cross-validation\n"
     "                        where a model without them exists (girona500)\n"
+    "\n";
+
+static const char check_help[] =
+    "options of check\n"
+    "  --json             print what was read as one JSON object\n"
+    "  --header           print C for firmware: the configuration of this vehicle\n"
     "\n";
 
 #ifdef __linux__
@@ -135,15 +148,23 @@ static const char replay_help[] =
     "\n";
 #endif
 static const char columns_help[] =
-    "columns of a log, in any order: t_s; phi_rad theta_rad psi_rad; u_mps v_mps w_mps p_radps\n"
-    "q_radps r_radps; inputs X_N Y_N Z_N K_Nm M_Nm N_Nm, or commands cmd_surge cmd_sway cmd_heave\n"
-    "cmd_roll cmd_pitch cmd_yaw. An input needs its velocity or rate; other missing columns count\n"
-    "as zero. Angles are in radians. A degree of freedom whose input does not vary is ignored.\n"
-    "ref_surge ref_sway ref_heave ref_roll ref_pitch ref_yaw: velocity or rate of the\n"
-    "reference of a controller along its own axes, which identifies a vehicle in closed loop.\n"
+    "columns of a log, in any order: t_s; phi_rad theta_rad psi_rad, or a quaternion qw qx qy qz from\n"
+    "body to world axes; u_mps v_mps w_mps p_radps q_radps r_radps; inputs X_N Y_N Z_N K_Nm M_Nm\n"
+    "N_Nm, or commands cmd_surge cmd_sway cmd_heave cmd_roll cmd_pitch cmd_yaw, or with --thrusters\n"
+    "the forces thruster_1_N thruster_2_N .., or the commands within +-1, thruster_1 thruster_2 ..\n"
+    "An input needs its velocity or rate; other missing columns count as zero. Angles are in\n"
+    "radians. A degree of freedom whose input does not vary is ignored. ref_surge ref_sway ref_heave\n"
+    "ref_roll ref_pitch ref_yaw: velocity or rate of the reference of a controller along its own\n"
+    "axes, which identifies a vehicle in closed loop.\n"
+    "An empty cell is no new sample, so each sensor may have its own rate. Velocities that are held\n"
+    "between samples are recognised. Several logs are records of their own, with a gap in between.\n"
     "\n";
+static const char fit_exit_help[] =
+    "exit status of fit: 0 at least one parameter is identifiable; 1 a log is refused; 2 bad usage;\n"
+    "3 nothing can be trusted. The first line of the tables says the same in words.\n";
 static const char exit_help[] =
-    "exit status: 0 identified; 1 not converged, or nothing to identify; 2 bad usage or data\n";
+    "exit status of the others: 0 identified; 1 not converged, or nothing to identify; 2 bad usage\n"
+    "or data\n";
 
 static const struct {
     const char *of, *text; /* of: the commands that it describes */
@@ -153,7 +174,8 @@ static const struct {
                {"node", node_help},         {"vehicle", vehicle_help},
                {"replay", replay_help},
 #endif
-               {"fit", columns_help},       {"demo fit node vehicle replay", exit_help}};
+               {"fit", columns_help},       {"fit", fit_exit_help},
+               {"check", check_help},       {"demo node vehicle replay check", exit_help}};
 
 static bool is_command(const char *name)
 {
@@ -254,6 +276,9 @@ int main(int count, char **argument)
     } else if (strcmp(command, "fit") == 0) {
         status = options_fit(&options, count - 2, argument + 2);
         status = status != 0 ? status : fit(&options);
+    } else if (strcmp(command, "check") == 0) {
+        status = options_check(&options, count - 2, argument + 2);
+        status = status != 0 ? status : check(&options);
     } else if (count > 1 && (status = on_bus(command, count - 2, argument + 2)) >= 0) {
         return status == EXIT_REFUSED ? status : report_finish(status);
     } else if (command[0] == '\0') {

@@ -180,16 +180,28 @@ static int take_vehicle(reader_t *r, options_t *options, bool in_field)
         options->field.chosen = "--vehicle rov20";
         return 0;
     }
-    options->vehicle = vehicle_named(text);
-    return options->vehicle != NULL
-               ? 0
-               : report_error("%s: '%s' is not one of %s", r->name, text, vehicle_words);
+    options->vehicle = vehicle_chosen(r->name, text);
+    return options->vehicle != NULL ? 0 : EXIT_REFUSED;
 }
 
 static int take_thrusters(reader_t *r, options_t *options)
 {
+    const char *text = NULL;
+    if (take_value(r, &text) != 0) {
+        return EXIT_REFUSED;
+    }
+    options->thrusters = vehicle_chosen(r->name, text);
+    return options->thrusters != NULL ? 0 : EXIT_REFUSED;
+}
+
+/* fit --vehicle: its model, thrusters and uncertainties. */
+static int take_whole_vehicle(reader_t *r, options_t *options)
+{
     int status = take_vehicle(r, options, false);
-    options->thrusters = options->vehicle;
+    if (status == 0) {
+        options->model = options->vehicle->model;
+        options->whole = true;
+    }
     return status;
 }
 
@@ -217,10 +229,8 @@ static int take_model(reader_t *r, options_t *options)
     if (take_value(r, &text) != 0) {
         return EXIT_REFUSED;
     }
-    options->model = vehicle_model(text);
-    return options->model != NULL
-               ? 0
-               : report_error("%s: '%s' is not one of %s", r->name, text, vehicle_model_words);
+    options->model = vehicle_model(r->name, text);
+    return options->model != NULL ? 0 : EXIT_REFUSED;
 }
 
 static int demo_option(reader_t *r, options_t *options)
@@ -257,6 +267,42 @@ static int demo_option(reader_t *r, options_t *options)
                        : report_error("demo: unknown option %s (see auvid --help)", r->name);
 }
 
+/* AXIS=NEWTONS: of one unit of this axis' command. */
+static int take_gain(reader_t *r, options_t *options)
+{
+    static const char *const axes[AUVID_DOF_COUNT] = {"surge", "sway",  "heave",
+                                                      "roll",  "pitch", "yaw"};
+    const char *text = NULL, *end = NULL;
+    if (take_value(r, &text) != 0) {
+        return EXIT_REFUSED;
+    }
+    size_t length = strcspn(text, "=");
+    for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
+        double x = 0.0;
+        if (strlen(axes[j]) == length && strncmp(text, axes[j], length) == 0 &&
+            text[length] == '=' && number(text + length + 1, &end, &x) && *end == '\0' && x > 0.0 &&
+            x <= 1e6) {
+            options->gain[j] = x;
+            options->has_gain = true;
+            return 0;
+        }
+    }
+    return report_error("--gain: '%s' is not AXIS=NEWTONS, as in surge=40; newtons above 0, at "
+                        "most 1e6",
+                        text);
+}
+
+/* Largest gap that the cells of the recorder span [s]. */
+#define MAX_GAP_S 1.0
+
+static int take_max_gap(reader_t *r, options_t *options)
+{
+    int status = take_number(r, MAX_GAP_S, &options->max_gap_s);
+    return status == 0 && options->max_gap_s < 0.1
+               ? report_error("--max-gap: %g s is shorter than a cell of 0.1 s", options->max_gap_s)
+               : status;
+}
+
 static int fit_option(reader_t *r, options_t *options)
 {
     static const char *const inputs[] = {"hold", "linear"};
@@ -286,6 +332,18 @@ static int fit_option(reader_t *r, options_t *options)
     }
     if (is(r, "--thrusters")) {
         return take_thrusters(r, options);
+    }
+    if (is(r, "--dry-mass")) {
+        return take_number(r, 1e6, &options->dry_mass_kg);
+    }
+    if (is(r, "--max-gap")) {
+        return take_max_gap(r, options);
+    }
+    if (is(r, "--gain")) {
+        return take_gain(r, options);
+    }
+    if (is(r, "--vehicle")) {
+        return take_whole_vehicle(r, options);
     }
     if (is(r, "--fix") || is(r, "--free")) {
         return take_choice(r, options);
@@ -382,26 +440,33 @@ static int replay_option(reader_t *r, options_t *options)
     return report_error("replay: unknown option %s (see auvid --help)", r->name);
 }
 
+/* Arguments that are no options. */
+typedef struct {
+    const char *word[OPTIONS_LOGS];
+    int count, room;
+} words_t;
+
 static int read_all(options_t *options, int count, char **argument, const char *command,
-                    int (*own_option)(reader_t *, options_t *), const char **word)
+                    int (*own_option)(reader_t *, options_t *), words_t *words)
 {
     reader_t r = {.count = count, .argument = argument};
     *options = (options_t){.seed = 1,
-                           .vehicle = &vehicle_girona500,
+                           .vehicle = vehicle_default(),
                            .model = &auvid_girona500,
                            .speed = 1,
                            .disturbance_N = -1.0,
                            .thrust_scale = -1.0,
                            .dvl_scale = -1.0,
                            .delay_s = -1.0,
+                           .max_gap_s = 0.5,
                            .lower = -1000.0,
                            .upper = 1000.0};
     while (next(&r)) {
         if (r.name == NULL) {
-            if (word == NULL || *word != NULL) {
+            if (words == NULL || words->count == words->room) {
                 return report_error("%s: unexpected argument '%s'", command, r.value);
             }
-            *word = r.value;
+            words->word[words->count++] = r.value;
             continue;
         }
         int status = common_option(&r, options);
@@ -415,6 +480,16 @@ static int read_all(options_t *options, int count, char **argument, const char *
     return 0;
 }
 
+/* Can the vehicle of this command be simulated? */
+static int check_truth(const options_t *options, const char *command)
+{
+    return options->vehicle->has_truth
+               ? 0
+               : report_error("%s: the vehicle '%s' has no section [truth]: without its parameters "
+                              "it cannot be simulated",
+                              command, options->vehicle->word);
+}
+
 /* A scenario has a plan of its own and a single run. */
 static int check_scenario(const options_t *options)
 {
@@ -424,8 +499,8 @@ static int check_scenario(const options_t *options)
                         : options->budget > 0                    ? "--budget"
                         : options->literal                       ? "--literal"
                         : options->adaptive                      ? "--adaptive"
-                        : options->vehicle != &vehicle_girona500 ? "--vehicle"
-                                                                 : NULL;
+                        : options->vehicle != vehicle_default() ? "--vehicle"
+                                                                : NULL;
     if (options->scenario != NULL && other != NULL) {
         return report_error("demo: --scenario and %s cannot be combined", other);
     }
@@ -440,6 +515,7 @@ int options_demo(options_t *options, int count, char **argument)
     int status = read_all(options, count, argument, "demo", demo_option, NULL);
     status = status != 0 ? status : check_scenario(options);
     status = status != 0 ? status : options_field_check(options);
+    status = status != 0 ? status : check_truth(options, "demo");
     if (options->disturbance_N < 0.0) {
         options->disturbance_N = options->scenario != NULL ? 1.0 : 0.0;
     }
@@ -453,18 +529,49 @@ int options_demo(options_t *options, int count, char **argument)
 
 int options_fit(options_t *options, int count, char **argument)
 {
-    const char *train = NULL;
+    words_t train = {.room = OPTIONS_LOGS};
     int status = read_all(options, count, argument, "fit", fit_option, &train);
-    options->train = train;
-    if (status == 0 && train == NULL) {
+    memcpy(options->train, train.word, sizeof options->train);
+    options->trains = train.count;
+    if (status == 0 && train.count == 0) {
         return report_error("fit: no TRAIN.csv given");
     }
     if (status == 0 && options->coupling == COUPLING_OFF && options->model != &auvid_girona500) {
         return report_error("fit: --coupling off needs --model girona500");
     }
-    if (status == 0 && options->thrusters != NULL && (options->plain || options->literal)) {
+    if (status == 0 && options->dry_mass_kg > 0.0 && !(options->dry_mass_kg < options->upper)) {
+        return report_error("fit: --dry-mass %g is not below the upper bound of the masses, %g: "
+                            "see --bounds",
+                            options->dry_mass_kg, options->upper);
+    }
+    if (status == 0 && options->whole && options->thrusters == NULL && !options->plain &&
+        !options->literal) {
+        options->thrusters = options->vehicle;
+    } else if (status == 0 && options->thrusters != NULL && (options->plain || options->literal)) {
         return report_error("fit: --thrusters and %s cannot be combined",
                             options->plain ? "--plain" : "--literal");
+    }
+    return status;
+}
+
+static int check_option(reader_t *r, options_t *options)
+{
+    if (is(r, "--header")) {
+        return take_flag(r, &options->header);
+    }
+    return report_error("check: unknown option %s (see auvid --help)", r->name);
+}
+
+int options_check(options_t *options, int count, char **argument)
+{
+    words_t file = {.room = 1};
+    int status = read_all(options, count, argument, "check", check_option, &file);
+    options->file = file.word[0];
+    if (status == 0 && file.count == 0) {
+        return report_error("check: no FILE.ini given");
+    }
+    if (status == 0 && options->json && options->header) {
+        return report_error("check: --json and --header cannot be combined");
     }
     return status;
 }
@@ -495,7 +602,10 @@ int options_node(options_t *options, int count, char **argument)
         return report_error(
             "node: --bus memory does not allow --clock own: its vehicle sends the ticks");
     }
-    if (status == 0 && options->lag_s > 0.0 && strcmp(options->bus, "memory") != 0) {
+    if (status == 0 && strcmp(options->bus, "memory") == 0) {
+        return check_truth(options, "node");
+    }
+    if (status == 0 && options->lag_s > 0.0) {
         return report_error("node: --lag needs --bus memory: it is of the simulated vehicle");
     }
     return status;
@@ -514,15 +624,15 @@ int options_vehicle(options_t *options, int count, char **argument)
     if (status == 0 && other != NULL) {
         return report_error("vehicle: unknown option %s (see auvid --help)", other);
     }
-    return status;
+    return status != 0 ? status : check_truth(options, "vehicle");
 }
 
 int options_replay(options_t *options, int count, char **argument)
 {
-    const char *log = NULL;
+    words_t log = {.room = 1};
     int status = read_all(options, count, argument, "replay", replay_option, &log);
-    options->log = log;
+    options->log = log.word[0];
     options->bus = "";
     status = status != 0 ? status : check_bus(options, "replay");
-    return status == 0 && log == NULL ? report_error("replay: no FILE.log given") : status;
+    return status == 0 && log.count == 0 ? report_error("replay: no FILE.log given") : status;
 }

@@ -16,6 +16,8 @@ typedef enum { COUPLING_AUTO, COUPLING_ON, COUPLING_OFF } coupling_t;
 
 /** Largest number of --fix and --free options. */
 enum { OPTIONS_CHOICES = 64 };
+/** Largest number of training logs. */
+enum { OPTIONS_LOGS = 64 };
 
 /** Names of field_driver_t on the command line. */
 extern const char *const options_drivers[FIELD_DRIVERS];
@@ -47,7 +49,7 @@ typedef struct {
     /** Uncertainties that the identifier is given. Negative: the library's default. */
     double thrust_scale, dvl_scale, delay_s;
     bool plain;               /**< no uncertain inputs (uncertain.h): all are exact but for these */
-    const vehicle_t *vehicle; /**< demo and bus; default Girona500 */
+    const vehicle_t *vehicle; /**< default Girona500 */
 
     /* demo */
     double disturbance_N; /**< rms of the unmodelled force; default 0, in scenarios 1 */
@@ -61,16 +63,26 @@ typedef struct {
     options_field_t field;
 
     /* fit */
-    const char *train;
+    const char *train[OPTIONS_LOGS];
+    int trains;
     const char *validate; /**< NULL: none */
     double lower, upper;  /**< bounds of every parameter; default +-1000 */
     bool bias;
     bool linear_input;
     coupling_t coupling;
     const vehicle_t *thrusters;          /**< of this vehicle; NULL: not known */
+    bool whole;                          /**< --vehicle was given: model, thrusters, all else */
     const auvid_vehicle_t *model;        /**< default Girona500 */
+    double dry_mass_kg;                  /**< 0: not known */
+    double max_gap_s;                    /**< default 0.5 */
+    bool has_gain;                       /**< commands are converted to newtons */
+    double gain[AUVID_DOF_COUNT];        /**< newtons per unit of command; 0: not given */
     const char *choice[OPTIONS_CHOICES]; /**< NAME=VALUE (--fix) or NAME,.. (--free), as given */
     int choices;
+
+    /* check */
+    const char *file; /**< the vehicle file */
+    bool header; /**< print C for firmware */
 
     /* node, vehicle, replay; seed, sets, disturbance and csv as above */
     const char *bus;   /**< interface */
@@ -90,6 +102,7 @@ typedef struct {
  */
 int options_demo(options_t *options, int count, char **argument);
 int options_fit(options_t *options, int count, char **argument);
+int options_check(options_t *options, int count, char **argument);
 int options_node(options_t *options, int count, char **argument);
 int options_vehicle(options_t *options, int count, char **argument);
 int options_replay(options_t *options, int count, char **argument);

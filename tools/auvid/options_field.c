@@ -105,7 +105,7 @@ int options_field_check(options_t *options)
     if (other != NULL) {
         return report_error("demo: --field and %s cannot be combined", other);
     }
-    if (options->vehicle != &vehicle_girona500) {
+    if (options->vehicle != vehicle_default()) {
         return report_error("demo: the vehicles of --field are girona500 and rov20");
     }
     bool controlled = f->driver == FIELD_LAWNMOWER || f->driver == FIELD_STATION;

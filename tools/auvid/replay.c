@@ -1,53 +1,12 @@
 #include "replay.h"
 
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
-/* Converts one row to a sample of the library. */
-typedef struct {
-    uint64_t t_us;
-    auvid_real_t attitude[3], nu[AUVID_DOF_COUNT], wrench[AUVID_DOF_COUNT];
-} instant_t;
-
-int replay_inputs(input_kind_t kind)
-{
-    return kind == INPUT_WRENCH ? CSV_WRENCH : CSV_COMMAND;
-}
-
-uint64_t replay_time_us(const csv_log_t *log, size_t row)
-{
-    double since = log->row[row].value[CSV_T] - log->row[0].value[CSV_T];
-    return (uint64_t)(1e6 * since + 0.5) + 1000000u;
-}
-
-/* Converts row i. turns: whole revolutions that unwrap each angle so far. */
-static void read_instant(const csv_log_t *log, const replay_t *replay, size_t i, double turns[3],
-                         instant_t *out)
-{
-    const double turn = 6.283185307179586;
-    const double *value = log->row[i].value;
-    out->t_us = replay_time_us(log, i);
-    for (int k = 0; k < 3; ++k) {
-        double angle = value[CSV_ATTITUDE + k];
-        double before = i > 0 ? log->row[i - 1].value[CSV_ATTITUDE + k] : angle;
-        turns[k] -= floor((angle - before) / turn + 0.5);
-        out->attitude[k] = (auvid_real_t)(angle + turns[k] * turn);
-    }
-    for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
-        double input = value[replay_inputs(replay->kind) + j];
-        out->nu[j] = (auvid_real_t)value[CSV_NU + j];
-        out->wrench[j] = (auvid_real_t)((replay->dofs >> j & 1u) ? input : 0.0);
-    }
-}
-
 /* Each DoF that is used as a thruster. */
-static void one_per_dof(const replay_t *replay, const auvid_identifier_t *id,
+static void one_per_dof(const log_use_t *use, const auvid_identifier_t *id,
                         auvid_allocation_config_t *cfg)
 {
     auvid_allocation_defaults(cfg);
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
-        if ((replay->dofs >> j & 1u) != 0) {
+        if ((use->dofs >> j & 1u) != 0) {
             auvid_thruster_t *input = &cfg->thruster[cfg->thrusters++];
             input->wrench[j] = AUVID_C(1.0);
             input->max_N = id->metric.cfg.tau_max[j];
@@ -57,115 +16,117 @@ static void one_per_dof(const replay_t *replay, const auvid_identifier_t *id,
     }
 }
 
-auvid_status_t replay_attach(const replay_t *replay, replay_inputs_t *inputs,
-                             auvid_identifier_t *id)
+auvid_status_t replay_attach(const log_use_t *use, replay_inputs_t *inputs, auvid_identifier_t *id)
 {
-    bool known = replay->thrusters != NULL;
+    bool known = use->uncertain;
     auvid_uncertain_config_t cfg = {.nominal_lag_s = AUVID_C(0.01)}; /* no errors */
     auvid_allocation_config_t thrusters;
-    if (!known && !replay->reference) {
+    if (!known && !use->reference) {
         return AUVID_OK;
     }
     if (known) {
-        thrusters = *replay->thrusters;
-        auvid_uncertain_defaults(&cfg);
+        thrusters = *use->vehicle->allocation;
+        cfg = use->vehicle->uncertain;
+        cfg.fractions = false; /* the allocation gives newtons */
     } else {
-        one_per_dof(replay, id, &thrusters);
+        one_per_dof(use, id, &thrusters);
     }
     auvid_status_t status = auvid_allocation_init(&inputs->allocation, &thrusters);
     if (status >= 0) {
         status =
             auvid_identifier_attach_uncertain(id, &inputs->uncertain, &cfg, &inputs->allocation);
     }
-    if (status >= 0 && replay->reference) {
+    if (status >= 0 && use->reference) {
         status = auvid_identifier_attach_instruments(id, &inputs->instruments);
     }
     return status;
 }
 
-/* Gives row i's reference. */
-static void refer(const csv_log_t *log, size_t i, uint64_t t_us, auvid_instruments_t *instruments)
+/* Feeds the samples of a row. */
+static void feed(const log_use_t *use, log_sample_t *now, replay_inputs_t *inputs,
+                 auvid_identifier_t *id)
 {
-    auvid_real_t reference[AUVID_DOF_COUNT];
-    for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
-        reference[j] = (auvid_real_t)log->row[i].value[CSV_REFERENCE + j];
+    auvid_allocation_result_t thrust = {0};
+    const auvid_real_t *force_N = log_has_thrusters(use) ? now->force_N : thrust.force_N;
+    if (id->attached.uncertain != NULL) {
+        if (!log_has_thrusters(use)) {
+            (void)auvid_allocation_solve(&inputs->allocation, now->wrench, &thrust);
+        }
+        while (auvid_identifier_work(id, AUVID_DEFAULT_BUDGET) == AUVID_PENDING) {
+        }
     }
-    (void)auvid_instruments_reference(instruments, t_us, reference);
+    if (now->has_reference) {
+        (void)auvid_instruments_reference(&inputs->instruments, now->t_us, now->reference);
+    }
+    if (now->has_attitude) {
+        (void)auvid_identifier_attitude(id, now->t_us, now->attitude, now->nu + AUVID_ROLL);
+    }
+    if (now->velocity != 0) {
+        (void)auvid_identifier_velocity(id, now->t_us, now->nu, now->velocity);
+    }
+    if (now->has_input) {
+        (void)auvid_identifier_applied(id, now->input_us, now->wrench, force_N);
+    }
 }
 
-void replay_identify(const csv_log_t *log, const replay_t *replay, replay_inputs_t *inputs,
-                     auvid_identifier_t *id)
+int replay_identify(const log_set_t *logs, const log_use_t *use, replay_inputs_t *inputs,
+                    auvid_identifier_t *id)
 {
-    bool uncertain = id->attached.uncertain != NULL;
-    double turns[3] = {0.0};
-    for (size_t i = 0; i < log->rows; ++i) {
-        instant_t now;
-        auvid_allocation_result_t thrust = {0};
-        read_instant(log, replay, i, turns, &now);
-        if (uncertain) {
-            (void)auvid_allocation_solve(&inputs->allocation, now.wrench, &thrust);
-            while (auvid_identifier_work(id, AUVID_DEFAULT_BUDGET) == AUVID_PENDING) {
-            }
+    int status = 0;
+    for (int i = 0; i < logs->logs && status == 0; ++i) {
+        log_reader_t reader;
+        log_sample_t now;
+        status = log_reader_begin(&reader, &logs->log[i], use);
+        while (status == 0 && (status = log_reader_next(&reader, &now)) == 0) {
+            feed(use, &now, inputs, id);
         }
-        if (replay->reference) {
-            refer(log, i, now.t_us, &inputs->instruments);
-        }
-        (void)auvid_identifier_motion(id, now.t_us, now.attitude, now.nu);
-        (void)auvid_identifier_applied(id, now.t_us, now.wrench, thrust.force_N);
+        status = status == CSV_END ? 0 : status;
     }
     (void)auvid_identifier_close(id);
+    return status;
 }
 
-/* Makes room for one more cell. */
-static bool grow(cells_t *cells, size_t *room)
+/* Records a sample and passes on the cells that it completes. */
+static bool record(auvid_recorder_t *recorder, const log_sample_t *now, replay_take_t *take,
+                   void *context, bool gap)
 {
-    if (cells->cells == *room) {
-        *room = *room == 0 ? 1024 : 2 * *room;
-        cell_t *cell = realloc(cells->cell, *room * sizeof *cell);
-        if (cell == NULL) {
-            return false;
-        }
-        cells->cell = cell;
+    auvid_sample_t cell;
+    auvid_status_t status = AUVID_OK;
+    if (now->has_attitude) {
+        (void)auvid_recorder_attitude(recorder, now->t_us, now->attitude, now->nu + AUVID_ROLL);
     }
-    return true;
+    if (now->velocity != 0) {
+        (void)auvid_recorder_velocity(recorder, now->t_us, now->nu, now->velocity);
+    }
+    if (now->has_input) {
+        (void)auvid_recorder_input(recorder, now->input_us, now->wrench, NULL);
+    }
+    while (status == AUVID_OK || status == AUVID_GAP) {
+        status = auvid_recorder_pop(recorder, &cell);
+        gap = gap || status == AUVID_GAP;
+        if (status == AUVID_OK) {
+            take(context, &cell, gap);
+            gap = false;
+        }
+    }
+    return gap;
 }
 
-bool replay_record(const csv_log_t *log, const replay_t *replay, const auvid_recorder_config_t *cfg,
-                   cells_t *cells)
+int replay_cells(const log_set_t *logs, const log_use_t *use, const auvid_recorder_config_t *cfg,
+                 replay_take_t *take, void *context)
 {
     auvid_recorder_t recorder;
-    double turns[3] = {0.0};
-    size_t room = 0;
     bool gap = true;
-    memset(cells, 0, sizeof *cells);
+    int status = 0;
     (void)auvid_recorder_init(&recorder, cfg);
-    for (size_t i = 0; i < log->rows; ++i) {
-        instant_t now;
-        auvid_status_t status = AUVID_OK;
-        read_instant(log, replay, i, turns, &now);
-        (void)auvid_recorder_attitude(&recorder, now.t_us, now.attitude, now.nu + AUVID_ROLL);
-        (void)auvid_recorder_velocity(&recorder, now.t_us, now.nu, 7u);
-        (void)auvid_recorder_input(&recorder, now.t_us, now.wrench, NULL);
-        while (status == AUVID_OK || status == AUVID_GAP) {
-            if (!grow(cells, &room)) {
-                cells_free(cells);
-                return false;
-            }
-            cell_t *cell = &cells->cell[cells->cells];
-            status = auvid_recorder_pop(&recorder, &cell->sample);
-            gap = gap || status == AUVID_GAP;
-            if (status == AUVID_OK) {
-                cell->after_gap = gap;
-                gap = false;
-                ++cells->cells;
-            }
+    for (int i = 0; i < logs->logs && status == 0; ++i) {
+        log_reader_t reader;
+        log_sample_t now;
+        status = log_reader_begin(&reader, &logs->log[i], use);
+        while (status == 0 && (status = log_reader_next(&reader, &now)) == 0) {
+            gap = record(&recorder, &now, take, context, gap);
         }
+        status = status == CSV_END ? 0 : status;
     }
-    return true;
-}
-
-void cells_free(cells_t *cells)
-{
-    free(cells->cell);
-    memset(cells, 0, sizeof *cells);
+    return status;
 }

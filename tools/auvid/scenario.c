@@ -193,7 +193,7 @@ static void run_to_end(scenario_run_t *run, uint32_t sets)
            world_time_s(&run->world) < end_s) {
         busy = advance(run);
     }
-    for (uint32_t k = 0; k < vehicle_girona500.linger_ticks; ++k) {
+    for (uint32_t k = 0; k < vehicle_default()->linger_ticks; ++k) {
         (void)advance(run);
     }
     report_gather(&run->result, &run->world.node[0].id, run->options->seed);

@@ -14,130 +14,140 @@
 #define CONVERT_ANGLES "if the attitude is in degrees, convert it to radians (times pi/180)"
 #define CONVERT_RATES "if the rates are in deg/s, convert them to rad/s (times pi/180)"
 
-/* Statistics of the change of an angle and the integral of its rate. */
-typedef struct {
-    double angle2, rate2, both; /* sums of products of the changes in windows */
-    int windows, fast;          /* fast: more than one and a half turns a second */
-} change_t;
-
-static double interval_s(const csv_log_t *log, size_t row)
+/* Adds the step of an angle that wraps at `period`, and the integral of its rate. */
+static void add_step(units_change_t *c, double dt, double step, double rate_sum, double period)
 {
-    return log->row[row].value[CSV_T] - log->row[row - 1].value[CSV_T];
+    if (dt > GAP_S) {
+        c->span = c->turned = c->expected = 0.0;
+        return;
+    }
+    c->span += dt;
+    c->turned += step - period * floor(step / period + 0.5);
+    c->expected += 0.5 * dt * rate_sum;
+    if (c->span >= WINDOW_S) {
+        c->angle2 += c->turned * c->turned;
+        c->rate2 += c->expected * c->expected;
+        c->both += c->turned * c->expected;
+        c->fast += fabs(c->turned) > 1.5 * TURN * c->span;
+        ++c->windows;
+        c->span = c->turned = c->expected = 0.0;
+    }
 }
 
-static change_t changes(const csv_log_t *log, int angle, int rate, double period)
+static void take_angle(units_axis_t *a, double t, double angle)
 {
-    change_t sum = {0};
-    double span = 0.0, turned = 0.0, expected = 0.0;
-    for (size_t i = 1; i < log->rows; ++i) {
-        const double *now = log->row[i].value, *before = log->row[i - 1].value;
-        double dt = interval_s(log, i), step = now[angle] - before[angle];
-        if (dt > GAP_S) {
-            span = turned = expected = 0.0;
-            continue;
-        }
-        span += dt;
-        turned += step - period * floor(step / period + 0.5);
-        expected += 0.5 * dt * (now[rate] + before[rate]);
-        if (span >= WINDOW_S) {
-            sum.angle2 += turned * turned;
-            sum.rate2 += expected * expected;
-            sum.both += turned * expected;
-            sum.fast += fabs(turned) > 1.5 * TURN * span;
-            ++sum.windows;
-            span = turned = expected = 0.0;
+    double dt = t - a->t, step = angle - a->angle;
+    if (a->known) {
+        add_step(&a->radians, dt, step, a->latest_rate + a->rate, TURN);
+        add_step(&a->degrees, dt, step, a->latest_rate + a->rate, TURN * DEGREES);
+        if (fabs(step) > 1.5 * TURN && dt <= GAP_S && !(a->step > 0.0)) {
+            a->step = fabs(step);
+            a->step_t = t;
         }
     }
-    return sum;
+    a->known = true;
+    a->t = t;
+    a->angle = angle;
+    a->rate = a->latest_rate;
+}
+
+void units_row(units_t *units, const csv_row_t *row)
+{
+    for (int k = 0; k < 3; ++k) {
+        units_axis_t *a = &units->axis[k];
+        int angle = CSV_ATTITUDE + k, rate = CSV_NU + 3 + k;
+        if (csv_has(row, rate)) {
+            a->latest_rate = row->value[rate];
+            a->beyond += fabs(a->latest_rate) > TURN;
+            ++a->rates;
+        }
+        if (csv_has(row, angle)) {
+            take_angle(a, row->value[CSV_T], row->value[angle]);
+        }
+    }
+    if (csv_has(row, CSV_ATTITUDE + 1)) {
+        units->beyond += fabs(row->value[CSV_ATTITUDE + 1]) > 0.25 * TURN + 0.01;
+        ++units->pitches;
+    }
 }
 
 /* Does the angle change by about `factor` times the integral of its rate? */
-static bool follows(const change_t *c, double factor)
+static bool follows(const units_change_t *c, double factor)
 {
     double slope = c->rate2 > 0.0 ? c->both / c->rate2 : 0.0;
     return c->windows >= WINDOWS && slope > 0.5 * factor && slope < 2.0 * factor &&
            c->both * c->both > 0.81 * c->angle2 * c->rate2;
 }
 
-/* Share of the rows in which a column is beyond +-limit. */
-static double share_beyond(const csv_log_t *log, int column, double limit)
+static double share(size_t part, size_t all)
 {
-    size_t count = 0;
-    for (size_t i = 0; i < log->rows; ++i) {
-        count += fabs(log->row[i].value[column]) > limit;
-    }
-    return (double)count / (double)log->rows;
+    return all > 0 ? (double)part / (double)all : 0.0;
 }
 
 /* An angle in radians jumps by at most one revolution. */
-static int check_steps(const csv_log_t *log, int column)
+static int check_steps(const units_axis_t *a, const char *path, int column)
 {
-    for (size_t i = 1; i < log->rows; ++i) {
-        double step = fabs(log->row[i].value[column] - log->row[i - 1].value[column]);
-        if (step > 1.5 * TURN && interval_s(log, i) <= GAP_S) {
-            return report_error(
-                "%s: %s jumps by %.4g at t_s %.9g, but an angle in radians jumps by at "
-                "most 6.28, one revolution: " CONVERT_ANGLES,
-                log->path, csv_name[column], step, log->row[i].value[CSV_T]);
-        }
-    }
-    return 0;
-}
-
-static int check_pitch(const csv_log_t *log)
-{
-    double share = share_beyond(log, CSV_ATTITUDE + 1, 0.25 * TURN + 0.01);
-    return share <= FEW
+    return !(a->step > 0.0)
                ? 0
-               : report_error("%s: theta_rad is beyond +-pi/2 in %.0f %% of the rows, which no "
-                              "pitch in radians can be: " CONVERT_ANGLES,
-                              log->path, 100.0 * share);
+               : report_error(
+                     "%s: %s jumps by %.4g at t_s %.9g, but an angle in radians jumps by at "
+                     "most 6.28, one revolution: " CONVERT_ANGLES,
+                     path, csv_name[column], a->step, a->step_t);
 }
 
-static int check_angle(const csv_log_t *log, int axis)
+static int check_pitch(const units_t *units, const char *path)
+{
+    double part = share(units->beyond, units->pitches);
+    return part <= FEW ? 0
+                       : report_error("%s: theta_rad is beyond +-pi/2 in %.0f %% of the rows, "
+                                      "which no pitch in radians can be: " CONVERT_ANGLES,
+                                      path, 100.0 * part);
+}
+
+static int check_angle(const units_axis_t *a, const char *path, int axis)
 {
     int angle = CSV_ATTITUDE + axis, rate = CSV_NU + 3 + axis;
-    change_t c = changes(log, angle, rate, TURN * DEGREES);
-    if (follows(&c, DEGREES)) {
+    const units_change_t *c = &a->degrees;
+    if (follows(c, DEGREES)) {
         return report_error("%s: %s changes 57 times as fast as %s says, so the attitude is in "
                             "degrees: convert it to radians (times pi/180)",
-                            log->path, csv_name[angle], csv_name[rate]);
+                            path, csv_name[angle], csv_name[rate]);
     }
-    return c.windows < WINDOWS || c.fast <= FEW * c.windows
+    return c->windows < WINDOWS || c->fast <= FEW * c->windows
                ? 0
                : report_error(
                      "%s: %s changes by more than 9.4 per second in %.0f %% of the log, too "
                      "fast for radians: " CONVERT_ANGLES,
-                     log->path, csv_name[angle], 100.0 * c.fast / c.windows);
+                     path, csv_name[angle], 100.0 * c->fast / c->windows);
 }
 
-static int check_rate(const csv_log_t *log, int axis)
+static int check_rate(const units_axis_t *a, const char *path, int axis)
 {
     int angle = CSV_ATTITUDE + axis, rate = CSV_NU + 3 + axis;
-    change_t c = changes(log, angle, rate, TURN);
-    if (follows(&c, 1.0 / DEGREES)) {
+    double part = share(a->beyond, a->rates);
+    if (follows(&a->radians, 1.0 / DEGREES)) {
         return report_error("%s: %s is 57 times as large as the change of %s, so the rates are "
                             "in deg/s: convert them to rad/s (times pi/180)",
-                            log->path, csv_name[rate], csv_name[angle]);
+                            path, csv_name[rate], csv_name[angle]);
     }
-    double share = share_beyond(log, rate, TURN);
-    return share <= FEW
+    return part <= FEW
                ? 0
                : report_error(
                      "%s: %s is beyond +-6.28, one revolution per second, in %.0f %% of the "
                      "rows: " CONVERT_RATES,
-                     log->path, csv_name[rate], 100.0 * share);
+                     path, csv_name[rate], 100.0 * part);
 }
 
-int units_check(const csv_log_t *log)
+int units_check(const units_t *units, const char *path)
 {
-    int status = check_pitch(log);
+    int status = check_pitch(units, path);
     for (int axis = 2; axis >= 0 && status == 0; --axis) {
-        status = check_steps(log, CSV_ATTITUDE + axis);
-        status = status != 0 ? status : check_angle(log, axis);
+        const units_axis_t *a = &units->axis[axis];
+        status = check_steps(a, path, CSV_ATTITUDE + axis);
+        status = status != 0 ? status : check_angle(a, path, axis);
     }
     for (int axis = 2; axis >= 0 && status == 0; --axis) {
-        status = check_rate(log, axis);
+        status = check_rate(&units->axis[axis], path, axis);
     }
     return status;
 }

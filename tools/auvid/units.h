@@ -7,9 +7,35 @@
 
 #include "csv.h"
 
-/** Looks for values that no angle in radians and no rate in rad/s of a vehicle takes. Returns 0, or
- * EXIT_REFUSED after one line on stderr with the column, its value and the remedy. A slow log with
- * both in degrees passes if pitch is small and yaw does not wrap. */
-int units_check(const csv_log_t *log);
+/** Change of an angle and integral of its rate, in windows of a second. */
+typedef struct {
+    double span, turned, expected; /* of the window that began last */
+    double angle2, rate2, both;    /* sums of products of the changes in windows */
+    int windows, fast;             /* fast: more than one and a half turns a second */
+} units_change_t;
+
+/** One axis of attitude and rates. */
+typedef struct {
+    bool known;                  /* an angle was seen */
+    double t, angle, rate;       /* last angle, and the rate at its time */
+    double latest_rate;          /* last rate */
+    double step, step_t;         /* first jump that no angle in radians makes, and its time; or 0 */
+    units_change_t radians, degrees; /* of an angle that wraps at a revolution in either unit */
+    size_t rates, beyond;        /* rates; those beyond a revolution per second */
+} units_axis_t;
+
+/** Statistics of a log, first all zeros. */
+typedef struct {
+    units_axis_t axis[3];
+    size_t pitches, beyond; /* values of pitch; those that no pitch in radians takes */
+} units_t;
+
+/** Takes a row. */
+void units_row(units_t *units, const csv_row_t *row);
+
+/** Looks for values that no angle in radians and no rate in rad/s of a vehicle takes. Call it after
+ * the last row. Returns 0, or EXIT_REFUSED after one line on stderr with the column, its value and
+ * the remedy. A slow log with both in degrees passes if pitch is small and yaw does not wrap. */
+int units_check(const units_t *units, const char *path);
 
 #endif

@@ -1,7 +1,7 @@
 /**
  * @file vehicles.h
- * The built-in vehicles: model in the library, thrusters, simulator, and settings of the
- * identification.
+ * The vehicles of the program: those that are ready (vehicles/X.ini, in the program as text), and
+ * those of files; and the configurations of their identification.
  *
  * The choice depends on the sizes that the library is built with: BlueROV2 Heavy needs room for the
  * parameters of the 6-DoF model.
@@ -9,36 +9,24 @@
 #ifndef PROGRAM_VEHICLES_H
 #define PROGRAM_VEHICLES_H
 
-#include "auvid/actuation.h"
+#include "vehicle_file.h"
 #include "vehicle_sim.h"
 
-typedef struct {
-    const char *word;  /**< name on the command line */
-    const char *title; /**< name in reports */
-    const auvid_vehicle_t *model;
-    bool quick; /**< faster than its DVL, mainly in roll, pitch and yaw */
-    const auvid_allocation_config_t *allocation;
-    void (*simulate)(sim_config_t *cfg);     /**< sets the configuration of the simulator */
-    auvid_real_t amplitude[AUVID_DOF_COUNT]; /**< of the excitation [N, Nm] */
-    auvid_real_t tilt_max_rad, yaw_rate_max; /**< limits of the guard [rad, rad/s]; 0: default */
-    /** Ticks in which a node reports every estimate twice: one estimate in five ticks. */
-    uint32_t linger_ticks;
-} vehicle_t;
-
 /** The Girona500, which is the default. */
-extern const vehicle_t vehicle_girona500;
+const vehicle_t *vehicle_default(void);
 
-/** The vehicle of this name, or NULL. */
+/** The ready vehicle of this name, or NULL. */
 const vehicle_t *vehicle_named(const char *word);
 
-/** Names of all vehicles, "girona500, bluerov2". */
-extern const char vehicle_words[];
+/** The vehicle of a file, if the word has a '/' or ends in ".ini", or else the ready one.
+ * @param who the option, in messages @return NULL after a message */
+const vehicle_t *vehicle_chosen(const char *who, const char *word);
 
-/** The model of `fit --model WORD`, or NULL. */
-const auvid_vehicle_t *vehicle_model(const char *word);
+/** Names of all ready vehicles, "girona500, bluerov2, ..". */
+const char *vehicle_words(void);
 
-/** Names of all models. */
-extern const char vehicle_model_words[];
+/** The model of `fit --model WORD`, "fossen" or of a vehicle. @return NULL after a message */
+const auvid_vehicle_t *vehicle_model(const char *who, const char *word);
 
 /** For the model of a fast vehicle: selects averaged rows, for a DVL at 5 Hz, and
  * shorter filters of the moments. */

@@ -7,7 +7,7 @@
 
 static const vehicle_t *vehicle_of(const world_config_t *config)
 {
-    return config->vehicle == NULL ? &vehicle_girona500 : config->vehicle;
+    return config->vehicle == NULL ? vehicle_default() : config->vehicle;
 }
 
 /* Replaces the plan by adaptive excitation, with the same amplitudes and excursion limits. */
@@ -31,7 +31,7 @@ void world_identifier(auvid_identifier_config_t *cfg, const world_config_t *conf
         options_uncertainty(config->options, &cfg->uncertainty);
     }
     for (int i = 0; i < 3; ++i) {
-        cfg->nav.mount.dvl_lever[i] = (auvid_real_t)config->dvl_arm_m[i];
+        cfg->nav.mount.dvl_lever[i] += (auvid_real_t)config->dvl_arm_m[i];
     }
     if (config->literal) {
         cfg->vehicle = cfg->metric.vehicle = vehicle_of(config)->model; /* no averaged rows */
@@ -50,11 +50,10 @@ auvid_status_t world_excite(auvid_node_t *node, auvid_actuation_t *actuation,
     return auvid_node_attach_actuation(node, actuation, &cfg);
 }
 
-auvid_status_t world_uncertain(auvid_node_t *node, auvid_uncertain_t *uncertain)
+auvid_status_t world_uncertain(auvid_node_t *node, auvid_uncertain_t *uncertain,
+                               const vehicle_t *vehicle)
 {
-    auvid_uncertain_config_t cfg;
-    auvid_uncertain_defaults(&cfg);
-    return auvid_node_attach_uncertain(node, uncertain, &cfg);
+    return auvid_node_attach_uncertain(node, uncertain, &vehicle->uncertain);
 }
 
 /* Starts the next node. */
@@ -84,7 +83,9 @@ bool world_begin(world_t *world, const world_config_t *config)
     vehicle_sim.sim.lag_s = config->lag_s;
     memcpy(vehicle_sim.sim.current, config->current, sizeof vehicle_sim.sim.current);
     vehicle_sim.sim.sensor[SIM_DVL].rate_hz *= config->both_locks ? 2.0 : 1.0;
-    memcpy(vehicle_sim.sim.dvl_arm_m, config->dvl_arm_m, sizeof vehicle_sim.sim.dvl_arm_m);
+    for (int i = 0; i < 3; ++i) {
+        vehicle_sim.sim.dvl_arm_m[i] += config->dvl_arm_m[i];
+    }
     for (int i = 0; i < SIM_SENSORS; ++i) {
         vehicle_sim.sim.sensor[i].age_s = config->age_s[i];
     }

@@ -37,7 +37,7 @@ typedef struct {
     /** The DVL alternates between bottom and water, each at 5 Hz. Dynamics use the water velocity,
      * the guard the bottom velocity. Default: bottom only. */
     bool both_locks;
-    double dvl_arm_m[3];       /**< of the DVL from the origin of the body, known to the node [m] */
+    double dvl_arm_m[3];       /**< of the DVL beyond that of the vehicle, known to the node [m] */
     double age_s[SIM_SENSORS]; /**< time from sample to arrival, by sim_sensor_id_t [s] */
 } world_config_t;
 
@@ -72,9 +72,10 @@ void world_identifier(auvid_identifier_config_t *cfg, const world_config_t *conf
 auvid_status_t world_excite(auvid_node_t *node, auvid_actuation_t *actuation,
                             const world_config_t *config);
 
-/** Attaches uncertain inputs with their defaults to a node.
+/** Attaches the uncertain inputs of a vehicle to a node.
  * @return the library's status */
-auvid_status_t world_uncertain(auvid_node_t *node, auvid_uncertain_t *uncertain);
+auvid_status_t world_uncertain(auvid_node_t *node, auvid_uncertain_t *uncertain,
+                               const vehicle_t *vehicle);
 
 /** Starts. The operator arms the node one second after it navigates.
  * Returns false if the library, see world_refusal, or the simulator refuses the configuration. */

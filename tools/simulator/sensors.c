@@ -62,8 +62,50 @@ static void between(double *x, const double *a, const double *b, double part, in
     }
 }
 
-static void imu(const sim_config_t *c, const moment_t *at, sim_rng_t *noise, sim_measurement_t *m)
+static bool is_aligned(const double euler[3])
 {
+    return fabs(euler[0]) + fabs(euler[1]) + fabs(euler[2]) <= 0.0;
+}
+
+/* From the body's axes to those of an instrument, v = R(euler)' v. */
+static void to_instrument(const double euler[3], double v[3])
+{
+    double r[3][3], in[3];
+    if (is_aligned(euler)) {
+        return;
+    }
+    memcpy(in, v, sizeof in);
+    sim_rotation(euler, r);
+    for (int i = 0; i < 3; ++i) {
+        v[i] = r[0][i] * in[0] + r[1][i] * in[1] + r[2][i] * in[2];
+    }
+}
+
+/* Attitude and rates of the IMU's frame: its rotation is R(body) R(mount). */
+static void of_imu(const double mount[3], moment_t *at)
+{
+    double body[3][3], own[3][3], r[3][3] = {{0}};
+    if (is_aligned(mount)) {
+        return;
+    }
+    sim_rotation(at->euler, body);
+    sim_rotation(mount, own);
+    for (int i = 0; i < 3; ++i) {
+        for (int j = 0; j < 3; ++j) {
+            r[i][j] = body[i][0] * own[0][j] + body[i][1] * own[1][j] + body[i][2] * own[2][j];
+        }
+    }
+    at->euler[0] = atan2(r[2][1], r[2][2]);
+    at->euler[1] = -asin(fmax(-1.0, fmin(1.0, r[2][0])));
+    at->euler[2] = atan2(r[1][0], r[0][0]);
+    to_instrument(mount, at->nu + 3);
+}
+
+static void imu(const sim_config_t *c, const moment_t *body, sim_rng_t *noise,
+                sim_measurement_t *m)
+{
+    moment_t own = *body, *at = &own;
+    of_imu(c->imu_euler, &own);
     for (int i = 0; i < 3; ++i) {
         m->value[i] = at->euler[i] + c->imu_angle_rad * sim_rng_gauss(noise);
         m->value[3 + i] = at->nu[3 + i] + c->imu_rate_rad_s * sim_rng_gauss(noise);
@@ -83,6 +125,7 @@ static void dvl(const sim_config_t *c, const moment_t *at, sim_rng_t *noise, sim
     v[0] += w[1] * a[2] - w[2] * a[1];
     v[1] += w[2] * a[0] - w[0] * a[2];
     v[2] += w[0] * a[1] - w[1] * a[0];
+    to_instrument(c->dvl_euler, v);
     m->value[0] = cy * v[0] + sy * v[1];
     m->value[1] = cy * v[1] - sy * v[0];
     m->value[2] = v[2];

@@ -60,6 +60,31 @@ static void girona500(const sim_config_t *cfg, const double euler[3], const doub
            cfg->tilt_inertia;
 }
 
+/* nu' of a model of the library. What it has no equation for is as above, or at rest. */
+static void library_model(const sim_config_t *cfg, const double euler[3], const double nu[6],
+                          const double wrench[6], double d[6])
+{
+    const auvid_vehicle_t *model = cfg->vehicle;
+    auvid_sample_t sample = {.phi = (auvid_real_t)euler[0],
+                             .theta = (auvid_real_t)euler[1],
+                             .psi = (auvid_real_t)euler[2]};
+    auvid_real_t pi[SIM_VEHICLE_PARAMETERS], nu_dot[AUVID_DOF_COUNT] = {0};
+    girona500(cfg, euler, nu, wrench, d);
+    for (int i = 0; i < SIM_VEHICLE_PARAMETERS; ++i) {
+        pi[i] = (auvid_real_t)cfg->vehicle_parameter[i];
+    }
+    for (int i = 0; i < AUVID_DOF_COUNT; ++i) {
+        d[i] = i == P || i == Q ? d[i] : 0.0;
+        sample.nu[i] = (auvid_real_t)nu[i];
+        sample.nu_dot[i] = (auvid_real_t)d[i];
+        sample.tau[i] = (auvid_real_t)wrench[i];
+    }
+    (void)model->acceleration(model->context, &sample, pi, nu_dot);
+    for (int i = 0; i < AUVID_DOF_COUNT; ++i) {
+        d[i] = model->columns[i] != 0 ? (double)nu_dot[i] : d[i];
+    }
+}
+
 void sim_derivative(const sim_config_t *cfg, const double state[12], const double wrench[6],
                     double derivative[12])
 {
@@ -77,6 +102,8 @@ void sim_derivative(const sim_config_t *cfg, const double state[12], const doubl
     derivative[EULER + 2] = (sf * nu[Q] + cf * nu[R]) / ct;
     if (cfg->model == SIM_FOSSEN) {
         sim_fossen_acceleration(&cfg->fossen, state + EULER, nu, wrench, derivative + NU);
+    } else if (cfg->model == SIM_VEHICLE) {
+        library_model(cfg, state + EULER, nu, wrench, derivative + NU);
     } else {
         girona500(cfg, state + EULER, nu, wrench, derivative + NU);
     }
@@ -159,6 +186,16 @@ static bool vehicle_is_good(const sim_config_t *c)
 {
     const sim_fossen_t *f = &c->fossen;
     double m[6][6], x[6] = {0};
+    if (c->model == SIM_VEHICLE) {
+        double zero[12] = {0}, derivative[12];
+        if (c->vehicle == NULL || c->vehicle->acceleration == NULL ||
+            c->vehicle->parameters > SIM_VEHICLE_PARAMETERS ||
+            !all_finite(c->vehicle_parameter, SIM_VEHICLE_PARAMETERS)) {
+            return false;
+        }
+        sim_derivative(c, zero, x, derivative); /* has a solution */
+        return all_finite(derivative, 12);
+    }
     if (c->model != SIM_FOSSEN) {
         return c->model == SIM_GIRONA500 && all_finite(c->parameter, SIM_PARAMETERS) &&
                c->parameter[SIM_M_U] > 0.0 && c->parameter[SIM_M_V] > 0.0 &&
@@ -201,11 +238,23 @@ static bool add_thrust(const sim_config_t *c, const double wrench[6], double for
     return true;
 }
 
+double sim_thruster_limit(const sim_config_t *cfg, int j, double force)
+{
+    double back = cfg->thruster_back_N > 0.0 ? cfg->thruster_back_N : cfg->thruster_max_N;
+    double own = cfg->thruster_limit_N[j][force < 0.0];
+    return own > 0.0 ? own : force < 0.0 ? back : cfg->thruster_max_N;
+}
+
 static bool thrusters_are_good(const sim_config_t *c)
 {
     double none[6] = {0}, force[SIM_THRUSTERS] = {0};
     bool hold = c->hold_Nm_rad > 0.0 || c->hold_Nms_rad > 0.0;
-    return c->thrusters >= 0 && c->thrusters <= SIM_THRUSTERS &&
+    for (int j = 0; j < SIM_THRUSTERS; ++j) {
+        if (!(c->thruster_limit_N[j][0] >= 0.0) || !(c->thruster_limit_N[j][1] >= 0.0)) {
+            return false;
+        }
+    }
+    return all_finite(&c->thruster_limit_N[0][0], 2 * SIM_THRUSTERS) && c->thrusters >= 0 && c->thrusters <= SIM_THRUSTERS &&
            all_finite(&c->thruster_matrix[0][0], 6 * SIM_THRUSTERS) &&
            (!hold || add_thrust(c, none, force));
 }
@@ -225,14 +274,15 @@ static bool config_is_good(const sim_config_t *c)
     }
     return all_finite(finite, sizeof finite / sizeof finite[0]) && all_finite(c->position, 3) &&
            all_finite(c->euler, 3) && all_finite(c->nu, 6) && all_finite(c->current, 3) &&
-           all_finite(c->dvl_arm_m, 3) && vehicle_is_good(c) && thrusters_are_good(c) &&
+           all_finite(c->dvl_arm_m, 3) && all_finite(c->dvl_euler, 3) &&
+           all_finite(c->imu_euler, 3) && vehicle_is_good(c) && thrusters_are_good(c) &&
            isfinite(c->tilt_inertia) && c->tilt_inertia > 0.0 && isfinite(c->disturbance_s) &&
            c->disturbance_s > 0.0;
 }
 
 static double disturbance_rms(const sim_config_t *cfg, int dof)
 {
-    bool unknown = dof == R || cfg->model == SIM_FOSSEN;
+    bool unknown = dof == R || cfg->model != SIM_GIRONA500;
     return dof < 3 ? cfg->disturbance_N : unknown ? cfg->disturbance_Nm : 0.0;
 }
 
@@ -331,7 +381,7 @@ static void command(const sim_t *sim, const double *thruster_N, double commanded
 {
     const sim_config_t *c = &sim->cfg;
     const double *seen = sim->imu.value;
-    double hold[6] = {0}, back = c->thruster_back_N > 0.0 ? c->thruster_back_N : c->thruster_max_N;
+    double hold[6] = {0};
     for (int j = 0; thruster_N != NULL && j < c->thrusters; ++j) {
         commanded[j] = isfinite(thruster_N[j]) ? thruster_N[j] : 0.0;
     }
@@ -342,7 +392,8 @@ static void command(const sim_t *sim, const double *thruster_N, double commanded
         (void)add_thrust(c, hold, commanded);
     }
     for (int j = 0; j < c->thrusters; ++j) {
-        commanded[j] = fmax(-back, fmin(c->thruster_max_N, commanded[j]));
+        commanded[j] = fmax(-sim_thruster_limit(c, j, -1.0),
+                            fmin(sim_thruster_limit(c, j, 1.0), commanded[j]));
     }
 }
 

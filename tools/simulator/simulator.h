@@ -13,6 +13,9 @@
  * thrusters as ArduSub does; the feedback includes this thrust. Euler angles are singular at pitch
  * angles of 90 degrees, where the simulation ends.
  *
+ * A user's vehicle: `model` SIM_VEHICLE, any model of the library that has an acceleration. Of the
+ * degrees of freedom without an equation, roll and pitch are Girona500's, the others stay at rest.
+ *
  * Current: the state is the velocity through the water, on which the forces depend. For a
  * constant irrotational current Eq. 12-15 hold unchanged (Fossen 2011, property 8.1);
  * positions move with the velocity over ground, R nu + current.
@@ -33,6 +36,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#include "auvid/vehicle.h"
 #include "navigation/auvid_sensors_internal.h"
 
 #ifdef __cplusplus
@@ -66,7 +70,10 @@ enum {
 /** The parameters of the 6-DoF model of the library, in its order (fossen.h). */
 #define SIM_FOSSEN_PARAMETERS 32
 
-typedef enum { SIM_GIRONA500, SIM_FOSSEN } sim_model_t;
+typedef enum { SIM_GIRONA500, SIM_FOSSEN, SIM_VEHICLE } sim_model_t;
+
+/** Largest number of parameters of SIM_VEHICLE. */
+#define SIM_VEHICLE_PARAMETERS 32
 
 /** The textbook's coefficients of a vehicle in six degrees of freedom (Fossen 2011). */
 typedef struct {
@@ -105,6 +112,8 @@ typedef struct {
     sim_model_t model;                /**< default SIM_GIRONA500 */
     sim_fossen_t fossen;              /**< of SIM_FOSSEN; default: none */
     double parameter[SIM_PARAMETERS]; /**< of SIM_GIRONA500; default: the paper's values */
+    const auvid_vehicle_t *vehicle;   /**< of SIM_VEHICLE; default NULL */
+    double vehicle_parameter[SIM_VEHICLE_PARAMETERS]; /**< its parameters; default 0 */
     bool printed_eq13;                /**< m_w w q in Eq. 13, as printed; default false */
     /** Roll and pitch: inertia [kg m2], linear [Nm s] and quadratic [Nm s2] drag (positive
      * dissipates), righting moment at 90 degrees [Nm]. Defaults 80, 60, 40, 150. */
@@ -124,6 +133,8 @@ typedef struct {
     int thrusters;          /**< number of thrusters, 0..SIM_THRUSTERS; default 5 */
     double thruster_max_N;  /**< largest forward thrust; default 153.8 */
     double thruster_back_N; /**< largest backward thrust; 0 (default): as forward */
+    /** The same of each thruster, forward [0] and backward [1]; 0 (default): as all. */
+    double thruster_limit_N[SIM_THRUSTERS][2];
     /** Stabilisation of roll and pitch: gains in newton metres per radian and per radian per second
      * of the last IMU sample; default 0: none. With stabilisation the thrusters must be able to
      * actuate all six degrees of freedom. */
@@ -142,6 +153,8 @@ typedef struct {
     double dvl_m_s;         /**< rms noise of each component; default 0.007 */
     double dvl_arm_m[3];    /**< of the DVL from the body's origin [m]; default 0 */
     double dvl_yaw_rad;     /**< of the DVL's x axis from the body's x; default 0 */
+    double dvl_euler[3];    /**< instead: phi theta psi of the DVL's frame in the body's [rad] */
+    double imu_euler[3];    /**< the same of the IMU; default 0 */
     double dvl_partial;     /**< share of samples with only one or two of the DVL's axes,
                                 each of these six cases equally likely; 0..0.9, default 0 */
     double dvl_partial_run; /**< mean number of consecutive such samples with the same
@@ -267,6 +280,8 @@ void sim_fossen_parameters(const sim_fossen_t *vehicle, double p[SIM_FOSSEN_PARA
 /** Solves a x = b. a is overwritten; x is b on entry. Returns false if a is not positive definite.
  */
 bool sim_solve(double a[6][6], double x[6]);
+/** Largest force of thruster j in the direction of a force [N], >= 0. */
+double sim_thruster_limit(const sim_config_t *cfg, int j, double force);
 /** Rotation matrix from body to world. */
 void sim_rotation(const double euler[3], double r[3][3]);
 /** Seeds stream `stream`; different streams are independent. */

@@ -28,8 +28,27 @@ void vehicle_sim_truth(const vehicle_sim_t *vehicle, double truth[VEHICLE_SIM_PA
     memset(truth, 0, VEHICLE_SIM_PARAMETERS * sizeof truth[0]);
     if (c->model == SIM_FOSSEN) {
         sim_fossen_parameters(&c->fossen, truth);
+    } else if (c->model == SIM_VEHICLE) {
+        memcpy(truth, c->vehicle_parameter, sizeof c->vehicle_parameter);
     } else {
         memcpy(truth, c->parameter, sizeof c->parameter);
+    }
+}
+
+/* The wrench that holds the vehicle at rest. */
+static void hover_wrench(const sim_config_t *c, auvid_real_t wrench[AUVID_DOF_COUNT])
+{
+    if (c->model == SIM_VEHICLE) {
+        const auvid_sample_t rest = {0};
+        auvid_real_t pi[SIM_VEHICLE_PARAMETERS];
+        for (int i = 0; i < SIM_VEHICLE_PARAMETERS; ++i) {
+            pi[i] = (auvid_real_t)c->vehicle_parameter[i];
+        }
+        auvid_vehicle_residual(c->vehicle, &rest, pi, wrench);
+    } else {
+        wrench[AUVID_HEAVE] =
+            (auvid_real_t)(c->model == SIM_FOSSEN ? c->fossen.buoyancy_N - c->fossen.weight_N
+                                                  : -c->parameter[SIM_WB]);
     }
 }
 
@@ -39,9 +58,7 @@ static bool init_hover(vehicle_sim_t *vehicle, const auvid_allocation_config_t *
     auvid_allocation_t allocation;
     auvid_allocation_result_t result;
     auvid_real_t wrench[AUVID_DOF_COUNT] = {0};
-    wrench[AUVID_HEAVE] =
-        (auvid_real_t)(c->model == SIM_FOSSEN ? c->fossen.buoyancy_N - c->fossen.weight_N
-                                              : -c->parameter[SIM_WB]);
+    hover_wrench(c, wrench);
     if (auvid_allocation_init(&allocation, cfg) < 0 ||
         auvid_allocation_solve(&allocation, wrench, &result) < 0) {
         return false;
@@ -117,13 +134,6 @@ double vehicle_sim_rms_percent(const vehicle_sim_t *vehicle)
         ++count;
     }
     return 100.0 * sqrt(sum / count);
-}
-
-/* Largest force of a thruster in the direction of a force. */
-static double max_force_N(const vehicle_sim_t *vehicle, double force)
-{
-    const sim_config_t *c = &vehicle->sim.cfg;
-    return force < 0.0 && c->thruster_back_N > 0.0 ? c->thruster_back_N : c->thruster_max_N;
 }
 
 static void send(sending_t *s, const auvid_can_message_t *message)
@@ -223,7 +233,7 @@ static void send_feedback(sending_t *s)
     double part[AUVID_CAN_THRUSTERS] = {0};
     for (int i = 0; i < s->vehicle->sim.cfg.thrusters; ++i) {
         double force = s->vehicle->seen.thruster_N[i];
-        part[i] = force / max_force_N(s->vehicle, force);
+        part[i] = force / sim_thruster_limit(&s->vehicle->sim.cfg, i, force);
     }
     copy(a.as.thruster_feedback_a.thrust, part, 4);
     copy(b.as.thruster_feedback_b.thrust, part + 4, 4);
@@ -259,7 +269,7 @@ bool vehicle_sim_commanded(vehicle_sim_t *vehicle, double force_N[SIM_THRUSTERS]
     auvid_status_t status = auvid_can_command_thrust(&vehicle->command, vehicle->seen.t_us, thrust);
     for (int i = 0; i < vehicle->sim.cfg.thrusters; ++i) {
         double part = (double)thrust[i];
-        force_N[i] = part * max_force_N(vehicle, part);
+        force_N[i] = part * sim_thruster_limit(&vehicle->sim.cfg, i, part);
     }
     return status == AUVID_OK;
 }

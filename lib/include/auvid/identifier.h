@@ -387,6 +387,25 @@ auvid_status_t auvid_identifier_step(auvid_identifier_t *id, const auvid_input_t
 auvid_status_t auvid_identifier_motion(auvid_identifier_t *id, uint64_t t_us,
                                        const auvid_real_t *attitude, const auvid_real_t *nu);
 
+#define auvid_identifier_attitude AUVID_SIZED(auvid_identifier_attitude)
+/** As auvid_identifier_motion, for attitude and rates that have a rate of their own, beside
+ * auvid_identifier_velocity.
+ * @param attitude [3] rad, psi unwrapped
+ * @param rates [3] rad/s
+ * @return as auvid_identifier_motion. */
+auvid_status_t auvid_identifier_attitude(auvid_identifier_t *id, uint64_t t_us,
+                                         const auvid_real_t *attitude, const auvid_real_t *rates);
+
+#define auvid_identifier_velocity AUVID_SIZED(auvid_identifier_velocity)
+/** As auvid_identifier_motion, for the velocity through the water. Call it only for new samples: a
+ * held value is not one.
+ * @param velocity [3] m/s
+ * @param measured bit i: velocity[i] was measured, 0..7; the others are not read
+ * @return as auvid_identifier_motion; AUVID_ERR_RANGE also if `measured` exceeds 7; AUVID_UNUSED if
+ * it is 0. */
+auvid_status_t auvid_identifier_velocity(auvid_identifier_t *id, uint64_t t_us,
+                                         const auvid_real_t *velocity, unsigned measured);
+
 #define auvid_identifier_applied AUVID_SIZED(auvid_identifier_applied)
 /** Record the applied wrench from t_us on. Call it in every tick after auvid_identifier_step, when
  * the sum of pilot, controller and excitation is known; each time is recorded once, here or in the

@@ -215,6 +215,38 @@ auvid_status_t auvid_identifier_motion(auvid_identifier_t *id, uint64_t t_us,
     return status;
 }
 
+auvid_status_t auvid_identifier_attitude(auvid_identifier_t *id, uint64_t t_us,
+                                         const auvid_real_t *attitude, const auvid_real_t *rates)
+{
+    if (id == NULL || attitude == NULL || rates == NULL) {
+        return AUVID_ERR_NULL;
+    }
+    if (!identifier_is_ready(id)) {
+        return AUVID_ERR_STATE;
+    }
+    auvid_status_t status = auvid_recorder_attitude(&id->recorder, t_us, attitude, rates);
+    if (status == AUVID_OK) {
+        identifier_take_cells(id, AUVID_RECORDER_CELLS);
+    }
+    return status;
+}
+
+auvid_status_t auvid_identifier_velocity(auvid_identifier_t *id, uint64_t t_us,
+                                         const auvid_real_t *velocity, unsigned measured)
+{
+    if (id == NULL || velocity == NULL) {
+        return AUVID_ERR_NULL;
+    }
+    if (!identifier_is_ready(id)) {
+        return AUVID_ERR_STATE;
+    }
+    auvid_status_t status = auvid_recorder_velocity(&id->recorder, t_us, velocity, measured);
+    if (status == AUVID_OK) {
+        identifier_take_cells(id, AUVID_RECORDER_CELLS);
+    }
+    return status;
+}
+
 auvid_status_t auvid_identifier_applied(auvid_identifier_t *id, uint64_t t_us,
                                         const auvid_real_t *wrench, const auvid_real_t *command)
 {

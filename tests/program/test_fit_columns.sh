@@ -1,0 +1,184 @@
+#!/usr/bin/env bash
+# auvid fit: forms of a log beside the usual one. Each is written from the same simulated dive, and
+# its estimates must be those of the usual form. And: memory, which must not depend on the length.
+. "$(dirname "$0")/common.sh"
+
+"$AUVID" demo --json --seed 5 --disturbance 1 --sets 2 --csv train.csv >/dev/null
+
+# change PYTHON <IN >OUT: runs code on h (header) and r (rows of numbers; None: an empty cell).
+change() {
+    python3 -c '
+import csv, math, sys
+rows = list(csv.reader(sys.stdin)); h = rows[0]; r = [[float(x) for x in y] for y in rows[1:]]
+C = {n: i for i, n in enumerate(h)}
+ANGLES, RATES = ["phi_rad", "theta_rad", "psi_rad"], ["p_radps", "q_radps", "r_radps"]
+VELOCITY, WRENCH = ["u_mps", "v_mps", "w_mps"], ["X_N", "Y_N", "Z_N", "K_Nm", "M_Nm", "N_Nm"]
+def drop(*names):
+    global h, r
+    keep = [i for i, n in enumerate(h) if n not in names]
+    h = [h[i] for i in keep]; r = [[y[i] for i in keep] for y in r]
+def add(names, values):
+    global h, r
+    h = h + names; r = [y + list(values(y)) for y in r]
+def empty(names, where):
+    for i, y in enumerate(r):
+        for n in names:
+            if where(i): y[C[n]] = None
+def thrust(y):
+    X, Y, Z, N = (y[C[n]] for n in ("X_N", "Y_N", "Z_N", "N_Nm"))
+    return [-X / 2 - N / 0.8, -X / 2 + N / 0.8, -Z / 2, -Z / 2, Y]
+exec(sys.argv[1])
+out = csv.writer(sys.stdout, lineterminator="\n"); out.writerow(h)
+out.writerows([["" if x is None else "%.12g" % x for x in y] for y in r])' "$1"
+}
+
+# equals REFERENCE TOLERANCE: the estimates in the file out are those of the reference.
+equals() {
+    is out "
+first = {p['name']: p['estimate'] for p in json.load(open('$1'))['parameters']}
+assert all(abs(P[n]['estimate'] / first[n] - 1) < $2 for n in TRUTH), \\
+    {n: P[n]['estimate'] / first[n] - 1 for n in TRUTH}"
+}
+# form STATUS REFERENCE TOLERANCE ARGUMENTS...
+form() {
+    local status=$1 reference=$2 tolerance=$3
+    shift 3
+    exits "$status" fit "$@" --json && equals "$reference" "$tolerance"
+}
+
+check "the usual form" exits 0 fit train.csv --plain --json
+cp out plain.json
+check "  with its thrusters" exits 0 fit train.csv --thrusters girona500 --json
+cp out thrusters.json
+
+# ---- attitude ----
+change '
+def quaternion(y):
+    (a, b), (c, d), (e, f) = ((math.cos(y[C[n]] / 2), math.sin(y[C[n]] / 2)) for n in ANGLES)
+    q = [a*c*e + b*d*f, b*c*e - a*d*f, a*d*e + b*c*f, a*c*f - b*d*e]
+    return [0.97 * x * (1 if int(y[0]) % 2 else -1) for x in q]
+add(["qw", "qx", "qy", "qz"], quaternion); drop(*ANGLES)' <train.csv >quaternion.csv
+check "a quaternion of either sign and of a norm near 1" form 0 plain.json 1e-4 quaternion.csv --plain
+change 'empty(ANGLES, lambda i: i % 5)' <train.csv >slow_attitude.csv
+check "attitude slower than its rates, which propagate it" \
+    form 0 plain.json 3e-3 slow_attitude.csv --plain
+
+# ---- each sensor at its own rate ----
+change '
+parts = [ANGLES + RATES, VELOCITY, WRENCH]
+r = [[y[0] + 1e-6 * k if n == "t_s" else y[i] if n in part else None for i, n in enumerate(h)]
+     for y in r for k, part in enumerate(parts)]' <train.csv >parts.csv
+check "a row for each sensor" form 0 plain.json 1e-3 parts.csv --plain
+change 'empty(VELOCITY, lambda i: i % 10)' <train.csv >empty.csv
+check "a velocity at 5 Hz, with empty cells in between" exits 0 fit empty.csv --plain --json
+cp out empty.json
+check "  masses within 2 %" is out 'assert all(error(n) < 0.02 for n in TRUTH if n[0] == "m")'
+change '
+for i, y in enumerate(r):
+    for n in VELOCITY: y[C[n]] = r[i - i % 10][C[n]]' <train.csv >held.csv
+check "a velocity at 5 Hz, held in between" exits 0 fit held.csv --plain --json
+check "  is recognised" grep -q 'held.csv: the velocity is held .* each 0.2 s, rows each 0.02 s' err
+check "  gives the bits of that with empty cells" cmp out empty.json
+change '
+for i, y in enumerate(r):
+    for n in VELOCITY: y[C[n]] = 0 if i % 1000 < 300 else round(y[C[n]], 3)' <train.csv >rests.csv
+exits 3 fit rests.csv --plain --json >rests.said
+check "a vehicle that rests, with velocities of 1 mm/s resolution, is not held" test ! -s err
+change '
+for y in r:
+    for n in VELOCITY: y[C[n]] = round(y[C[n]] * 0.05, 3)' <train.csv >slow.csv
+exits 0 fit slow.csv --plain --json >slow.said
+check "a slow vehicle with velocities of 1 mm/s resolution is not held" test ! -s err
+
+# ---- thrusters ----
+change 'add(["thruster_%d_N" % k for k in range(1, 6)], thrust); drop(*WRENCH)' \
+    <train.csv >newtons.csv
+check "forces of thrusters" form 0 thrusters.json 1e-3 newtons.csv --thrusters girona500
+commands='
+def commands(y):
+    return [math.copysign(math.sqrt(abs(f) / 153.8), f) for f in thrust(y)]'
+change "$commands"'
+add(["thruster_%d" % k for k in range(1, 6)], commands); drop(*WRENCH)' <train.csv >throttle.csv
+check "commands of thrusters" form 0 thrusters.json 1e-3 throttle.csv --thrusters girona500
+check "  without estimating their errors" form 0 plain.json 1e-3 throttle.csv \
+    --vehicle girona500 --plain
+sed 's/^map = signed-square/map = rpm\nfull_command = 1200/' \
+    "$ROOT/tools/auvid/vehicles/girona500.ini" >speed.ini
+change "$commands"'
+add(["rpm_%d" % k for k in range(1, 6)], lambda y: [1200 * c for c in commands(y)])
+drop(*WRENCH)' <train.csv >speed.csv
+check "speeds of propellers" form 0 plain.json 1e-3 speed.csv --vehicle speed.ini --plain
+sed 's/^map = signed-square/map = signed-square\nvoltage_V = 16\nvoltage_exponent = 2/' \
+    "$ROOT/tools/auvid/vehicles/girona500.ini" >voltage.ini
+change "$commands"'
+sag = lambda y: 14 + y[0] % 2
+add(["thruster_%d" % k for k in range(1, 6)], lambda y: [c * 16 / sag(y) for c in commands(y)])
+add(["voltage_V"], lambda y: [sag(y)]); drop(*WRENCH)' <train.csv >voltage.csv
+check "commands at a voltage that sags" \
+    form 0 plain.json 1e-3 voltage.csv --vehicle voltage.ini --plain
+sed 's/^map = signed-square/map = signed-square\ndelay_s = 0.1/' \
+    "$ROOT/tools/auvid/vehicles/girona500.ini" >late.ini
+change "$commands"'
+add(["thruster_%d" % k for k in range(1, 6)], commands); drop(*WRENCH)
+for i in range(len(r) - 5): r[i][-5:] = r[i + 5][-5:]' <train.csv >late.csv
+check "commands that act 0.1 s later, as the vehicle file says" \
+    form 0 plain.json 1e-2 late.csv --vehicle late.ini --plain
+
+# ---- commands of the axes ----
+change '
+names = dict(X_N="cmd_surge", Y_N="cmd_sway", Z_N="cmd_heave", K_Nm="cmd_roll", M_Nm="cmd_pitch",
+             N_Nm="cmd_yaw")
+for y in r:
+    for n in names: y[C[n]] /= 50 if n == "N_Nm" else 200
+h = [names.get(n, n) for n in h]' <train.csv >commands.csv
+gains="--gain surge=200 --gain sway=200 --gain heave=200 --gain=yaw=50"
+# shellcheck disable=SC2086
+check "commands with a gain for each axis" form 0 plain.json 1e-3 commands.csv --plain $gains
+check "  have the units of forces" is out 'assert P["m_u"]["unit"] == "kg"'
+check "a gain is missing" rejects 'cmd_yaw has no gain' fit commands.csv --gain surge=1 \
+    --gain sway=1 --gain heave=1
+check "gains of forces" rejects '--gain needs commands' fit train.csv --gain surge=1
+check "--dry-mass of commands" rejects '--dry-mass needs forces' fit commands.csv --dry-mass 9
+check "--dry-mass" exits 0 fit train.csv --plain --json --dry-mass 300
+check "  a smaller mass is marked" is out '
+assert {P[n]["note"] for n in ("m_u", "X_u", "X_uu")} == {"m_u is impossible"}, P'
+
+# ---- several logs ----
+change 'r = [y for y in r if y[0] < 60]' <train.csv >first.csv
+change 'r = [y for y in r if y[0] >= 60]' <train.csv >second.csv
+change '
+end = max(y[0] for y in r if y[0] < 60); start = min(y[0] for y in r if y[0] >= 60)
+for y in r: y[0] += (10 + end - start) if y[0] >= 60 else 0' <train.csv >gap.csv
+exits 0 fit gap.csv --plain --json
+cp out gap.json
+check "two logs" exits 0 fit first.csv second.csv --plain --json
+check "  are one with a gap" cmp out gap.json
+check "  of the same kind of inputs" rejects 'commands.csv:1:1: no input column of the same kind' \
+    fit first.csv commands.csv
+check "  each named in the heading" exits 0 fit first.csv second.csv --plain
+check "  which says how many gaps" grep -q 'fit: first.csv, second.csv$' out
+change 'r = [y for y in r if y[0] % 10 > 0.7]' <train.csv >outages.csv
+check "gaps of 0.7 s" exits 0 fit outages.csv --plain
+check "  are gaps" grep -q ' [1-9] gaps over 0.5 s' out
+check "  or not" exits 0 fit outages.csv --plain --max-gap 0.8
+check "  by --max-gap" grep -q ' 0 gaps over 0.8 s' out
+
+# ---- any length ----
+piped() {
+    cat train.csv | "$AUVID" fit /dev/stdin --plain --json >out && cmp out plain.json
+}
+check "a pipe is read as often as a file" piped
+awk -F, 'NR == 1 { print; next } { t[NR] = $1; sub(/^[^,]*/, ""); rest[NR] = $0 }
+    END { for (k = 0; k < 56; ++k) for (i = 2; i <= NR; ++i)
+              printf "%.6f%s\n", t[i] + k * (t[NR] - t[2] + 1), rest[i] }' train.csv >hour.csv
+check "a log of an hour" python3 - "$AUVID" <<'END'
+import resource, subprocess, sys
+rows = sum(1 for _ in open("hour.csv"))
+assert rows > 50 * 3600, rows
+subprocess.run([sys.argv[1], "fit", "hour.csv", "--validate", "hour.csv", "--coupling", "on",
+                "--plain", "--json"], check=True, stdout=subprocess.DEVNULL)
+kilobytes = resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss
+print(kilobytes)
+assert kilobytes <= 32 * 1024, kilobytes
+END
+finish

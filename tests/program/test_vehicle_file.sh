@@ -1,0 +1,265 @@
+#!/usr/bin/env bash
+# Vehicle files: what is refused, with its sentence; the ready vehicles; a vehicle of the user, from
+# the guide to the configuration of its firmware. Long form: that on an emulated Cortex-M4F, too.
+# Needs the program's objects in build/wide (`make` builds them).
+. "$(dirname "$0")/common.sh"
+CC=${CC:-gcc}
+tools=$ROOT/tools/auvid
+
+block() {
+    awk -v kind="$1" '$0 == "```" kind { on = 1; next } /^```$/ { on = 0 } on' "$tools/README.md"
+}
+block ini >minnow.ini
+
+# ---- the ready vehicles ----
+embedded() {
+    ready=$(grep -o '{"[a-z0-9_]*\.ini"' "$tools/vehicles_ready.c" | tr -d '{"')
+    [ "$(echo "$ready" | sort)" = "$(cd "$tools/vehicles" && ls -- *.ini)" ] &&
+        cd "$tools/vehicles" &&
+        # shellcheck disable=SC2086
+        ../embed.py --check ../vehicles_ready.c vehicles_ready $ready
+}
+check "the program contains vehicles/*.ini as they are" embedded
+same() {
+    "$AUVID" demo --json --sets 1 --vehicle "$1" >named.json
+    "$AUVID" demo --json --sets 1 --vehicle "$tools/vehicles/$1.ini" >file.json
+    cmp named.json file.json
+}
+for name in bluerov2_standard torpedo surface; do
+    check "$name: identified" exits 0 demo --vehicle "$name" --sets 4 --json
+    check "  every identifiable parameter within 15 %" is out '
+sure = [p for p in d["parameters"] if p["identifiable"] and p["truth"] != 0]
+assert len(sure) >= 8 and d["guard"]["state"] == "done", (len(sure), d["guard"])
+assert all(abs(p["estimate"] / p["truth"] - 1) < 0.15 for p in sure), sure'
+done
+check "a file and the ready vehicle of the same text are the same" same bluerov2
+
+# ---- refused files: edit EXPRESSION changes the file with sed ----
+edit() { sed -E "$1" minnow.ini >bad.ini; }
+bad() { # NAME PATTERN
+    check "$1" refuses "bad\.ini:$2" check bad.ini
+}
+edit 's/^model = .*/&\nmodel = fossen/'
+bad "a key twice" "5:1: duplicate key 'model': it stands in line 4 already; keep one"
+edit 's/^\[guard\]/[excitation]/'
+bad "a section twice" "[0-9]+:2: duplicate section 'excitation'"
+edit 's/^forward_N = 8/forwards_N = 8/'
+bad "a key that is missing" "[0-9]+:1: \[thruster\.3\] has no key 'forward_N': add it"
+edit 's/^group = propellers/&\ncolour = red/'
+bad "an unknown key" "13:1: unknown key 'colour' in \[thruster\.1\]; known: position_m, direction, forward_N"
+edit 's/^\[guard\]/[guards]/'
+bad "an unknown section" "[0-9]+:2: unknown section \[guards\]; known: vehicle, "
+edit '/^\[excitation\]/,/^yaw/d'
+bad "a section that is missing" "1:1: no section \[excitation\]: add it"
+edit 's/^dry_mass_kg = .*/dry_mass_kg = 0/'
+bad "a mass of zero" "5:15: dry_mass_kg: 0 is not from 0.001 to 1e\+06"
+edit 's/^m_u = 5/m_u = -5/'
+bad "a negative mass" "[0-9]+:7: m_u: -5 is not from 1e-06"
+for word in inf nan 0x10 5kg 1,5; do
+    edit "s/^m_u = 5/m_u = $word/"
+    bad "'$word' for a number" "[0-9]+:[78]: m_u: '.*' is not a finite decimal number"
+done
+edit 's/^m_u = 5/m_u = 1e999/'
+bad "a number that is too large" "[0-9]+:7: m_u: '1e999' is too large"
+edit 's/^position_m = 0 0 0/position_m = 0 0/'
+bad "two of three numbers" "[0-9]+:14: position_m: 2 numbers, separated by blanks, but it needs 3"
+edit 's/^position_m = 0 0 0/position_m = 0 0 0 0/'
+bad "four of three numbers" "[0-9]+:20: position_m: more than 3 numbers"
+edit 's/^direction = 0 0 1/direction = 0 0 0/'
+bad "a direction of length zero" "[0-9]+:13: direction: its length is 0"
+edit 's/^position_m = -0.15 -0.1 0/position_m = 3 0.1 0/'
+bad "two thrusters on a line" "14:1: \[thruster\.2\] acts along the same line as \[thruster\.1\]"
+edit 's/^yaw_Nm = .*/&\nsway_N = 3/'
+bad "a wrench that the thrusters do not give" "[0-9]+:1: sway_N is a wrench that the thrusters cannot"
+edit 's/^yaw_Nm = .*/&\nroll_Nm = 3/'
+bad "a wrench that is not modelled" "[0-9]+:1: roll_Nm is of a degree of freedom that the model has no"
+edit 's/^surge_N = .*/surge_N = 60/'
+bad "a wrench that is too large" "[0-9]+:1: surge_N is more than the thrusters give .*by 0\.[0-9]+ or less"
+edit 's/^group = propellers/group = propeller/'
+bad "a group that does not exist" "12:9: group: there is no section \[group\.propeller\]"
+edit 's/^map = .*/map = cubic/'
+bad "an unknown map" "[0-9]+:7: map: 'cubic' is not one of newton, linear, signed-square, rpm, table"
+edit 's/^map = .*/map = rpm/; /^voltage/d'
+bad "rpm without the full speed" "[0-9]+:1: full_command is missing: add the speed"
+edit 's/^map = .*/map = table\ncommand = -1 0 0\nforce_N = -9 0 12/; /^voltage/d'
+bad "a table that goes back" "[0-9]+:1: command must increase"
+edit '/^voltage_V/d'
+bad "an exponent without its voltage" "[0-9]+:1: voltage_V is missing"
+edit 's/^depth_max_m = 20/depth_max_m = 0.5/'
+bad "limits the wrong way round" "[0-9]+:1: depth_max_m must not be less"
+edit 's/^depth_m = 10/depth_m = 30/'
+bad "a start outside of the limits" "[0-9]+:1: depth_m: the simulation would start at 30 m"
+edit 's/^name = .*/name = My ROV/'
+bad "a name with a blank" "2:8: name: 'My ROV' is not a name"
+edit 's/^\[thruster.3\]/[thruster.4]/'
+bad "a number left out" "21:1: \[thruster\.4\] without \[thruster\.3\]"
+edit 's/^\[thruster.3\]/[thruster.3/'
+bad "a bracket that is missing" "21:12: a section is \[name\]"
+edit '1s/^/key = 1\n/'
+bad "a key before the first section" "1:1: a key before the first \[section\]"
+edit 's/^name = .*/name =/'
+bad "a key without value" "2:7: the key has no value"
+edit 's/^name = .*/name minnow/'
+bad "a line without =" "2:6: expected \[section\] or key = value"
+{ head -n 3 minnow.ini; head -c 65536 /dev/zero | tr '\0' x; } >bad.ini
+bad "a line of 64 KB" "4:513: the line has more than 512 characters"
+{ cat minnow.ini; for ((i = 0; i < 1200; ++i)); do echo "# $i 4567890123456789012345678901234567890123456789012"; done; } >bad.ini
+bad "a file of 64 KB" "[0-9]+:1: the file has more than 65535 bytes"
+{ head -n 3 minnow.ini; printf 'a = \0\n'; } >bad.ini
+bad "a binary file" "4:5: a control character"
+edit 's/^model = .*/model = terms/'
+bad "a model of terms without terms" "1:1: no section \[parameters\], which the model 'terms' needs"
+cp "$tools/vehicles/surface.ini" surface.ini
+terms() { sed -E "$1" surface.ini >bad.ini; }
+terms 's/^m_r = yaw .*/m_r = yaw + r_dots/'
+bad "a factor that does not exist" "[0-9]+:13: m_r: 'r_dots' is no factor"
+terms 's/^m_r = yaw .*/m_r = yaw + r_dot u_dot/'
+bad "two accelerations in a term" "[0-9]+:1: m_r: its terms are refused"
+terms 's/^X_u = surge - u/X_v = surge - u/'
+bad "a term of no parameter" "[0-9]+:7: X_v: is no key of \[parameters\]"
+terms 's/^Y_v = -30/Y_x = -30/'
+bad "a parameter without its truth" "[0-9]+:1: \[truth\] has no key 'Y_v'"
+check "no such file" refuses 'none.ini: No such file' check none.ini
+check "a directory" refuses '\./: Is a directory' demo --vehicle ./
+check "what is no vehicle" refuses "'x.csv' is no vehicle file" check x.csv
+check "--json with --header" refuses 'cannot be combined' check minnow.ini --json --header
+
+# ---- the vehicle of the guide ----
+check "check reports" exits 0 check minnow.ini
+check "  the largest wrench" grep -Eq '^  surge +-18\.0 +24\.0 N +6\.0 N' out
+check "  what cannot be given" grep -Eq '^  sway +none without another wrench' out
+check "  what is missing" grep -q 'dvl_lever_m: the DVL is taken to be at the origin' out
+check "  and what would help" grep -Eq 'takes the standard error of m_w from [0-9.]+ to [0-9.]+ %' out
+check "check --json" exits 0 check minnow.ini --json
+check "  has what the file says" python3 -c '
+import json
+d = json.load(open("out"))
+assert d["name"] == "minnow" and d["model"] == "girona500" and d["dry_mass_kg"] == 3.4
+assert [t["wrench"][5] for t in d["thrusters"]] == [-0.1, 0.1, 0]
+assert d["groups"]["propellers"]["map"] == "signed-square"
+assert d["groups"]["propellers"]["voltage_V"] == 11.1
+assert all(abs(a - b) < 1e-4 for a, b in zip(d["largest_wrench"]["surge"], (-18, 24)))
+assert d["excitation"]["yaw_Nm"] == 0.5
+assert d["guard"]["depth_max_m"] == 20 and d["guard"]["depth_min_m"] == 1
+assert d["truth"]["m_w"] == 10 and d["uncertainty"]["thrust_scale"] == 0.05, d'
+check "demo identifies it" exits 0 demo --vehicle minnow.ini --csv minnow.csv --json
+check "  its masses, and the sway that it does not excite" is out '
+assert all(abs(P[n]["estimate"] / P[n]["truth"] - 1) < 0.1 and P[n]["identifiable"]
+           for n in ("m_u", "m_w", "m_r"))
+assert not P["m_v"]["identifiable"] and d["guard"]["state"] == "done", d["guard"]'
+check "fit identifies its log" exits 0 fit minnow.csv --vehicle minnow.ini --json
+check "  its masses" is out 'assert all(abs(P[n]["estimate"] / t - 1) < 0.15
+           for n, t in {"m_u": 5, "m_w": 10, "m_r": 0.09}.items()), P'
+check "node identifies it over the bus" \
+    exits 0 node --bus memory --excite --vehicle minnow.ini --log minnow.log --sets 4 --json
+cp out node.json
+check "replay reads the bus" exits 0 replay minnow.log --vehicle minnow.ini --sets 4 --json
+check "  and finds the same" is out '
+n = json.load(open("node.json"))
+assert [p["estimate"] for p in d["parameters"]] == [p["estimate"] for p in n["parameters"]]'
+sed '/^\[truth\]/,$d' minnow.ini >real.ini
+check "without truth: fit" exits 0 fit minnow.csv --vehicle real.ini --json
+for command in "demo" "vehicle --bus vcan0" "node --bus memory"; do
+    # shellcheck disable=SC2086
+    check "  but not $command" refuses "the vehicle 'minnow' has no section \[truth\]" \
+        $command --vehicle real.ini
+done
+sed 's/^dvl_lever_m.*//' minnow.ini >mounted.ini
+printf '\n[mount]\ndvl_lever_m = -0.1 0 0.1\ndvl_euler_deg = 0 0 45\nimu_euler_deg = 3 -2 90\n' >>mounted.ini
+check "mounted askew: demo identifies the same vehicle" exits 0 demo --vehicle mounted.ini --json
+check "  its masses" is out 'assert all(abs(P[n]["estimate"] / P[n]["truth"] - 1) < 0.1
+           for n in ("m_u", "m_w", "m_r")), P'
+
+# ---- the header ----
+cp "$ROOT/tests/program/vehicle_config.h" .
+cat >from_header.c <<'END'
+#include "vehicle_config.h"
+#include "vehicle.h"
+#define PASTE(a, b) a##b
+#define OF(name, what) PASTE(name, what)
+int main(void)
+{
+    static OF(NAME, _storage_t) storage;
+    static auvid_identifier_config_t identifier;
+    static auvid_allocation_config_t allocation;
+    static auvid_uncertain_config_t uncertain;
+    static auvid_actuation_config_t actuation;
+    if (OF(NAME, _identifier)(&storage, &identifier) < 0 ||
+        OF(NAME, _actuation)(30, 4, 7, &actuation) < 0) {
+        return 1;
+    }
+    OF(NAME, _allocation)(&allocation);
+    OF(NAME, _uncertain)(&uncertain);
+    print_identifier(&identifier);
+    print_allocation(&allocation);
+    print_uncertain(&uncertain);
+    print_actuation(&actuation);
+    return 0;
+}
+END
+cat >from_program.c <<'END'
+#include "vehicle_config.h"
+#include "vehicles.h"
+int main(int count, char **word)
+{
+    static auvid_identifier_config_t identifier;
+    static auvid_actuation_config_t actuation;
+    const vehicle_t *vehicle = count == 2 ? vehicle_chosen("test", word[1]) : NULL;
+    if (vehicle == NULL) {
+        return 1;
+    }
+    vehicle_identifier(vehicle, 1, &identifier);
+    vehicle_actuation(vehicle, 30, 4, 7, 0, &actuation);
+    print_identifier(&identifier);
+    print_allocation(vehicle->allocation);
+    print_uncertain(&vehicle->uncertain);
+    print_actuation(&actuation);
+    return 0;
+}
+END
+wide=(-std=c11 -O1 -DAUVID_MAX_PARAMETERS=32 -I"$ROOT/lib/include" -I.)
+objects=("$ROOT"/build/wide/lib/src/*/*.o)
+of_tools=()
+for name in vehicles vehicles_ready vehicle_file vehicle_keys vehicle_terms thrust_map ini \
+    report_error; do
+    of_tools+=("$ROOT/build/wide/tools/auvid/$name.o")
+done
+check "the program's configuration, as text" "$CC" "${wide[@]}" -I"$tools" \
+    -I"$ROOT/tools/simulator" -I"$ROOT/lib/src" from_program.c "${of_tools[@]}" \
+    "$ROOT"/build/wide/tools/simulator/*.o "${objects[@]}" -lm -o from_program
+configured() { # NAME FILE
+    "$AUVID" check "$2" --header >vehicle.h
+    "$CC" "${wide[@]}" -Wall -Wextra -Wconversion -Werror -DNAME="$1" from_header.c "${objects[@]}" \
+        -o from_header
+    ./from_header >"$1.header"
+    ./from_program "$2" >"$1.program"
+    [ "$(wc -l <"$1.header")" -gt 100 ] && cmp "$1.header" "$1.program"
+}
+for name in minnow:mounted.ini bluerov2:bluerov2 surface:surface; do
+    check "${name%%:*}: the header gives the same bits" configured "${name%%:*}" "${name#*:}"
+done
+guide() {
+    "$AUVID" check minnow.ini --header >minnow.h
+    block c >guide.c
+    grep -q control_init guide.c
+    echo 'int main(void) { return control_init() == AUVID_OK ? 0 : 1; }' >>guide.c
+    g++ -std=c++14 -xc++ -Wall -Wextra -Werror -fsyntax-only "${wide[@]:1}" guide.c
+    "$CC" "${wide[@]}" -Wall -Wextra -Werror guide.c "${objects[@]}" -o guide && ./guide
+}
+check "the guide's firmware starts" guide
+
+# ---- on a Cortex-M4F ----
+on_m4f() {
+    local board=$ROOT/port/cortex_m/board.sh flags=(-std=c11 -O2 -ffp-contract=off
+        -ffunction-sections -I"$ROOT/lib/include" -I"$ROOT/port/cortex_m" -I.)
+    "$AUVID" check surface --header >vehicle.h
+    # shellcheck disable=SC2046
+    $("$board" m4f link) --specs=rdimon.specs "${flags[@]}" -DNAME=surface -o m4f.elf \
+        from_header.c "$ROOT"/lib/src/*/*.c "$ROOT"/port/cortex_m/*.c
+    "$board" m4f run "$PWD/m4f.elf" >surface.m4f
+    cmp surface.m4f surface.header
+}
+if [ -n "${AUVID_TEST_LONG:-}" ]; then
+    check "surface: a Cortex-M4F with the header has the same bits" on_m4f
+fi
+finish
