@@ -65,6 +65,7 @@ def _thrusters(recording):
             "file")
     matrix = mixer(frame) if known else np.zeros((0, len(output)))
     used = [np.any(row) for row in matrix]
+    recording.geometry = matrix.T if known else None
     columns = [f"thruster_{k + 1}" for k in range(len(output))] + \
         [name for name, use in zip(COMMANDS, used) if use]
 
@@ -108,8 +109,9 @@ def _settings(recording):
 
 def finish(recording):
     """Turns outputs into commands, and adds the notes."""
+    is_bin = recording.path.suffix.lower() == ".bin"
     recording.remedies.update(
-        rate="use the .BIN, 10 Hz" if recording.path.suffix.lower() != ".bin" else "log them at 10 Hz",
+        rate="log them at 10 Hz" if is_bin else "use the .BIN, 10 Hz",
         velocity="the log has neither VISO nor XKF1: log them (a DVL with VISO_TYPE=1, EKF3)",
         command="set bit 10 of LOG_BITMASK, which logs the outputs",
         attitude="set bit 0 of LOG_BITMASK, which logs the attitude")

@@ -37,6 +37,8 @@ def _parser():
     parser.add_argument("dive", type=pathlib.Path, metavar="DIVE", help=".BIN or .tlog (ArduSub), "
                         ".ulg (PX4), .db3, .mcap or folder (ROS 2, BlueOS), .csv with --map")
     parser.add_argument("-o", dest="output", type=pathlib.Path, required=True, metavar="DIVE.csv")
+    parser.add_argument("--vehicle", type=pathlib.Path, metavar="FILE.ini", help="give thruster_1 "
+                        ".. the directions of this vehicle file, for auvid fit --vehicle")
     parser.add_argument("--resample", type=_resample, metavar="HZ|velocity", help="rows at this "
                         "rate, or at the times of the velocity: motion is interpolated, commands "
                         "are held. Default: a row per sample; an empty cell means no new sample")
@@ -64,7 +66,7 @@ def _reader(dive):
 
 def convert(options):
     """Reads, writes, and prints what was found."""
-    from auvid import advice, streams, write_csv
+    from auvid import advice, streams, vehicle_file, write_csv
     reader = _reader(options.dive)
     if options.dive.suffix.lower() == ".csv" and options.map is None:
         raise UsageError(f"{options.dive}: a .csv needs --map, which names its columns")
@@ -73,6 +75,8 @@ def convert(options):
     options.map = column_map.load(options.map) if options.map else None
     try:
         recording = reader(options.dive, options)
+        if options.vehicle:
+            vehicle_file.turn(recording, options.vehicle)
         found = streams.streams_of(recording)
         said = advice.advise(recording, found) + recording.notes
         rows = write_csv.write(found, options.output, options.resample)

@@ -113,13 +113,14 @@ class Recording:
     kind: the format, in words. series: by name. parameters: the autopilot's.
     notes: sentences about what the conversion would lose.
     derived: by the name of a series, (columns, function of its values) that replaces it.
+    geometry: [thrusters, 6] axes along which each thruster of the log pushes, or None.
     remedies: what to do about a missing series, by a word of the sentence.
     """
 
     def __init__(self, path, kind):
         self.path, self.kind = path, kind
         self.series, self.parameters = {}, {}
-        self.notes, self.derived, self.remedies = [], {}, {}
+        self.notes, self.derived, self.remedies, self.geometry = [], {}, {}, None
 
     def add(self, name, t, values, label, columns=None):
         """Appends a sample to a series. One with a value that is not finite is dropped."""

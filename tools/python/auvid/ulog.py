@@ -163,6 +163,7 @@ def _commands(recording):
         return
     count = int(recording.parameters.get("CA_ROTOR_COUNT", 0)) or MOTORS
     matrix, columns = mixer(recording.parameters), [f"thruster_{k + 1}" for k in range(count)]
+    recording.geometry = None if matrix is None else matrix.T
     used = [] if matrix is None or setpoints else [j for j in range(6) if np.any(matrix[j])]
     columns += [COMMANDS[j] for j in used]
     recording.derived["motors"] = (columns, lambda u: np.hstack(

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 import log_writers
-from conftest import AUVID, INPUTS
+from auvid import vehicle_file
+from conftest import AUVID, INPUTS, ROOT
 
 MOTION = "phi_rad theta_rad psi_rad u_mps v_mps w_mps p_radps q_radps r_radps".split()
 #: Largest rounding: of an attitude [rad], of a velocity or rate, of a command.
@@ -62,9 +63,11 @@ def compare(rows, run, suffix):
 @pytest.mark.parametrize("suffix", [".BIN", ".ulg", ".mcap"])
 def test_a_log_is_the_run_within_rounding_and_is_identified_as_the_run(suffix, run, tmp_path,
                                                                        convert):
-    status, said, rows = convert(write(run, tmp_path / f"dive{suffix}"), "--resample", "velocity")
+    path = write(run, tmp_path / f"dive{suffix}")
+    status, said, rows = convert(path, "--resample", "velocity")
     assert status == 0 and "the raw DVL; not used: " in said, said
     compare(rows, run, suffix)
+    assert convert(path)[0] == 0
     found = fit(tmp_path / "out.csv")
     wanted = fit(reference(run, tmp_path / "run.csv", WRENCH if suffix == ".mcap" else
                            INPUTS["cmd"]))
@@ -137,3 +140,29 @@ def test_a_grid_interpolates_motion_and_holds_commands(short, tmp_path, convert)
     at = rows["t_s"] + short.t[0]
     assert np.allclose(rows["u_mps"], np.interp(at, short.t, short.nu[:, 0]), atol=1e-5), start
     assert set(np.round(rows["X_N"], 6)) <= set(np.round(short.commands[:, 0], 6))
+
+
+def test_thrusters_get_the_directions_of_a_vehicle_file(run, tmp_path, convert):
+    """With the file of the BlueROV2 Heavy, the commands give the wrench that was asked for."""
+    path, vehicle = tmp_path / "dive.BIN", ROOT / "tools/auvid/vehicles/bluerov2.ini"
+    path.write_bytes(log_writers.bin_log(run))
+    status, said, rows = convert(path, "--resample", "velocity", "--vehicle", str(vehicle))
+    assert status == 0 and "push the other way in the vehicle file" in said, said
+    wrench = table(rows, [f"thruster_{k + 1}" for k in range(8)]) @ vehicle_file.wrenches(vehicle)
+    for dof, command in enumerate(run.commands.T):
+        if np.any(command):
+            assert np.corrcoef(wrench[:, dof], command)[0, 1] > 0.999
+    assert sum(np.any(c) for c in run.commands.T) >= 3
+
+
+def test_a_vehicle_file_of_other_thrusters_is_refused(short, tmp_path, convert):
+    path, text = tmp_path / "dive.BIN", (ROOT / "tools/auvid/vehicles/bluerov2.ini").read_text()
+    path.write_bytes(log_writers.bin_log(short))
+    moved = tmp_path / "moved.ini"
+    swapped = text.replace("[thruster.1]", "[thruster.X]").replace("[thruster.5]", "[thruster.1]")
+    moved.write_text(swapped.replace("[thruster.X]", "[thruster.5]"))
+    status, said, _ = convert(path, "--vehicle", str(moved))
+    assert status == 1 and "thruster 1 of this log does not push along the axes" in said, said
+    status, said, _ = convert(path, "--vehicle",
+                              str(ROOT / "tools/auvid/vehicles/bluerov2_standard.ini"))
+    assert status == 1 and "this log has 8 thrusters, and the vehicle file 6" in said, said
