@@ -10,7 +10,7 @@ from auvid import cli
 from log_writers import Run
 
 ROOT = pathlib.Path(__file__).resolve().parents[3]
-AUVID = pathlib.Path(os.environ.get("AUVID", ROOT / "build/auvid"))
+AUVID = pathlib.Path(os.environ.setdefault("AUVID", str(ROOT / "build/auvid")))
 SHARED = ROOT.parent / "shared/data"
 TANK = pathlib.Path(os.environ.get("AUVID_TANK_DATA", SHARED / "bluerov2_tank"))
 DIVES = SHARED / "dive_logs"
