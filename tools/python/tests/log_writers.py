@@ -258,12 +258,19 @@ class Bag:
                 writer.add_message(channels[topic], ns, data, ns)
             writer.finish()
 
-    def database(self, path):
+    def database(self, path, defined=()):
+        """defined: types whose definition is in the file."""
         with sqlite3.connect(path) as file:
             file.execute("create table topics(id integer primary key, name, type, "
                          "serialization_format, offered_qos_profiles)")
             file.execute("create table messages(id integer primary key, topic_id integer, "
                          "timestamp integer, data blob)")
+            file.execute("create table message_definitions(id integer primary key, topic_type, "
+                         "encoding, encoded_message_definition, type_description_hash)")
+            for kind in defined:
+                text = self.store.generate_msgdef(kind, ros_version=2)[0]
+                file.execute("insert into message_definitions(topic_type, encoding, "
+                             "encoded_message_definition) values(?, 'ros2msg', ?)", (kind, text))
             number = {}
             for topic, kind, ns, data in self.messages:
                 if topic not in number:

@@ -46,6 +46,10 @@ FILES = [  # name of the file, bytes of a run, options, exit status, what is sai
      "the format of ATT does not have the length"),
     ("other_clock.BIN", lambda run: bin_log(run, viso_shift=1e5), [], 1,
      "mixed clocks: "),
+    ("jump.BIN", lambda run: joined(bin_log(run), bin_message("BAT", int(1e12), 0, 15.0)), [], 1,
+     "BAT: time jumps from 1"),
+    ("one.BIN", lambda run: joined(bin_log(run, skip=["BAT"]), bin_message(
+        "BAT", int(110e6), 0, 15.0)), [], 0, "BAT: only one sample: left out"),
     ("no_parameters.BIN", without_parameters, [], 0, "SERVOn_FUNCTION) are not in the log"),
     ("two.tlog", lambda run: tlog(run, systems=(1, 7)), [], 1,
      "two vehicles in this log, system ids 1 and 7: choose one with --only 1"),

@@ -4,6 +4,7 @@ import subprocess
 
 import numpy as np
 import pytest
+from rosbags.typesys import get_types_from_msg
 
 import log_writers
 from auvid import vehicle_file
@@ -108,6 +109,38 @@ def test_the_velocity_of_the_filter_is_rotated_into_body_axes(suffix, short, tmp
     assert status == 0 and "raw DVL" not in said
     bound = 3e-4 if suffix == ".BIN" else 1e-6  # attitude in hundredths of a degree
     assert np.abs(table(rows, MOTION[3:6]) - short.nu[:, :3]).max() <= bound
+
+
+@pytest.mark.parametrize("suffix", [".mcap", ".db3"])
+def test_a_type_that_only_the_bag_defines_is_read_by_a_map(suffix, short, tmp_path, convert):
+    kind, path = "my_msgs/msg/Speed", tmp_path / f"dive{suffix}"
+    whole = log_writers.bag(short)
+    if kind not in whole.store.fielddefs:
+        whole.store.register(get_types_from_msg("std_msgs/Header header\nfloat32[3] mm_s", kind))
+    whole.messages = [m for m in whole.messages if m[0] != "/dvl"]
+    for t, nu in zip(short.t + 1.7e9, short.nu):
+        whole.put("/speed", t, whole.make(kind, header=whole.header(t), mm_s=np.array(
+            1e3 * nu[:3], np.float32)))
+    whole.messages.sort(key=lambda m: m[2])
+    whole.mcap(path) if suffix == ".mcap" else whole.database(path, defined=[kind])
+    (tmp_path / "map.ini").write_text("".join(
+        f"[{name}]\nfrom = /speed mm_s[{k}]\nunit = mm/s\n" for k, name in enumerate(MOTION[3:6])))
+    status, said, rows = convert(path, "--map", str(tmp_path / "map.ini"), "--resample", "velocity")
+    assert status == 0, said
+    assert np.abs(table(rows, MOTION[3:6]) - short.nu[:, :3]).max() < 1e-6
+
+
+def test_a_bag_in_several_files_is_one_log(short, tmp_path, convert):
+    folder, whole = tmp_path / "dive", log_writers.bag(short)
+    folder.mkdir()
+    every, third = whole.messages, len(whole.messages) // 3
+    for name, part in (("dive_0", every[:third]), ("dive_1", every[third:2 * third]),
+                       ("dive_10", every[2 * third:])):
+        whole.messages = part
+        whole.mcap(folder / f"{name}.mcap")
+    status, said, rows = convert(folder, "--resample", "velocity")
+    assert status == 0, said
+    compare(rows, short, ".mcap")
 
 
 def test_a_row_per_sample_has_empty_cells_where_nothing_is_new(short, tmp_path, convert):
