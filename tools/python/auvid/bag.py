@@ -29,14 +29,14 @@ class Reader:
         self.assumed = {}     # topic -> the axes it is taken in
         self.thrusters = {}   # topic -> number in its name
 
-    def flips(self, topic, *names):
-        """Is the message in ENU and FLU (REP 103)? By its frames, or else by --frames."""
+    def flips(self, topic, *names, usual="enu"):
+        """Is the message in ENU and FLU (REP 103)? By its frames, or --frames, or as usual."""
         text = " ".join(names).lower()
         named = "ned" if re.search(r"ned|frd", text) else "enu" if re.search(r"enu|flu", text) \
             else None
         if named is None:
-            self.assumed[topic] = self.options.frames
-        return (named or self.options.frames) == "enu"
+            named = self.assumed[topic] = self.options.frames or usual
+        return named == "enu"
 
     def time(self, sample, header):
         """The stamp of the message, or its recording time if it has none."""
@@ -59,7 +59,7 @@ class Reader:
         if m.velocity_mode == WATER:
             self.water += 1
             return
-        flip = self.flips(sample.topic, m.header.frame_id)
+        flip = self.flips(sample.topic, m.header.frame_id, usual="ned")  # Dvl.msg: z is down
         self.recording.add("dvl", self.time(sample, m.header), _xyz(m.velocity, flip),
                            sample.topic)
 

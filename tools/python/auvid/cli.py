@@ -46,8 +46,8 @@ def _parser():
                         "column of auvid, with unit, sign and frame")
     parser.add_argument("--only", metavar="NAME", help="of several vehicles, this one: the system "
                         "id of a .tlog, or prefixes of topics, separated by commas")
-    parser.add_argument("--frames", choices=("enu", "ned"), default="enu", help="axes of messages "
-                        "of a bag whose frame does not name them; default enu (REP 103)")
+    parser.add_argument("--frames", choices=("enu", "ned"), help="axes of messages of a bag whose "
+                        "frame does not name them; default enu (REP 103), and ned for a Dvl")
     parser.add_argument("--clock", choices=("stamp", "recording"), default="stamp", help="times of "
                         "messages of a bag: their stamps (default), or when they were recorded")
     return parser

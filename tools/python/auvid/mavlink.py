@@ -27,7 +27,8 @@ class Vehicle:
         if not chosen or (component != AUTOPILOT and name != "VISION_POSITION_DELTA"):
             return
         if name == "PARAM_VALUE":
-            self.recording.parameters[m["param_id"].rstrip("\0")] = float(m["param_value"])
+            name = "".join(m["param_id"]).rstrip("\0")  # in JSON, a list of characters
+            self.recording.parameters[name] = float(m["param_value"])
         elif name != "HEARTBEAT":
             self._sample(name, m, received_s)
 

@@ -305,7 +305,7 @@ def bag(run, dvl_shift=0.0, odometry=True):
                 pose=out.make("geometry_msgs/msg/PoseWithCovariance", pose=pose),
                 twist=out.make("geometry_msgs/msg/TwistWithCovariance", twist=twist)))
         out.put("/dvl", t, out.make("marine_acoustic_msgs/msg/Dvl", velocity_mode=1,
-                                    header=out.header(t + dvl_shift, "dvl_frd"),
+                                    header=out.header(t + dvl_shift, "dvl_link"),
                                     velocity=out.vector(run.nu[i, :3])))
         wrench = out.make("geometry_msgs/msg/Wrench",
                           force=out.vector(run.commands[i, :3] * TO_FLU),
@@ -333,7 +333,7 @@ def blueos(path, run):
                 {"header": {"system_id": 1}, "message": {"type": name, **fields}}).encode(), ns)
         put(0, 1, "HEARTBEAT")
         for name, value in PARAMETERS.items():
-            put(0, 1, "PARAM_VALUE", param_id=name, param_value=value)
+            put(0, 1, "PARAM_VALUE", param_id=list(name.ljust(16, "\0")), param_value=value)
         for i, t in enumerate(run.t):
             ms = int(np.rint((BASE_S + t) * 1e3))
             keys = ("roll", "pitch", "yaw", "rollspeed", "pitchspeed", "yawspeed")

@@ -151,6 +151,8 @@ BAGS = [  # name, function of path and run, options, exit status, what is said
     ("water.mcap", water, [], 0, "samples of the DVL are relative to water, and are left out"),
     ("frames.mcap", lambda path, run: bag(run).mcap(path), [], 0,
      "/odom: its frame does not name its axes: taken as forward, left, up (REP 103)"),
+    ("dvl_frame.mcap", lambda path, run: bag(run).mcap(path), [], 0,
+     "/dvl: its frame does not name its axes: taken as forward, right, down; if they are "),
 ]
 
 

@@ -8,19 +8,19 @@ import numpy as np
 import pytest
 
 import log_writers
-from auvid import ardupilot, dataflash, frames, tlog, ulog
+from auvid import advice, ardupilot, dataflash, frames, series, tlog, ulog, write_csv
 from conftest import DIVES
 from test_round_trip import write
 
 LONG = os.environ.get("AUVID_TEST_LONG")
-OPTIONS = types.SimpleNamespace(only=None, map=None, clock="stamp", frames="enu")
+OPTIONS = types.SimpleNamespace(only=None, map=None, clock="stamp", frames=None)
 
 
 @pytest.mark.skipif(not DIVES.exists(), reason="no real logs here")
 def test_a_dataflash_log_is_read_as_pymavlink_reads_it():
     from pymavlink.DFReader import DFReader_binary
     path = DIVES / "ardusub_small.BIN"
-    series = dataflash.read(path, OPTIONS).series
+    found_series = dataflash.read(path, OPTIONS).series
     fields = {"ATT": ("attitude", ["Roll", "Pitch", "Yaw"], np.pi / 180),
               "IMU": ("rates", ["GyrX", "GyrY", "GyrZ"], 1),
               "XKF1": ("velocity_ned", ["VN", "VE", "VD"], 1), "BAT": ("voltage", ["Volt"], 1),
@@ -30,7 +30,7 @@ def test_a_dataflash_log_is_read_as_pymavlink_reads_it():
         name, names, unit = fields[m.get_type()]
         rows[m.get_type()].append([m.TimeUS * 1e-6, *(getattr(m, n) * unit for n in names)])
     for message, (name, _, _) in fields.items():
-        found = np.column_stack([series[name].times, series[name].values])
+        found = np.column_stack([found_series[name].times, found_series[name].values])
         assert np.allclose(found, rows[message], rtol=1e-12, atol=1e-12) and len(found) > 200
 
 
@@ -39,11 +39,10 @@ def test_a_telemetry_log_is_read_as_pymavlink_reads_it(tmp_path):
     from pymavlink import mavutil
     path = tmp_path / "part.tlog"
     path.write_bytes((DIVES / "ardusub_small.tlog").read_bytes()[:200000])
-    series = tlog.read(path, OPTIONS).series
+    attitude = tlog.read(path, OPTIONS).series["attitude"]
     log, rows = mavutil.mavlink_connection(str(path)), []
     while (m := log.recv_match(type="ATTITUDE")) is not None:
         rows.append([m.time_boot_ms * 1e-3, m.roll, m.pitch, m.yaw])
-    attitude = series["attitude"]
     found = np.column_stack([attitude.times, attitude.values])
     assert np.allclose(found, rows[:len(found)], rtol=1e-12) and 300 < len(found) >= len(rows) - 1
 
@@ -56,8 +55,8 @@ def test_a_ulog_is_read_as_pyulog_reads_it(short, tmp_path):
     data = log.get_dataset("vehicle_attitude").data
     wanted = np.column_stack([data["timestamp_sample"] * 1e-6,
                               *(data[f"q[{k}]"] for k in range(4))])
-    series = recording.series["quaternion"]
-    assert np.array_equal(np.column_stack([series.times, series.values]), wanted)
+    found = recording.series["quaternion"]
+    assert np.array_equal(np.column_stack([found.times, found.values]), wanted)
     assert recording.parameters == log.initial_parameters
 
 
@@ -163,10 +162,20 @@ def big_log(path, size):
     return size // len(block)
 
 
-@pytest.mark.parametrize("megabytes", [4, pytest.param(2048, marks=pytest.mark.skipif(
-    not LONG, reason="AUVID_TEST_LONG=1 runs it"))])
-def test_memory_does_not_grow_with_the_log(megabytes, tmp_path):
-    seconds = big_log(tmp_path / "dive.BIN", megabytes << 20)
+def test_series_in_files_give_the_same_csv(short, tmp_path, convert, monkeypatch):
+    path = write(short, tmp_path / "dive.ulg")
+    assert convert(path)[0] == 0
+    in_memory = (tmp_path / "out.csv").read_bytes()
+    monkeypatch.setattr(series, "BUFFER", 50)
+    monkeypatch.setattr(write_csv, "WINDOW_S", 1.7)
+    monkeypatch.setattr(advice, "WINDOW_S", 1.7)
+    assert convert(path)[0] == 0 and (tmp_path / "out.csv").read_bytes() == in_memory
+
+
+@pytest.mark.skipif(not LONG, reason="AUVID_TEST_LONG=1 runs it")
+def test_memory_does_not_grow_with_the_log(tmp_path):
+    """A log of 2 GB: the libraries need 75 MB, and the series of 14 hours do not add to it."""
+    seconds = big_log(tmp_path / "dive.BIN", 2 << 30)
     code = "import resource, sys; from auvid import cli; cli.main(sys.argv[1:]); " \
            "print(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss)"
     done = subprocess.run([sys.executable, "-c", code, tmp_path / "dive.BIN", "-o",

@@ -130,6 +130,12 @@ def test_a_type_that_only_the_bag_defines_is_read_by_a_map(suffix, short, tmp_pa
     assert np.abs(table(rows, MOTION[3:6]) - short.nu[:, :3]).max() < 1e-6
 
 
+def test_frames_says_the_axes_of_a_dvl_that_does_not_name_them(short, tmp_path, convert):
+    path = write(short, tmp_path / "dive.mcap")
+    rows = convert(path, "--resample", "velocity", "--frames", "enu")[2]
+    assert np.abs(table(rows, MOTION[3:6]) - short.nu[:, :3] * log_writers.TO_FLU).max() < 1e-8
+
+
 def test_a_bag_in_several_files_is_one_log(short, tmp_path, convert):
     folder, whole = tmp_path / "dive", log_writers.bag(short)
     folder.mkdir()
