@@ -195,4 +195,5 @@ def read(path, options):
         recording.kind = "recording of BlueOS"
         ardupilot.finish(recording)
     _finish(recording)
+    mapped.replace(recording)
     return recording

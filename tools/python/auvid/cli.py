@@ -10,6 +10,9 @@ from auvid.log_error import LogError, UsageError
 #: Readers by the suffix of the file: module and function.
 READERS = {".bin": "dataflash.read", ".tlog": "tlog.read", ".ulg": "ulog.read",
            ".db3": "bag.read", ".mcap": "bag.read", "": "bag.read", ".csv": "column_map.read_csv"}
+#: Options that only these modules know.
+OPTIONS = {"map": ("bag", "column_map"), "only": ("bag", "tlog"), "frames": ("bag",),
+           "clock": ("bag",), "vehicle": ("bag", "dataflash", "tlog", "ulog")}
 
 
 class Parser(argparse.ArgumentParser):
@@ -48,12 +51,13 @@ def _parser():
                         "id of a .tlog, or prefixes of topics, separated by commas")
     parser.add_argument("--frames", choices=("enu", "ned"), help="axes of messages of a bag whose "
                         "frame does not name them; default enu (REP 103), and ned for a Dvl")
-    parser.add_argument("--clock", choices=("stamp", "recording"), default="stamp", help="times of "
+    parser.add_argument("--clock", choices=("stamp", "recording"), help="times of "
                         "messages of a bag: their stamps (default), or when they were recorded")
     return parser
 
 
-def _reader(dive):
+def _reader(options):
+    dive = options.dive
     if not dive.exists():
         raise UsageError(f"{dive}: no such file")
     suffix = "" if dive.is_dir() else dive.suffix.lower() or "none"
@@ -61,13 +65,16 @@ def _reader(dive):
         raise UsageError(f"{dive}: unknown suffix; it must be .BIN, .tlog, .ulg, .db3, .mcap or "
                          ".csv")
     module, function = READERS[suffix].split(".")
+    for name, modules in OPTIONS.items():
+        if getattr(options, name) is not None and module not in modules:
+            raise UsageError(f"{dive}: --{name} is not for a {suffix}")
     return getattr(importlib.import_module(f"auvid.{module}"), function)
 
 
 def convert(options):
     """Reads, writes, and prints what was found."""
     from auvid import advice, streams, vehicle_file, write_csv
-    reader = _reader(options.dive)
+    reader = _reader(options)
     if options.dive.suffix.lower() == ".csv" and options.map is None:
         raise UsageError(f"{options.dive}: a .csv needs --map, which names its columns")
     if options.output.exists() and options.output.samefile(options.dive):

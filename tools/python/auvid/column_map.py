@@ -141,14 +141,19 @@ class Fields:
                 raise UsageError(f"--map: {', '.join(columns)} must come from one topic")
             fields = [(field.split("."), entries[c]) for (_, field), c in zip(sources, columns)]
             self.by_topic.setdefault(sources[0][0], []).append((name, columns, fields))
-        self.names = {name for groups in self.by_topic.values() for name, _, _ in groups}
 
     def take(self, recording, t, sample, message):
-        """Adds the fields of a message."""
+        """Adds the fields of a message, apart from the series that the bag has by itself."""
         for name, columns, fields in self.by_topic[sample.topic]:
             values = [entry.factor * _field(message, path, sample.topic) + entry.offset
                       for path, entry in fields]
-            recording.add(name, t, values, sample.topic, columns)
+            recording.add("map " + name, t, values, sample.topic, columns)
+
+    @staticmethod
+    def replace(recording):
+        """Puts the mapped series in the places of the others."""
+        for name in [name for name in recording.series if name.startswith("map ")]:
+            recording.series[name[4:]] = recording.series.pop(name)
 
 
 def _field(message, path, topic):

@@ -94,4 +94,11 @@ def streams_of(recording):
         elif name not in unused:
             out.append(Stream(series))
     _check(recording, velocity, attitude, [s for s in out if s.is_input])
+    given = {}
+    for stream in out:
+        for column in stream.columns:
+            if column in given:
+                raise LogError(f"{column} is given twice, by {given[column]} and "
+                               f"{stream.series.label}: choose topics by --only")
+            given[column] = stream.series.label
     return out

@@ -5,7 +5,7 @@ import numpy as np
 from pyulog import ULog
 
 from auvid.log_error import LogError
-from auvid.series import COMMANDS, DOFS, Recording
+from auvid.series import COMMANDS, Recording
 
 SYSTEM_IDENTIFICATION = 8  # bit 3 of SDLOG_PROFILE
 MOTORS = 12        # of actuator_motors
@@ -139,7 +139,7 @@ def _take(recording, name, m):
 
 def mixer(parameters):
     """[6, rotors]: commands of the degrees of freedom, from CA_ROTORn_*. None without them."""
-    count = int(parameters.get("CA_ROTOR_COUNT", 0))
+    count = min(int(parameters.get("CA_ROTOR_COUNT", 0)), MOTORS)
     if count == 0 or "CA_ROTOR0_AX" not in parameters:
         return None
 
@@ -153,7 +153,7 @@ def mixer(parameters):
         columns.append([*force, *(np.cross(place, force) - read(k, "KM", 0) * force)])
     rows = np.array(columns).T
     total = np.sum(np.abs(rows), axis=1, keepdims=True)
-    return np.where(total > 1e-9, rows / np.maximum(total, 1e-9), 0.0)
+    return np.where(total > 1e-6 * total.max(), rows / np.maximum(total, 1e-12), 0.0)
 
 
 def _commands(recording):
@@ -161,7 +161,7 @@ def _commands(recording):
     setpoints = [name for name in THRUST if name in recording.series]
     if "motors" not in recording.series:
         return
-    count = int(recording.parameters.get("CA_ROTOR_COUNT", 0)) or MOTORS
+    count = min(int(recording.parameters.get("CA_ROTOR_COUNT", 0)) or MOTORS, MOTORS)
     matrix, columns = mixer(recording.parameters), [f"thruster_{k + 1}" for k in range(count)]
     recording.geometry = None if matrix is None else matrix.T
     used = [] if matrix is None or setpoints else [j for j in range(6) if np.any(matrix[j])]

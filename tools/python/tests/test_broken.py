@@ -208,6 +208,17 @@ def test_fields_of_a_bag_are_read_by_a_map(short, tmp_path, convert):
     assert np.allclose(rows["u_mps"], short.nu[:, 0]) and np.allclose(rows["v_mps"], short.nu[:, 1])
 
 
+def test_a_map_replaces_what_the_bag_has_and_a_column_given_twice_is_refused(short, tmp_path,
+                                                                             convert):
+    bag(short).mcap(tmp_path / "dive.mcap")
+    (tmp_path / "map.ini").write_text("[u_mps]\nfrom = /odom twist.twist.linear.x\nsign = -1\n")
+    status, said, rows = convert(tmp_path / "dive.mcap", "--map", str(tmp_path / "map.ini"))
+    assert status == 0 and np.allclose(rows["u_mps"], -short.nu[:, 0]), said
+    (tmp_path / "map.ini").write_text("[X_N]\nfrom = /odom twist.twist.linear.x\n")
+    status, said, _ = convert(tmp_path / "dive.mcap", "--map", str(tmp_path / "map.ini"))
+    assert status == 1 and "X_N is given twice, by /wrench and /odom" in said, said
+
+
 TABLES = [  # map, table, exit status, what is said
     (MAP, TABLE.replace("vx", "speed"), 1, "no column vx (for u_mps) in the header; its columns"),
     (MAP, TABLE.replace(",6,3,1", ",fast,3,1"), 1,
@@ -240,6 +251,10 @@ def test_wrong_usage_is_told_in_a_line_with_status_2(tmp_path, convert):
             ("dive.xyz", ["--frames", "up"], "invalid choice")]:
         status, said, _ = convert(tmp_path / path, *options)
         assert status == 2 and sentence in said and said.count("\n") == 1, said
+    (tmp_path / "dive.ulg").write_bytes(b"")
+    for option, value in (("--only", "1"), ("--map", "map.ini"), ("--frames", "ned")):
+        status, said, _ = convert(tmp_path / "dive.ulg", option, value)
+        assert status == 2 and f"{option} is not for a .ulg" in said and said.count("\n") == 1, said
     (tmp_path / "dive.csv").write_text("t_s\n")
     status, said, _ = convert(tmp_path / "dive.csv")
     assert status == 2 and "a .csv needs --map" in said

@@ -13,7 +13,7 @@ from conftest import DIVES
 from test_round_trip import write
 
 LONG = os.environ.get("AUVID_TEST_LONG")
-OPTIONS = types.SimpleNamespace(only=None, map=None, clock="stamp", frames=None)
+OPTIONS = types.SimpleNamespace(only=None, map=None, clock=None, frames=None)
 
 
 @pytest.mark.skipif(not DIVES.exists(), reason="no real logs here")
