@@ -45,8 +45,8 @@ check "an unknown vehicle" refuses "'rov' is not one of girona500, bluerov2" dem
 check "--scenario with another vehicle" refuses -- '--scenario and --vehicle cannot be combined' \
     demo --vehicle bluerov2 --scenario payload
 check "an unknown model" refuses "'x' is not one of girona500, fossen" fit x.csv --model x
-check "--coupling off of another model" refuses '--coupling off needs --model girona500' \
-    fit x.csv --model fossen --coupling off
+check "--coupling off of another model" refuses '--coupling off needs the model of' \
+    fit x.csv --model surface --coupling off
 check "--fix without a value" refuses "'K_p' is not NAME=VALUE" fit x.csv --fix K_p
 check "--free with a value" refuses "'K_p=1' is not NAME,NAME" fit x.csv --free K_p=1
 for bad in X_u= X_u=x X_u=nan X_u=1e9 X_u=1x; do

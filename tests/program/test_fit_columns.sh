@@ -58,7 +58,8 @@ def quaternion(y):
     q = [a*c*e + b*d*f, b*c*e - a*d*f, a*d*e + b*c*f, a*c*f - b*d*e]
     return [0.97 * x * (1 if int(y[0]) % 2 else -1) for x in q]
 add(["qw", "qx", "qy", "qz"], quaternion); drop(*ANGLES)' <train.csv >quaternion.csv
-check "a quaternion of either sign and of a norm near 1" form 0 plain.json 1e-4 quaternion.csv --plain
+check "a quaternion of either sign and of a norm near 1" \
+    form 0 plain.json 1e-4 quaternion.csv --plain
 change 'empty(ANGLES, lambda i: i % 5)' <train.csv >slow_attitude.csv
 check "attitude slower than its rates, which propagate it" \
     form 0 plain.json 3e-3 slow_attitude.csv --plain
@@ -142,6 +143,31 @@ check "--dry-mass of commands" rejects '--dry-mass needs forces' fit commands.cs
 check "--dry-mass" exits 0 fit train.csv --plain --json --dry-mass 300
 check "  a smaller mass is marked" is out '
 assert {P[n]["note"] for n in ("m_u", "X_u", "X_uu")} == {"m_u is impossible"}, P'
+
+# ---- six degrees of freedom without coupling ----
+python3 - >axes.csv <<'END'
+import random
+random.seed(2)
+names = "u_mps v_mps w_mps p_radps q_radps r_radps X_N Y_N Z_N K_Nm M_Nm N_Nm".split()
+print(",".join(["t_s"] + names))
+nu, thrust, until = [0.0] * 6, [0.0] * 6, [0.0] * 6
+for k in range(20 * 120):
+    for j in range(6):
+        if k / 20 >= until[j]:
+            until[j] = k / 20 + random.uniform(1, 6)
+            thrust[j] = random.choice([-20, -10, 10, 20]) * (1 if j < 3 else 0.2)
+    print(",".join("%.6g" % x for x in [k / 20] + nu + thrust))
+    for j in range(6):
+        mass, drag = (20 + j, 30) if j < 3 else (j - 1, 4)
+        for _ in range(10):
+            nu[j] += (thrust[j] - drag * nu[j]) / mass / 200
+END
+check "six axes that do not act on each other" exits 0 fit axes.csv --plain --json --model fossen \
+    --coupling off
+check "  have their masses within 2 %" is out '
+assert d["model"] == "Fossen, 6 DoF, decoupled"
+masses = [P[n]["estimate"] for n in list(P)[:6]]
+assert all(abs(x / y - 1) < 0.02 for x, y in zip(masses, [20, 21, 22, 2, 3, 4])), masses'
 
 # ---- several logs ----
 change 'r = [y for y in r if y[0] < 60]' <train.csv >first.csv

@@ -37,9 +37,9 @@ int csv_rewind(csv_log_t *log)
     return status != 0 ? status : csv_lines_next(&log->lines);
 }
 
-/* Converts a plain decimal number, as strtod does but faster. A mantissa and a power of ten that are
- * both exact give the nearest number in one operation (Clinger 1990). Returns false for all others.
- */
+/* Converts a plain decimal number, as strtod does but faster. A mantissa and a power of ten that
+ * are both exact give the nearest number in one operation (Clinger 1990). Returns false for all
+ * others. */
 static bool quick_number(const char *text, double *value)
 {
     static const double power[] = {1e0,  1e1,  1e2,  1e3,  1e4,  1e5,  1e6,  1e7,
@@ -116,10 +116,10 @@ static int take_time(csv_log_t *log, const char *field, double t)
     log->first_s = log->rows == 0 ? t : log->first_s;
     log->last_s = t;
     ++log->rows;
-    return trouble == NULL ? 0
-                           : report_error("%s:%zu:%zu: t_s: %s: '%.24s'", log->path,
-                                          log->lines.line, csv_field_column(&log->lines, field),
-                                          trouble, field);
+    return trouble == NULL
+               ? 0
+               : report_error("%s:%zu:%zu: t_s: %s: '%.24s'", log->path, log->lines.line,
+                              csv_field_column(&log->lines, field), trouble, field);
 }
 
 /* Computes the attitude from a quaternion from body to world axes. */

@@ -32,10 +32,10 @@ enum {
     CSV_WRENCH = CSV_NU + 6,
     CSV_COMMAND = CSV_WRENCH + 6,
     CSV_REFERENCE = CSV_COMMAND + 6,
-    CSV_QUATERNION = CSV_REFERENCE + 6, /* instead of the attitude, which the reader computes */
-    CSV_POSITION = CSV_QUATERNION + 4,  /* north, east, depth */
+    CSV_QUATERNION = CSV_REFERENCE + 6,    /* instead of the attitude, which the reader computes */
+    CSV_POSITION = CSV_QUATERNION + 4,     /* north, east, depth */
     CSV_SPECIFIC_FORCE = CSV_POSITION + 3, /* of an accelerometer, in body axes */
-    CSV_THRUSTER = CSV_SPECIFIC_FORCE + 3,             /* commands */
+    CSV_THRUSTER = CSV_SPECIFIC_FORCE + 3, /* commands */
     CSV_THRUSTER_N = CSV_THRUSTER + CSV_THRUSTERS, /* newtons */
     CSV_RPM = CSV_THRUSTER_N + CSV_THRUSTERS,
     CSV_VOLTAGE = CSV_RPM + CSV_THRUSTERS,
@@ -68,8 +68,8 @@ typedef struct {
     char like[CSV_COLUMNS][24]; /* an ignored column whose name resembles this missing one, or "" */
     csv_list_t columns, ignored;
     size_t header; /* line number of the header, from 1 */
-    size_t cut;    /* line number of a truncated last line, which is ignored; else 0. After a pass */
-    size_t rows;   /* rows read in this pass */
+    size_t cut;  /* line number of a truncated last line, which is ignored; else 0. After a pass */
+    size_t rows; /* rows read in this pass */
     double first_s, last_s; /* t_s of the first row and of the last one read */
 
     /* private */
@@ -87,9 +87,9 @@ enum { CSV_END = 1 };
  * line on stderr; then there is nothing to close. */
 int csv_open(csv_log_t *log, const char *path);
 
-/** Reads the next row. Time must increase. Every number must be finite and within +-1e6. A last line
- * without a line end may be truncated and is ignored. Returns 0; CSV_END after the last of at least
- * two rows; EXIT_REFUSED after one line on stderr. */
+/** Reads the next row. Time must increase. Every number must be finite and within +-1e6. A last
+ * line without a line end may be truncated and is ignored. Returns 0; CSV_END after the last of at
+ * least two rows; EXIT_REFUSED after one line on stderr. */
 int csv_next(csv_log_t *log, csv_row_t *row);
 
 /** Begins a further pass: the next row is the first one. Returns 0, or EXIT_REFUSED after one line
@@ -105,8 +105,8 @@ int csv_missing(const csv_log_t *log, int column, const char *why);
 /** Marks a column of the log as ignored. */
 void csv_ignore(csv_log_t *log, int column);
 
-/** Reports on stderr a truncated line and ignored columns, with the columns that they resemble. Call
- * it after a pass. */
+/** Reports on stderr a truncated line and ignored columns, with the columns that they resemble.
+ * Call it after a pass. */
 void csv_notes(const csv_log_t *log);
 
 /** Reads the header; csv_open calls it. */

@@ -12,14 +12,17 @@
 _Static_assert(CSV_COLUMNS <= 64, "csv_row_t.present: a bit for each column");
 
 const char *const csv_name[CSV_COLUMNS] = {
-    "t_s", "phi_rad", "theta_rad", "psi_rad", "u_mps", "v_mps", "w_mps", "p_radps", "q_radps",
-    "r_radps", "X_N", "Y_N", "Z_N", "K_Nm", "M_Nm", "N_Nm", "cmd_surge", "cmd_sway", "cmd_heave",
-    "cmd_roll", "cmd_pitch", "cmd_yaw", "ref_surge", "ref_sway", "ref_heave", "ref_roll",
-    "ref_pitch", "ref_yaw", "qw", "qx", "qy", "qz", "north_m", "east_m", "depth_m", "fx_mps2",
-    "fy_mps2", "fz_mps2", "thruster_1", "thruster_2", "thruster_3", "thruster_4", "thruster_5",
-    "thruster_6", "thruster_7", "thruster_8", "thruster_1_N", "thruster_2_N", "thruster_3_N",
-    "thruster_4_N", "thruster_5_N", "thruster_6_N", "thruster_7_N", "thruster_8_N", "rpm_1",
-    "rpm_2", "rpm_3", "rpm_4", "rpm_5", "rpm_6", "rpm_7", "rpm_8", "voltage_V"};
+    "t_s",          "phi_rad",      "theta_rad",    "psi_rad",      "u_mps",        "v_mps",
+    "w_mps",        "p_radps",      "q_radps",      "r_radps",      "X_N",          "Y_N",
+    "Z_N",          "K_Nm",         "M_Nm",         "N_Nm",         "cmd_surge",    "cmd_sway",
+    "cmd_heave",    "cmd_roll",     "cmd_pitch",    "cmd_yaw",      "ref_surge",    "ref_sway",
+    "ref_heave",    "ref_roll",     "ref_pitch",    "ref_yaw",      "qw",           "qx",
+    "qy",           "qz",           "north_m",      "east_m",       "depth_m",      "fx_mps2",
+    "fy_mps2",      "fz_mps2",      "thruster_1",   "thruster_2",   "thruster_3",   "thruster_4",
+    "thruster_5",   "thruster_6",   "thruster_7",   "thruster_8",   "thruster_1_N", "thruster_2_N",
+    "thruster_3_N", "thruster_4_N", "thruster_5_N", "thruster_6_N", "thruster_7_N", "thruster_8_N",
+    "rpm_1",        "rpm_2",        "rpm_3",        "rpm_4",        "rpm_5",        "rpm_6",
+    "rpm_7",        "rpm_8",        "voltage_V"};
 
 static int known_column(const char *name)
 {
@@ -112,8 +115,8 @@ static int read_name(csv_log_t *log, const char *field, int *column)
 /* A quaternion is the attitude unless the log has the angles, too. */
 static int read_quaternion(csv_log_t *log)
 {
-    bool angles = log->has[CSV_ATTITUDE] || log->has[CSV_ATTITUDE + 1] ||
-                  log->has[CSV_ATTITUDE + 2];
+    bool angles =
+        log->has[CSV_ATTITUDE] || log->has[CSV_ATTITUDE + 1] || log->has[CSV_ATTITUDE + 2];
     int components = 0, missing = -1;
     for (int c = CSV_QUATERNION; c < CSV_QUATERNION + 4; ++c) {
         components += log->has[c];

@@ -97,6 +97,20 @@ static void print_heading(const job_t *job, const auvid_identifier_t *id)
     putchar('\n');
 }
 
+/* The ring of sets holds the newest part of very long logs. */
+static void warn_too_long(const job_t *job, const auvid_identifier_t *id)
+{
+    const auvid_metric_config_t *cfg = &id->metric.cfg;
+    double row_s = 1e-6 * id->recorder.cell_us * cfg->row_cells;
+    if (id->metric.sets.recorded > cfg->sets) {
+        report_warning("%s: only about the last %.1f of %.1f hours are in the estimate, which "
+                       "holds %u rows of %g s: fit parts of the log",
+                       job->log[job->train.logs - 1].csv.path,
+                       row_s * cfg->sets * cfg->set_rows / 3600.0, job->survey.span_s / 3600.0,
+                       (unsigned)cfg->sets * cfg->set_rows, row_s);
+    }
+}
+
 static void gather(const job_t *job, const auvid_identifier_t *id, result_t *result)
 {
     report_gather(result, id, job->options->seed);
@@ -125,6 +139,7 @@ static int run(job_t *job)
     }
     const auvid_identifier_t *id = &fitted->id;
     gather(job, id, &result);
+    warn_too_long(job, id);
     if (options->validate != NULL && result.estimate.number > 0 &&
         heldout_r2(&job->test, &job->use, &id->recorder.cfg, options->seed, &result) != 0) {
         return EXIT_LOG_REFUSED;

@@ -5,6 +5,7 @@
 #ifndef PROGRAM_FIT_H
 #define PROGRAM_FIT_H
 
+#include "decoupled.h"
 #include "literal.h"
 #include "options.h"
 #include "replay.h"
@@ -17,6 +18,7 @@ typedef struct {
     auvid_change_detector_t change;
     replay_inputs_t inputs; /**< if the thrusters are known, or there is a reference */
     literal_t literal;      /**< if chosen */
+    decoupled_t six;        /**< the model, if it has six DoF without coupling */
 } fitted_t;
 
 /** A fit: logs, options and models. */
@@ -32,7 +34,7 @@ typedef struct {
     auvid_real_t fixed[AUVID_MAX_PARAMETERS]; /**< values of the other parameters */
     const char *why[AUVID_DOF_COUNT];         /**< why a DoF cannot be identified, or NULL */
     fitted_t *coupled, *decoupled;            /**< NULL: not fitted */
-    double error[2]; /**< cross-validation errors of the two; < 0: none */
+    double error[2];                          /**< cross-validation errors of the two; < 0: none */
 } job_t;
 
 /** Are the parameters in units of command? */

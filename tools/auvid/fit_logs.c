@@ -254,8 +254,8 @@ static int check_thrust(const job_t *job)
     for (int k = 0; k < cfg->thrusters; ++k) {
         capacity = fmax(capacity, (double)cfg->thruster[k].max_N);
     }
-    bool wrong = largest > MOST_THRUST * capacity ||
-                 (largest > 0.0 && largest < LEAST_THRUST * capacity);
+    bool wrong =
+        largest > MOST_THRUST * capacity || (largest > 0.0 && largest < LEAST_THRUST * capacity);
     return wrong ? report_error("%s: the largest force of a thruster is %.3g N, but those of %s "
                                 "have up to %.3g N: %s",
                                 job->log[0].csv.path, largest, job->use.vehicle->word, capacity,

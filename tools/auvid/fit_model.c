@@ -109,7 +109,7 @@ static void set_cells(const job_t *job, double span_us, auvid_identifier_config_
     }
 }
 
-static void configure(const job_t *job, const auvid_vehicle_t *vehicle,
+static void configure(const job_t *job, const auvid_vehicle_t *vehicle, decoupled_t *six,
                       auvid_identifier_config_t *cfg)
 {
     const options_t *options = job->options;
@@ -117,6 +117,10 @@ static void configure(const job_t *job, const auvid_vehicle_t *vehicle,
     auvid_identifier_defaults(cfg, vehicle);
     set_cells(job, span_us, cfg);
     vehicle_use_averaged_model(cfg);
+    if (job->options->coupling == COUPLING_OFF && decoupled_exists(vehicle)) {
+        decoupled_init(six, cfg->vehicle, vehicle);
+        cfg->vehicle = cfg->metric.vehicle = &six->vehicle;
+    }
     cfg->search.seed = options->seed;
     cfg->dry_mass_kg = fit_in_commands(job) ? 0 : options->vehicle->dry_mass_kg;
     cfg->uncertainty = options->vehicle->uncertainty;
@@ -164,8 +168,7 @@ static void take_literal(void *context, const auvid_sample_t *cell, bool after_g
 static int replay_literal(const job_t *job, fitted_t *fitted)
 {
     literal_cells_t to = {&fitted->literal, &fitted->id};
-    int status =
-        replay_cells(&job->train, &job->use, &fitted->id.recorder.cfg, take_literal, &to);
+    int status = replay_cells(&job->train, &job->use, &fitted->id.recorder.cfg, take_literal, &to);
     (void)auvid_identifier_close(&fitted->id);
     return status;
 }
@@ -176,7 +179,7 @@ static bool record(const job_t *job, const auvid_vehicle_t *vehicle, fitted_t *f
     auvid_identifier_config_t cfg;
     bool literal = job->options->literal;
     auvid_status_t status = AUVID_OK;
-    configure(job, vehicle, &cfg);
+    configure(job, vehicle, &fitted->six, &cfg);
     if (literal) {
         status = literal_identifier(&fitted->literal, &cfg);
         literal_attach(&fitted->literal, &fitted->id.metric);
@@ -237,7 +240,8 @@ const fitted_t *fit_choose_model(job_t *job)
             return job->coupled;
         }
     }
-    job->decoupled = identify(job, &auvid_girona500_decoupled);
+    bool six = decoupled_exists(job->options->model);
+    job->decoupled = identify(job, six ? job->options->model : &auvid_girona500_decoupled);
     if (job->decoupled == NULL || coupling == COUPLING_OFF) {
         return job->decoupled;
     }
@@ -246,4 +250,3 @@ const fitted_t *fit_choose_model(job_t *job)
     bool decoupled = job->error[1] >= 0.0 && !(job->error[0] < job->error[1]);
     return decoupled ? job->decoupled : job->coupled;
 }
-

@@ -34,9 +34,10 @@ void log_wrench(const log_use_t *use, const double *input, double voltage_V,
 {
     auvid_real_t total[AUVID_DOF_COUNT] = {0};
     for (int k = 0; k < log_inputs(use) && log_has_thrusters(use); ++k) {
-        force_N[k] = (auvid_real_t)(use->kind == INPUT_THRUST
-                                        ? input[k]
-                                        : vehicle_file_thrust(use->vehicle, k, input[k], voltage_V));
+        force_N[k] =
+            (auvid_real_t)(use->kind == INPUT_THRUST
+                               ? input[k]
+                               : vehicle_file_thrust(use->vehicle, k, input[k], voltage_V));
     }
     if (log_has_thrusters(use)) {
         (void)auvid_allocation_wrench(&use->allocation, force_N, total);

@@ -21,10 +21,10 @@ typedef enum {
 /** How to use the logs. */
 typedef struct {
     input_kind_t kind;
-    uint8_t dofs;             /**< bit j: the input of DoF j is used (its velocity exists) */
-    bool reference;           /**< the log has the reference of a controller (ref_*) */
-    const vehicle_t *vehicle; /**< whose thrusters make the wrench; NULL: not known */
-    bool uncertain;           /**< the errors of its thrusters are estimated */
+    uint8_t dofs;                  /**< bit j: the input of DoF j is used (its velocity exists) */
+    bool reference;                /**< the log has the reference of a controller (ref_*) */
+    const vehicle_t *vehicle;      /**< whose thrusters make the wrench; NULL: not known */
+    bool uncertain;                /**< the errors of its thrusters are estimated */
     auvid_allocation_t allocation; /**< of its thrusters */
     uint32_t delay_us;             /**< known time from its commands to their forces */
     double gain[AUVID_DOF_COUNT];  /**< of the commands: newtons per unit; 0: not known */
@@ -57,11 +57,11 @@ typedef struct {
 typedef struct {
     log_t *log;
     const log_use_t *use;
-    double turns[3];                   /* whole revolutions that unwrap each angle so far */
-    double raw[3], angle[3];           /* last angles; unwrapped and propagated */
-    double angle_s, measured_s;        /* time of the angles, and when they were measured */
-    double nu[AUVID_DOF_COUNT];        /* last velocities and rates */
-    double velocity_s;                 /* time of the last velocity, if there is one */
+    double turns[3];            /* whole revolutions that unwrap each angle so far */
+    double raw[3], angle[3];    /* last angles; unwrapped and propagated */
+    double angle_s, measured_s; /* time of the angles, and when they were measured */
+    double nu[AUVID_DOF_COUNT]; /* last velocities and rates */
+    double velocity_s;          /* time of the last velocity, if there is one */
     bool has_velocity;
     double input[AUVID_MAX_THRUSTERS]; /* last inputs */
     double voltage_V;                  /* last voltage; 0: none yet */

@@ -95,8 +95,8 @@ static const char fit_help[] =
     "  --thrusters NAME      the log is from the thrusters of girona500 or bluerov2: their errors\n"
     "                        are estimated, too. Without it nothing is identifiable, or --plain\n"
     "  --dry-mass KG         a smaller mass is marked as physically impossible\n"
-    "  --gain AXIS=NEWTONS   of one unit of this axis' command (yaw, roll, pitch: newton metres), as\n"
-    "                        in surge=40; repeatable, for all axes in use. Then units are SI\n"
+    "  --gain AXIS=NEWTONS   of one unit of this axis' command (roll, pitch, yaw: newton metres),\n"
+    "                        as in surge=40; repeatable, for all axes in use. Then units are SI\n"
     "  --max-gap S           rows further apart begin a new record, 0.1 to 1; default 0.5\n"
     "  --fix NAME=VALUE      fix this parameter; repeatable\n"
     "  --free NAME,NAME,..   also identify these parameters\n"
@@ -105,7 +105,7 @@ static const char fit_help[] =
     "  --input hold|linear   an input is held until the next row (default), or interpolated\n"
     "                        linearly: better where rows sample an input that varies between them\n"
     "  --coupling auto|on|off  terms between degrees of freedom; auto: chosen by cross-validation\n"
-    "                        where a model without them exists (girona500)\n"
+    "                        for girona500, on for all other models\n"
     "\n";
 
 static const char check_help[] =
@@ -148,23 +148,23 @@ static const char replay_help[] =
     "\n";
 #endif
 static const char columns_help[] =
-    "columns of a log, in any order: t_s; phi_rad theta_rad psi_rad, or a quaternion qw qx qy qz from\n"
-    "body to world axes; u_mps v_mps w_mps p_radps q_radps r_radps; inputs X_N Y_N Z_N K_Nm M_Nm\n"
-    "N_Nm, or commands cmd_surge cmd_sway cmd_heave cmd_roll cmd_pitch cmd_yaw, or with --thrusters\n"
-    "the forces thruster_1_N thruster_2_N .., or the commands within +-1, thruster_1 thruster_2 ..\n"
-    "An input needs its velocity or rate; other missing columns count as zero. Angles are in\n"
-    "radians. A degree of freedom whose input does not vary is ignored. ref_surge ref_sway ref_heave\n"
-    "ref_roll ref_pitch ref_yaw: velocity or rate of the reference of a controller along its own\n"
-    "axes, which identifies a vehicle in closed loop.\n"
-    "An empty cell is no new sample, so each sensor may have its own rate. Velocities that are held\n"
-    "between samples are recognised. Several logs are records of their own, with a gap in between.\n"
+    "columns of a log, in any order: t_s; phi_rad theta_rad psi_rad, or a quaternion qw qx qy qz\n"
+    "from body to world axes; u_mps v_mps w_mps p_radps q_radps r_radps; inputs X_N Y_N Z_N K_Nm\n"
+    "M_Nm N_Nm, or commands cmd_surge cmd_sway cmd_heave cmd_roll cmd_pitch cmd_yaw. With\n"
+    "--thrusters or --vehicle also thruster_1 .. and voltage_V, or rpm_1 .., for its thrust map,\n"
+    "or forces thruster_1_N .. An input needs its velocity or rate; other missing columns count as\n"
+    "zero. Angles are in radians. A degree of freedom whose input does not vary is ignored.\n"
+    "ref_surge ref_sway ref_heave ref_roll ref_pitch ref_yaw: velocity or rate of the\n"
+    "reference of a controller along its own axes, which identifies a vehicle in closed loop.\n"
+    "An empty cell is no new sample, so each sensor may have its own rate. Velocities that are\n"
+    "held between samples are recognised. Several logs are records of their own.\n"
     "\n";
 static const char fit_exit_help[] =
-    "exit status of fit: 0 at least one parameter is identifiable; 1 a log is refused; 2 bad usage;\n"
-    "3 nothing can be trusted. The first line of the tables says the same in words.\n";
+    "exit status of fit: 0 at least one parameter is identifiable; 1 a log is refused; 2 bad\n"
+    "usage; 3 nothing can be trusted. The first line of the tables says the same in words.\n";
 static const char exit_help[] =
-    "exit status of the others: 0 identified; 1 not converged, or nothing to identify; 2 bad usage\n"
-    "or data\n";
+    "exit status of other commands: 0 identified; 1 not converged, or nothing to identify; 2 bad\n"
+    "usage or data\n";
 
 static const struct {
     const char *of, *text; /* of: the commands that it describes */

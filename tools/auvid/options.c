@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "decoupled.h"
 #include "report_error.h"
 #include "options_reader.h"
 
@@ -536,8 +537,11 @@ int options_fit(options_t *options, int count, char **argument)
     if (status == 0 && train.count == 0) {
         return report_error("fit: no TRAIN.csv given");
     }
-    if (status == 0 && options->coupling == COUPLING_OFF && options->model != &auvid_girona500) {
-        return report_error("fit: --coupling off needs --model girona500");
+    if (status == 0 && options->coupling == COUPLING_OFF && options->model != &auvid_girona500 &&
+        !decoupled_exists(options->model)) {
+        return report_error("fit: --coupling off needs the model of Girona500 or of Fossen: the "
+                            "model %s has no form without coupling",
+                            options->model->name);
     }
     if (status == 0 && options->dry_mass_kg > 0.0 && !(options->dry_mass_kg < options->upper)) {
         return report_error("fit: --dry-mass %g is not below the upper bound of the masses, %g: "

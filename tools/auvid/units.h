@@ -16,12 +16,12 @@ typedef struct {
 
 /** One axis of attitude and rates. */
 typedef struct {
-    bool known;                  /* an angle was seen */
-    double t, angle, rate;       /* last angle, and the rate at its time */
-    double latest_rate;          /* last rate */
-    double step, step_t;         /* first jump that no angle in radians makes, and its time; or 0 */
+    bool known;            /* an angle was seen */
+    double t, angle, rate; /* last angle, and the rate at its time */
+    double latest_rate;    /* last rate */
+    double step, step_t;   /* first jump that no angle in radians makes, and its time; or 0 */
     units_change_t radians, degrees; /* of an angle that wraps at a revolution in either unit */
-    size_t rates, beyond;        /* rates; those beyond a revolution per second */
+    size_t rates, beyond;            /* rates; those beyond a revolution per second */
 } units_axis_t;
 
 /** Statistics of a log, first all zeros. */
