@@ -270,6 +270,15 @@ def test_a_log_is_never_overwritten(tmp_path, short, capsys):
     assert path.read_bytes() == bin_log(short)
 
 
+def test_a_sample_of_the_dvl_without_lock_is_left_out(short, tmp_path, convert):
+    end = log_writers.BASE_S + short.t[-1]
+    lost = [bin_message("VISO", int((end + k / 10) * 1e6), 0.1, 0, 0, 0, 9.0, 0, 0, 0)
+            for k in range(1, 5)]
+    (tmp_path / "lost.BIN").write_bytes(joined(bin_log(short), *lost))
+    rows = convert(tmp_path / "lost.BIN")[2]
+    assert np.nanmax(rows["u_mps"]) < 5 and np.sum(np.isfinite(rows["u_mps"])) == len(short.t)
+
+
 def test_a_log_that_starts_again_in_the_same_second_loses_only_late_samples(short, tmp_path,
                                                                             convert):
     late = bin_message("BAT", int((log_writers.BASE_S + short.t[-1] - 0.5) * 1e6), 0, 15.0)

@@ -68,6 +68,8 @@ def compare(rows, run, suffix):
         assert turned(rows, run).max() <= attitude
     assert np.abs(table(rows, MOTION[3:]) - run.nu).max() <= motion
     assert np.abs(table(rows, inputs) - run.commands).max() <= command
+    place = table(rows, ["north_m", "east_m", "depth_m"])
+    assert np.abs(place - run.position).max() <= motion
 
 
 @pytest.mark.parametrize("suffix", [".BIN", ".ulg", ".mcap"])
