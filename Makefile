@@ -39,8 +39,8 @@ RECORDED = $(foreach test,$(UNIT:tests/%.c=release/tests/%) $(VEHICLES:tests/%.c
     build/$(test))
 # What of the program tests run as well: the demo's world.
 WORLD := $(addprefix tools/auvid/,world.c frames.c vehicles.c vehicles_ready.c vehicle_file.c \
-    vehicle_keys.c vehicle_terms.c thrust_map.c ini.c field_run.c field_table.c statistics.c \
-    report.c report_error.c) $(MEMORY)
+    vehicle_thrusters.c vehicle_keys.c vehicle_terms.c thrust_map.c ini.c field_run.c \
+    field_table.c statistics.c report.c report_error.c) $(MEMORY)
 SUPPORT := $(wildcard tests/support/*.c)
 UNIT := $(wildcard tests/unit/*/test_*.c)
 REFERENCE := $(wildcard tests/reference/test_*.cpp)
@@ -239,7 +239,7 @@ can: | can-setup ## Generate the C of the CAN frames from lib/can/auvid.dbc
 can-check: | can-setup ## Is the C of the CAN frames what lib/can/auvid.dbc gives?
 	@$(CAN_CODEGEN) --check
 
-fuzz: ## Fuzz the CAN receivers for FUZZ_SECONDS (60)
+fuzz: ## Fuzz CAN receivers and vehicle files for FUZZ_SECONDS (60)
 	@tests/support/setup.sh fuzz
 	@CFLAGS='$(FLAGS)' tests/fuzz/fuzz.sh $(FUZZ_SECONDS) $(FUZZ)
 

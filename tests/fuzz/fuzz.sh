@@ -13,8 +13,11 @@ shift
 export OUT=build/fuzz
 sanitize="-fsanitize=address,undefined,float-cast-overflow -fno-sanitize-recover=all"
 export COMPILE="clang -std=c11 -O2 -g $sanitize ${CFLAGS:-} -Ilib/include -Ilib/src \
--Iport/linux_socketcan"
-sources=(lib/src/*/*.c port/linux_socketcan/bus.c port/linux_socketcan/bus_candump.c)
+-Iport/linux_socketcan -Itools/auvid -Itools/simulator"
+sources=(lib/src/*/*.c port/linux_socketcan/bus.c port/linux_socketcan/bus_candump.c
+    tools/auvid/{ini,thrust_map,vehicle_keys,vehicle_terms,vehicle_thrusters,vehicle_file}.c
+    tools/auvid/report_error.c
+    tools/simulator/{simulator,sensors,noise,fossen}.c)
 objects=("${sources[@]##*/}")
 objects=("${objects[@]/#/$OUT/objects/}")
 export OBJECTS="${objects[*]/%.c/.o}"
@@ -24,20 +27,21 @@ build_object() {
     local object=${1##*/}
     object=$OUT/objects/${object%.c}.o
     if [ "$1" -nt "$object" ] ||
-        [ -n "$(find lib port -name '*.h' -newer "$object" -print -quit)" ]; then
+        [ -n "$(find lib port tools -name '*.h' -newer "$object" -print -quit)" ]; then
         $COMPILE -fsanitize=fuzzer-no-link -c -o "$object" "$1"
     fi
 }
 
 fuzz() {
-    local name status=0
+    local name status=0 longest=352
     name=$(basename "$1" .c)
     name=${name#fuzz_}
+    [ "$name" != vehicle ] || longest=3000 # a file, not frames
     mkdir -p "$OUT/$name/found"
     # shellcheck disable=SC2086 # words
-    $COMPILE -fsanitize=fuzzer -MF "$OUT/$name/fuzz.d" -o "$OUT/$name/fuzz" "$1" $OBJECTS
+    $COMPILE -fsanitize=fuzzer -MF "$OUT/$name/fuzz.d" -o "$OUT/$name/fuzz" "$1" $OBJECTS -lm
     # shellcheck disable=SC2086
-    "$OUT/$name/fuzz" -max_total_time="$SECONDS_EACH" -max_len=352 -print_final_stats=1 \
+    "$OUT/$name/fuzz" -max_total_time="$SECONDS_EACH" -max_len=$longest -print_final_stats=1 \
         ${FUZZ_FLAGS:-} -artifact_prefix="$OUT/$name/" "$OUT/$name/found" \
         "tests/fuzz/corpus/$name" >"$OUT/$name/log" 2>&1 || status=$?
     awk '/number_of_executed_units|average_exec_per_sec/ { print "  '"$name"': " $0 }' \

@@ -214,7 +214,7 @@ check "  names the options" grep -q -- '--disturbance' out
 cp out help
 exits 0 help
 check "help is the same" cmp out help
-for command in demo fit node vehicle replay; do
+for command in demo fit check node vehicle replay; do
     check "help $command" exits 0 help "$command"
     check "  shows its usage" grep -q "^usage: auvid $command " out
     check "  and its options only" test "$(grep -c "^options of .*$command" out)" = \

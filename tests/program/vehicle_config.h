@@ -1,5 +1,6 @@
 /*
- * Prints the members of the four configurations that a vehicle file sets, with their bits: for test_vehicle_file.sh.
+ * Prints the members of the four configurations that a vehicle file sets, with their bits: for
+ * test_vehicle_file.sh.
  */
 #include <stdio.h>
 #include <string.h>
@@ -63,9 +64,10 @@ static void print_allocation(const auvid_allocation_config_t *c)
 
 static void print_uncertain(const auvid_uncertain_config_t *c)
 {
-    const auvid_real_t all[] = {c->backward, c->dead_band, c->curve,     c->inflow, c->sag,
-                                c->gain,     c->lag_s,     c->delay_s,   c->current, c->asymmetry,
-                                c->cross,    c->force,     c->gravity_m, c->nominal_lag_s};
+    const auvid_real_t all[] = {c->backward,  c->dead_band,    c->curve, c->inflow,
+                                c->sag,       c->gain,         c->lag_s, c->delay_s,
+                                c->current,   c->asymmetry,    c->cross, c->force,
+                                c->gravity_m, c->nominal_lag_s};
     reals("uncertain", all, (int)(sizeof all / sizeof all[0]));
     printf("fractions %d\n", c->fractions);
 }
@@ -73,13 +75,13 @@ static void print_uncertain(const auvid_uncertain_config_t *c)
 static void print_actuation(const auvid_actuation_config_t *c)
 {
     const auvid_guard_config_t *g = &c->guard;
-    const auvid_real_t limits[] = {g->depth_min_m,  g->depth_max_m, g->altitude_min_m,
-                                   g->roll_max_rad, g->pitch_max_rad, g->speed_max,
-                                   g->yaw_rate_max, g->distance_max_m, g->rest_speed, g->rest_rate};
-    const uint32_t times[] = {g->run_max_s,         g->imu_stale_us,     g->velocity_stale_us,
-                              g->depth_stale_us,    g->altitude_stale_us, g->applied_stale_us,
-                              g->saturation_us,     g->max_tick_us,      g->heartbeat_timeout_us,
-                              g->rest_dwell_us,     g->settle_timeout_us, g->off};
+    const auvid_real_t limits[] = {
+        g->depth_min_m, g->depth_max_m,  g->altitude_min_m, g->roll_max_rad, g->pitch_max_rad,
+        g->speed_max,   g->yaw_rate_max, g->distance_max_m, g->rest_speed,   g->rest_rate};
+    const uint32_t times[] = {g->run_max_s,      g->imu_stale_us,      g->velocity_stale_us,
+                              g->depth_stale_us, g->altitude_stale_us, g->applied_stale_us,
+                              g->saturation_us,  g->max_tick_us,       g->heartbeat_timeout_us,
+                              g->rest_dwell_us,  g->settle_timeout_us, g->off};
     reals("guard", limits, (int)(sizeof limits / sizeof limits[0]));
     for (size_t i = 0; i < sizeof times / sizeof times[0]; ++i) {
         printf("guard %lu\n", (unsigned long)times[i]);
@@ -88,9 +90,9 @@ static void print_actuation(const auvid_actuation_config_t *c)
     printf("segments %d, seed %lu\n", c->excitation.segments, (unsigned long)c->excitation.seed);
     for (int i = 0; i < c->excitation.segments; ++i) {
         const auvid_segment_t *s = &c->excitation.segment[i];
-        const auvid_real_t all[] = {s->pause_s,      s->duration_s,       s->amplitude, s->from,
-                                    s->fade_s,       s->frequency_hz,     s->frequency_high_hz,
-                                    s->phase,        s->hold_min_s,       s->hold_max_s};
+        const auvid_real_t all[] = {s->pause_s,    s->duration_s,   s->amplitude,         s->from,
+                                    s->fade_s,     s->frequency_hz, s->frequency_high_hz, s->phase,
+                                    s->hold_min_s, s->hold_max_s};
         printf("segment %d %d %d %d\n", (int)s->dof, (int)s->kind, s->sines, s->pairs);
         reals("segment", all, (int)(sizeof all / sizeof all[0]));
     }

@@ -18,7 +18,7 @@ static int check_vehicle(const char *file, const options_t *options)
         return EXIT_REFUSED;
     }
     if (options->header) {
-        vehicle_header(vehicle, file);
+        vehicle_header(vehicle);
         return 0;
     }
     if (options->json) {

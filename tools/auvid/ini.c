@@ -40,8 +40,8 @@ static bool is_blank(char c)
 
 static bool is_name(char c)
 {
-    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') ||
-           c == '_' || c == '-' || c == '.';
+    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' ||
+           c == '-' || c == '.';
 }
 
 static char *skip_blanks(char *at)
@@ -69,6 +69,19 @@ ini_entry_t *ini_find(ini_t *ini, const char *section, const char *key)
         }
     }
     return NULL;
+}
+
+int ini_line(ini_t *ini, const char *section)
+{
+    const ini_entry_t *e = ini_find(ini, section, "");
+    return e != NULL ? e->line : 1;
+}
+
+bool ini_refuse_key(ini_t *ini, const char *section, const char *key, const char *what)
+{
+    const ini_entry_t *e = ini_find(ini, section, key);
+    return ini_refuse(ini, e != NULL ? e->line : ini_line(ini, section),
+                      e != NULL ? e->key_column : 1, "%s %s", key, what);
 }
 
 /* Adds a section (key "") or a key. Both names are terminated already. */
@@ -204,8 +217,7 @@ int ini_word(const ini_entry_t *entry, size_t *at, char *word, size_t size)
     return entry->value_column + (int)(begin - entry->value);
 }
 
-bool ini_numbers(ini_t *ini, const ini_entry_t *entry, int least, int most, double *out,
-                 int *count)
+bool ini_numbers(ini_t *ini, const ini_entry_t *entry, int least, int most, double *out, int *count)
 {
     char word[64];
     size_t at = 0;

@@ -41,13 +41,20 @@ ini_entry_t *ini_find(ini_t *ini, const char *section, const char *key);
 /** Writes the message for a place; the first message stays. @return false */
 bool ini_refuse(ini_t *ini, int line, int column, const char *format, ...);
 
+/** The line of a section; 1 if there is none. */
+int ini_line(ini_t *ini, const char *section);
+
+/** Writes the message "KEY WHAT" for the place of a key, or else of its section. @return false */
+bool ini_refuse_key(ini_t *ini, const char *section, const char *key, const char *what);
+
 /** Reads finite decimal numbers, separated by blanks. At least `least` of them, at most `most`.
  * @param count written: how many; NULL: not wanted
  * @return false after a message */
 bool ini_numbers(ini_t *ini, const ini_entry_t *entry, int least, int most, double *out,
                  int *count);
 
-/** The next word of a value, up to a blank or a comma; a comma is a word. *at is where to look, and is moved behind it.
+/** The next word of a value, up to a blank or a comma; a comma is a word.
+ * @param at where to look; moved behind the word
  * @param word [size] written, cut if too long; "": there is none
  * @return its column */
 int ini_word(const ini_entry_t *entry, size_t *at, char *word, size_t size);

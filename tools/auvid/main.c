@@ -44,9 +44,9 @@ static const char demo_fit_help[] =
     "\n";
 static const char demo_help[] =
     "options of demo\n"
-    "  --vehicle NAME     girona500 (default); bluerov2: a BlueROV2 Heavy in six degrees of freedom\n"
-    "                     that stabilises roll and pitch; bluerov2_standard; torpedo; surface; or\n"
-    "                     FILE.ini, a vehicle of yours (tools/auvid/README.md)\n"
+    "  --vehicle NAME     girona500 (default), or bluerov2: a BlueROV2 Heavy in six degrees of\n"
+    "                     freedom that stabilises roll and pitch; bluerov2_standard, torpedo,\n"
+    "                     surface; or FILE.ini, a vehicle of yours (tools/auvid/README.md)\n"
     "  --sets K           data sets of 30 s of excitation; default 8\n"
     "  --disturbance N    rms of an unmodelled force on X, Y, Z [N], and 0.4 times this as a\n"
     "                     moment [Nm] on N (bluerov2: on K, M, N); default 0\n"

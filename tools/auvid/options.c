@@ -494,12 +494,12 @@ static int check_truth(const options_t *options, const char *command)
 /* A scenario has a plan of its own and a single run. */
 static int check_scenario(const options_t *options)
 {
-    const char *other = options->runs > 0                        ? "--runs"
-                        : options->sets > 0                      ? "--sets"
-                        : options->csv != NULL                   ? "--csv"
-                        : options->budget > 0                    ? "--budget"
-                        : options->literal                       ? "--literal"
-                        : options->adaptive                      ? "--adaptive"
+    const char *other = options->runs > 0                       ? "--runs"
+                        : options->sets > 0                     ? "--sets"
+                        : options->csv != NULL                  ? "--csv"
+                        : options->budget > 0                   ? "--budget"
+                        : options->literal                      ? "--literal"
+                        : options->adaptive                     ? "--adaptive"
                         : options->vehicle != vehicle_default() ? "--vehicle"
                                                                 : NULL;
     if (options->scenario != NULL && other != NULL) {

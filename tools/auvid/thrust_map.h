@@ -20,11 +20,11 @@ typedef enum {
 enum { THRUST_MAP_POINTS = 32 };
 
 typedef struct {
-    int kind;               /**< thrust_map_kind_t */
-    double zero_command;    /**< command without force; default 0 */
-    double full_command;    /**< command of the largest forward force; default 1, rpm: required */
-    double dead_zone;       /**< commands this close to zero_command give no force; default 0 */
-    double voltage_V;       /**< of the supply to which the map belongs; 0: not known */
+    int kind;                /**< thrust_map_kind_t */
+    double zero_command;     /**< command without force; default 0 */
+    double full_command;     /**< command of the largest forward force; default 1, rpm: required */
+    double dead_zone;        /**< commands this close to zero_command give no force; default 0 */
+    double voltage_V;        /**< of the supply to which the map belongs; 0: not known */
     double voltage_exponent; /**< force ~ (voltage / voltage_V)^this; default 0: no influence */
     double delay_s;          /**< known time from command to force; default 0 */
     double uncertainty;      /**< relative standard deviation of the force; 0: not given */

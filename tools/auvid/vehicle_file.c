@@ -10,11 +10,7 @@
 #include "report_error.h"
 #include "vehicle_keys.h"
 #include "vehicle_terms.h"
-
-/* Thrusters whose lines of action differ by less, relative to their size, are parallel. */
-#define PARALLEL 1e-9
-
-enum { THRUSTERS = AUVID_MAX_THRUSTERS < SIM_THRUSTERS ? AUVID_MAX_THRUSTERS : SIM_THRUSTERS };
+#include "vehicle_thrusters.h"
 
 /* ---- defaults, sections ---- */
 
@@ -27,12 +23,6 @@ static void set_defaults(vehicle_t *v)
     v->allocation = &v->allocation_cfg;
 }
 
-static int line_of(ini_t *ini, const char *section)
-{
-    const ini_entry_t *e = ini_find(ini, section, "");
-    return e != NULL ? e->line : 1;
-}
-
 /* Is this the section of a thruster or a group, or another one that is known? */
 static bool is_known(const char *section)
 {
@@ -40,7 +30,8 @@ static bool is_known(const char *section)
     char *end = NULL;
     if (strncmp(section, "thruster.", 9) == 0) {
         long number = strtol(section + 9, &end, 10);
-        return section[9] >= '1' && section[9] <= '9' && *end == '\0' && number <= THRUSTERS;
+        return section[9] >= '1' && section[9] <= '9' && *end == '\0' &&
+               number <= VEHICLE_THRUSTERS;
     }
     for (size_t i = 0; i < sizeof others / sizeof others[0]; ++i) {
         if (strcmp(section, others[i]) == 0) {
@@ -48,7 +39,8 @@ static bool is_known(const char *section)
         }
     }
     for (int i = 0; i < KEYS_SECTIONS; ++i) {
-        if (i != KEYS_THRUSTER && i != KEYS_GROUP && strcmp(section, vehicle_keys[i].section) == 0) {
+        if (i != KEYS_THRUSTER && i != KEYS_GROUP &&
+            strcmp(section, vehicle_keys[i].section) == 0) {
             return true;
         }
     }
@@ -65,18 +57,10 @@ static bool check_sections(ini_t *ini)
                               "unknown section [%s]; known: vehicle, parameters, terms, "
                               "thruster.1 .. thruster.%d, group.NAME, allocation, excitation, "
                               "guard, mount, uncertainty, uncertain, truth",
-                              e->section, THRUSTERS);
+                              e->section, VEHICLE_THRUSTERS);
         }
     }
     return true;
-}
-
-/* Reads a section and refuses keys that are not in its table. */
-static bool read_section(ini_t *ini, const char *section, vehicle_section_t keys, void *to)
-{
-    const vehicle_keys_t *table = &vehicle_keys[keys];
-    return vehicle_keys_read(ini, section, table, to) &&
-           vehicle_keys_unknown(ini, section, &table, 1, "");
 }
 
 /* ---- model ---- */
@@ -87,7 +71,7 @@ static bool read_model(ini_t *ini, vehicle_t *v)
     const char *const only[] = {"parameters", "terms"};
     for (int i = 0; i < 2 && v->kind != VEHICLE_TERMS; ++i) {
         if (ini_find(ini, only[i], "") != NULL) {
-            return ini_refuse(ini, line_of(ini, only[i]), 1,
+            return ini_refuse(ini, ini_line(ini, only[i]), 1,
                               "section [%s] belongs to the model 'terms'; line %d has another one",
                               only[i], model->line);
         }
@@ -115,274 +99,6 @@ static bool read_model(ini_t *ini, vehicle_t *v)
                       AUVID_MAX_PARAMETERS);
 }
 
-/* ---- thrusters ---- */
-
-/* The unit vector's components by their squares: exact where the vector has one component. */
-static bool set_wrench(ini_t *ini, const char *section, const vehicle_thruster_t *t,
-                       double wrench[6])
-{
-    const double *r = t->position_m, *d = t->direction;
-    double sum = d[0] * d[0] + d[1] * d[1] + d[2] * d[2], e[3];
-    if (!(sum > 0.0)) {
-        const ini_entry_t *at = ini_find(ini, section, "direction");
-        return ini_refuse(ini, at->line, at->value_column,
-                          "direction: its length is 0; give the direction of forward thrust");
-    }
-    for (int i = 0; i < 3; ++i) {
-        e[i] = copysign(sqrt(d[i] * d[i] / sum), d[i]);
-        wrench[i] = e[i] + 0.0; /* no negative zero */
-    }
-    wrench[3] = r[1] * e[2] - r[2] * e[1] + 0.0;
-    wrench[4] = r[2] * e[0] - r[0] * e[2] + 0.0;
-    wrench[5] = r[0] * e[1] - r[1] * e[0] + 0.0;
-    return true;
-}
-
-/* Do two thrusters act along the same line? */
-static bool are_parallel(const double a[6], const double b[6])
-{
-    double aa = 0.0, bb = 0.0, ab = 0.0;
-    for (int i = 0; i < 6; ++i) {
-        aa += a[i] * a[i];
-        bb += b[i] * b[i];
-        ab += a[i] * b[i];
-    }
-    return aa * bb - ab * ab <= PARALLEL * aa * bb;
-}
-
-/* The law of the library's allocation, where it can express the map: command 0 gives no force. */
-static void set_law(const vehicle_thruster_t *from, const thrust_map_t *map, auvid_thruster_t *to)
-{
-    double full = map->full_command, square = full * full;
-    bool plain = fabs(map->zero_command) + map->dead_zone <= 0.0 && full > 0.0;
-    bool is_square = map->kind == THRUST_MAP_SIGNED_SQUARE || map->kind == THRUST_MAP_RPM;
-    to->gain_forward = AUVID_C(1.0);
-    if (plain && (is_square || map->kind == THRUST_MAP_LINEAR)) {
-        double unit = is_square ? square : full;
-        to->law = is_square ? AUVID_THRUST_SQUARE : AUVID_THRUST_LINEAR;
-        to->gain_forward = (auvid_real_t)(from->forward_N / unit);
-        to->gain_backward = (auvid_real_t)(from->backward_N / unit);
-    }
-}
-
-/* Takes the thruster into allocation and simulator. */
-static bool take_thruster(ini_t *ini, vehicle_t *v, int i)
-{
-    const vehicle_thruster_t *t = &v->thruster[i];
-    auvid_thruster_t *to = &v->allocation_cfg.thruster[i];
-    char section[VEHICLE_WORD];
-    double wrench[6], other[6];
-    (void)snprintf(section, sizeof section, "thruster.%d", i + 1);
-    if (!set_wrench(ini, section, t, wrench)) {
-        return false;
-    }
-    for (int k = 0; k < i; ++k) {
-        for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
-            other[j] = v->sim.thruster_matrix[j][k];
-        }
-        if (are_parallel(wrench, other)) {
-            return ini_refuse(ini, line_of(ini, section), 1,
-                              "[%s] acts along the same line as [thruster.%d]: no motion tells "
-                              "them apart; correct one, or make them one thruster of their sum",
-                              section, k + 1);
-        }
-    }
-    for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
-        v->sim.thruster_matrix[j][i] = wrench[j];
-        to->wrench[j] = (auvid_real_t)wrench[j];
-    }
-    to->max_N = (auvid_real_t)t->forward_N;
-    to->min_N = (auvid_real_t)-t->backward_N;
-    set_law(t, &v->map[t->map], to);
-    v->sim.thruster_limit_N[i][0] = t->forward_N;
-    v->sim.thruster_limit_N[i][1] = t->backward_N;
-    v->sim.thruster_max_N = fmax(v->sim.thruster_max_N, t->forward_N);
-    v->sim.thruster_back_N = fmax(v->sim.thruster_back_N, t->backward_N);
-    return true;
-}
-
-/* ---- groups ---- */
-
-static bool refuse_key(ini_t *ini, const char *section, const char *key, const char *what)
-{
-    const ini_entry_t *e = ini_find(ini, section, key);
-    return ini_refuse(ini, e != NULL ? e->line : line_of(ini, section), e != NULL ? e->key_column : 1,
-                      "%s %s", key, what);
-}
-
-static bool check_table(ini_t *ini, const char *section, const thrust_map_t *map)
-{
-    if (map->commands == 0 || map->commands != map->forces) {
-        return refuse_key(ini, section, map->commands == 0 ? "command" : "force_N",
-                          "must have as many numbers as the other row of the table");
-    }
-    for (int k = 1; k < map->commands; ++k) {
-        if (!(map->command[k] > map->command[k - 1])) {
-            return refuse_key(ini, section, "command", "must increase from number to number");
-        }
-    }
-    return true;
-}
-
-/* Refuses keys that the kind of map does not use. */
-static bool check_map(ini_t *ini, const char *section, thrust_map_t *map)
-{
-    static const char *const scale[] = {"zero_command", "full_command", "dead_zone"};
-    static const char *const table[] = {"command", "force_N"};
-    static const char *const supply[] = {"voltage_V", "voltage_exponent"};
-    bool of_table = map->kind == THRUST_MAP_TABLE, newton = map->kind == THRUST_MAP_NEWTON;
-    const ini_entry_t *full = ini_find(ini, section, "full_command");
-    for (int k = 0; k < 3 && (of_table || newton); ++k) {
-        if (ini_find(ini, section, scale[k]) != NULL) {
-            return refuse_key(ini, section, scale[k], "has no meaning for this map: delete it");
-        }
-    }
-    for (int k = 0; k < 2; ++k) {
-        if (!of_table && ini_find(ini, section, table[k]) != NULL) {
-            return refuse_key(ini, section, table[k], "belongs to 'map = table'");
-        }
-        if ((newton || map->kind == THRUST_MAP_RPM) && ini_find(ini, section, supply[k]) != NULL) {
-            return refuse_key(ini, section, supply[k],
-                              "has no meaning for this map, whose force needs no voltage");
-        }
-    }
-    if ((map->voltage_exponent > 0.0) != (map->voltage_V > 0.0)) {
-        return refuse_key(ini, section, map->voltage_V > 0.0 ? "voltage_exponent" : "voltage_V",
-                          "is missing: voltage_V and voltage_exponent belong together");
-    }
-    if (full == NULL && map->kind == THRUST_MAP_RPM) {
-        return refuse_key(ini, section, "full_command",
-                          "is missing: add the speed of the largest force");
-    }
-    map->full_command = full == NULL ? map->zero_command + 1.0 : map->full_command;
-    if (!(map->dead_zone < fabs(map->full_command - map->zero_command))) {
-        return refuse_key(ini, section, full != NULL ? "full_command" : "dead_zone",
-                          "must be further from zero_command than the dead zone");
-    }
-    return !of_table || check_table(ini, section, map);
-}
-
-/* The map of a group, which is read when its first thruster is. @return -1 after a message */
-static int map_of(ini_t *ini, vehicle_t *v, const char *group)
-{
-    char section[VEHICLE_WORD + 8];
-    int i = 0;
-    while (i < v->maps && strcmp(v->group[i], group) != 0) {
-        ++i;
-    }
-    if (i < v->maps) {
-        return i;
-    }
-    thrust_map_t *map = &v->map[v->maps++];
-    strcpy(v->group[i], group);
-    if (group[0] == '\0') { /* in newtons */
-        return i;
-    }
-    (void)snprintf(section, sizeof section, "group.%s", group);
-    return read_section(ini, section, KEYS_GROUP, map) && check_map(ini, section, map) ? i : -1;
-}
-
-/* Refuses a group without thruster. */
-static bool check_groups(ini_t *ini, const vehicle_t *v)
-{
-    for (int i = 0; i < ini->entries; ++i) {
-        const ini_entry_t *e = &ini->entry[i];
-        bool found = e->key[0] != '\0' || strncmp(e->section, "group.", 6) != 0;
-        for (int k = 0; k < v->maps && !found; ++k) {
-            found = strcmp(v->group[k], e->section + 6) == 0;
-        }
-        if (!found) {
-            return ini_refuse(ini, e->line, e->key_column,
-                              "no thruster has the group of [%s]; add 'group = %s' to one",
-                              e->section, e->section + 6);
-        }
-    }
-    return true;
-}
-
-static bool read_thrusters(ini_t *ini, vehicle_t *v)
-{
-    char section[VEHICLE_WORD] = "thruster.1";
-    int n = 0;
-    v->sim.thruster_max_N = v->sim.thruster_back_N = 0.0;
-    memset(v->sim.thruster_matrix, 0, sizeof v->sim.thruster_matrix);
-    for (int i = 0; i < THRUSTERS; ++i) {
-        vehicle_thruster_t *t = &v->thruster[i];
-        (void)snprintf(section, sizeof section, "thruster.%d", i + 1);
-        if (ini_find(ini, section, "") == NULL) {
-            continue;
-        }
-        if (n < i) {
-            return ini_refuse(ini, line_of(ini, section), 1,
-                              "[%s] without [thruster.%d]; number them 1, 2, 3, ..", section,
-                              n + 1);
-        }
-        if (!read_section(ini, section, KEYS_THRUSTER, t)) {
-            return false;
-        }
-        const ini_entry_t *group = ini_find(ini, section, "group");
-        char name[VEHICLE_WORD + 8];
-        (void)snprintf(name, sizeof name, "group.%s", t->group);
-        if (group != NULL && ini_find(ini, name, "") == NULL) {
-            return ini_refuse(ini, group->line, group->value_column,
-                              "group: there is no section [%s]; add it", name);
-        }
-        t->map = map_of(ini, v, t->group);
-        if (t->map < 0 || !take_thruster(ini, v, i)) {
-            return false;
-        }
-        v->allocation_cfg.thrusters = (uint8_t)++n;
-        v->sim.thrusters = n;
-    }
-    return n > 0 ? check_groups(ini, v)
-                 : ini_refuse(ini, 1, 1, "no section [thruster.1]: add one for each thruster");
-}
-
-/* ---- excitation ---- */
-
-static const char *excitation_key(int dof)
-{
-    return vehicle_keys[KEYS_EXCITATION].key[dof].key;
-}
-
-/* Can the thrusters excite what is to be excited, one by one and together? */
-static bool check_excitation(ini_t *ini, const vehicle_t *v)
-{
-    auvid_allocation_t allocation;
-    auvid_allocation_fit_t fit = {0};
-    bool any = false;
-    if (auvid_allocation_init(&allocation, v->allocation) < 0) {
-        return ini_refuse(ini, line_of(ini, "allocation"), 1,
-                          "no thruster acts in any of the controlled degrees of freedom");
-    }
-    for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
-        const char *key = excitation_key(j);
-        any = any || v->amplitude[j] > 0;
-        if (v->amplitude[j] > 0 && v->model->columns[j] == 0) {
-            return refuse_key(ini, "excitation", key, "is of a degree of freedom that the model "
-                                                      "has no equation of; delete it");
-        }
-        if (v->amplitude[j] > 0 && (allocation.actuated >> j & 1u) == 0) {
-            return refuse_key(ini, "excitation", key,
-                              "is a wrench that the thrusters cannot give without another one; "
-                              "check positions and directions, or [allocation] dofs");
-        }
-    }
-    if (!any) {
-        return ini_refuse(ini, line_of(ini, "excitation"), 1,
-                          "[excitation] needs a wrench above 0: add e.g. surge_N");
-    }
-    if (auvid_allocation_check(&allocation, v->amplitude, NULL, &fit) < 0) {
-        char what[160];
-        (void)snprintf(what, sizeof what,
-                       "is more than the thrusters give in all degrees of freedom at once: "
-                       "multiply all amplitudes by %.2f or less",
-                       floor(100.0 * (double)fit.factor) / 100.0);
-        return refuse_key(ini, "excitation", excitation_key(fit.dof >= 0 ? fit.dof : 0), what);
-    }
-    return true;
-}
-
 /* ---- uncertainties, truth ---- */
 
 static bool read_uncertainty(ini_t *ini, vehicle_t *v)
@@ -397,8 +113,8 @@ static bool read_uncertainty(ini_t *ini, vehicle_t *v)
     if (given > 0.0) {
         v->uncertainty.thrust_scale = (auvid_real_t)given;
     }
-    return read_section(ini, "uncertainty", KEYS_UNCERTAINTY, v) &&
-           read_section(ini, "uncertain", KEYS_UNCERTAIN, v);
+    return vehicle_keys_section(ini, "uncertainty", KEYS_UNCERTAINTY, v) &&
+           vehicle_keys_section(ini, "uncertain", KEYS_UNCERTAIN, v);
 }
 
 /* The diagonal stands in the first row; what is below the diagonal, also above it. */
@@ -427,12 +143,16 @@ static void simulate_mount(const auvid_nav_mount_t *mount, sim_config_t *sim)
 /* The simulated vehicle must start within the limits of the guard, or it is never excited. */
 static bool check_start(ini_t *ini, const vehicle_t *v)
 {
-    double depth = v->sim.position[2], low = v->guard.surface ? 0.0 : (double)v->guard.depth_min_m;
-    double high = fmin((double)v->guard.depth_max_m,
-                       v->sim.seabed_m - (double)v->guard.altitude_min_m);
+    const auvid_guard_config_t *g = &v->guard;
+    bool no_low = g->surface || (g->off & AUVID_GUARD_BIT(AUVID_GUARD_DEPTH_MIN)) != 0;
+    bool no_high = (g->off & AUVID_GUARD_BIT(AUVID_GUARD_DEPTH_MAX)) != 0;
+    bool no_floor = (g->off & AUVID_GUARD_BIT(AUVID_GUARD_ALTITUDE)) != 0;
+    double depth = v->sim.position[2], low = no_low ? 0.0 : (double)g->depth_min_m;
+    double floor_m = v->sim.seabed_m - (no_floor ? 0.0 : (double)g->altitude_min_m);
+    double high = no_high ? floor_m : fmin((double)g->depth_max_m, floor_m);
     const ini_entry_t *e = ini_find(ini, "truth", "depth_m");
     return (depth >= low && depth <= high) ||
-           ini_refuse(ini, e != NULL ? e->line : line_of(ini, "truth"), 1,
+           ini_refuse(ini, e != NULL ? e->line : ini_line(ini, "truth"), 1,
                       "depth_m: the simulation would start at %g m, outside of the guard's %g .. "
                       "%g m (seabed at %g m); set depth_m",
                       depth, low, high, v->sim.seabed_m);
@@ -441,10 +161,9 @@ static bool check_start(ini_t *ini, const vehicle_t *v)
 static bool read_truth(ini_t *ini, vehicle_t *v)
 {
     static const sim_model_t models[] = {SIM_GIRONA500, SIM_FOSSEN, SIM_VEHICLE};
-    const vehicle_keys_t *table[] = {&vehicle_keys[KEYS_TRUTH],
-                                     &vehicle_keys[v->kind == VEHICLE_FOSSEN
-                                                       ? KEYS_TRUTH_FOSSEN
-                                                       : KEYS_TRUTH_GIRONA500]};
+    const vehicle_keys_t *table[] = {
+        &vehicle_keys[KEYS_TRUTH],
+        &vehicle_keys[v->kind == VEHICLE_FOSSEN ? KEYS_TRUTH_FOSSEN : KEYS_TRUTH_GIRONA500]};
     int tables = v->kind == VEHICLE_TERMS ? 1 : 2;
     sim_t *sim = NULL;
     v->has_truth = ini_find(ini, "truth", "") != NULL;
@@ -470,7 +189,7 @@ static bool read_truth(ini_t *ini, vehicle_t *v)
     sim = malloc(sizeof *sim);
     bool good = sim != NULL && sim_init(sim, &v->sim);
     free(sim);
-    return good || ini_refuse(ini, line_of(ini, "truth"), 1,
+    return good || ini_refuse(ini, ini_line(ini, "truth"), 1,
                               "[truth] cannot be simulated: its mass matrix is not positive "
                               "definite, or hold_Nm_rad needs thrusters that give all six degrees "
                               "of freedom");
@@ -481,11 +200,11 @@ static bool read_truth(ini_t *ini, vehicle_t *v)
 static bool read_guard(ini_t *ini, vehicle_t *v)
 {
     auvid_guard_t guard;
-    if (!read_section(ini, "guard", KEYS_GUARD, v)) {
+    if (!vehicle_keys_section(ini, "guard", KEYS_GUARD, v)) {
         return false;
     }
     return auvid_guard_init(&guard, &v->guard) >= 0 ||
-           refuse_key(ini, "guard", "depth_max_m", "must not be less than depth_min_m");
+           ini_refuse_key(ini, "guard", "depth_max_m", "must not be less than depth_min_m");
 }
 
 static bool read_all(ini_t *ini, vehicle_t *v)
@@ -496,12 +215,13 @@ static bool read_all(ini_t *ini, vehicle_t *v)
             return ini_refuse(ini, 1, 1, "no section [%s]: add it", needed[i]);
         }
     }
-    if (!check_sections(ini) || !read_section(ini, "vehicle", KEYS_VEHICLE, v) ||
-        !read_model(ini, v) || !read_thrusters(ini, v) ||
-        !read_section(ini, "allocation", KEYS_ALLOCATION, v) ||
-        !read_section(ini, "excitation", KEYS_EXCITATION, v) || !check_excitation(ini, v) ||
-        !read_guard(ini, v) || !read_section(ini, "mount", KEYS_MOUNT, v) ||
-        !read_uncertainty(ini, v) || !read_truth(ini, v)) {
+    if (!check_sections(ini) || !vehicle_keys_section(ini, "vehicle", KEYS_VEHICLE, v) ||
+        !read_model(ini, v) || !vehicle_thrusters_read(ini, v) ||
+        !vehicle_keys_section(ini, "allocation", KEYS_ALLOCATION, v) ||
+        !vehicle_keys_section(ini, "excitation", KEYS_EXCITATION, v) ||
+        !vehicle_excitation_check(ini, v) || !read_guard(ini, v) ||
+        !vehicle_keys_section(ini, "mount", KEYS_MOUNT, v) || !read_uncertainty(ini, v) ||
+        !read_truth(ini, v)) {
         return false;
     }
     /* Girona500 reports the parameters of the paper */

@@ -52,18 +52,16 @@ static void print_members(vehicle_section_t section, const vehicle_t *v, const c
         } else if (key->kind == KEY_YES) {
             printf("    cfg->%s%s = %s;\n", to, member, *(const bool *)from ? "true" : "false");
         } else {
-            printf("    cfg->%s%s = %luu;\n", to, member,
-                   (unsigned long)*(const uint32_t *)from);
+            printf("    cfg->%s%s = %luu;\n", to, member, (unsigned long)*(const uint32_t *)from);
         }
     }
 }
 
-static void print_begin(const vehicle_t *v, const char *path)
+static void print_begin(const vehicle_t *v)
 {
-    printf("/*\n * %s for firmware, from %s by `auvid check --header` of version %s.\n"
+    printf("/*\n * %s for firmware, by `auvid check --header` of version %s.\n"
            " * Change the vehicle file and write this again.\n",
-           v->title, strrchr(path, '/') != NULL ? strrchr(path, '/') + 1 : path,
-           AUVID_VERSION_STRING);
+           v->title, AUVID_VERSION_STRING);
     printf(" *\n *     static %s_storage_t storage;\n", v->word);
     printf(" *     %s_identifier(&storage, &identifier);   auvid_identifier_init\n", v->word);
     printf(" *     %s_allocation(&thrusters);              auvid_allocation_init\n", v->word);
@@ -73,8 +71,9 @@ static void print_begin(const vehicle_t *v, const char *path)
            v->word);
     printf(" */\n#ifndef VEHICLE_%s_H\n#define VEHICLE_%s_H\n\n#include \"auvid/auvid.h\"\n\n",
            v->word, v->word);
-    int least = v->kind == VEHICLE_GIRONA500 ? 13 : v->kind == VEHICLE_FOSSEN ? 22
-                                                                              : v->model->parameters;
+    int least = v->kind == VEHICLE_GIRONA500 ? 13
+                : v->kind == VEHICLE_FOSSEN  ? 22
+                                             : v->model->parameters;
     printf("#if AUVID_MAX_PARAMETERS < %d || AUVID_MAX_THRUSTERS < %d\n", least,
            v->allocation->thrusters);
     printf("#error \"%s: build with AUVID_MAX_PARAMETERS %d and AUVID_MAX_THRUSTERS %d or more\"\n"
@@ -211,9 +210,9 @@ static void print_actuation(const vehicle_t *v)
     printf("    return status;\n}\n\n#endif\n");
 }
 
-void vehicle_header(const vehicle_t *v, const char *path)
+void vehicle_header(const vehicle_t *v)
 {
-    print_begin(v, path);
+    print_begin(v);
     if (v->kind == VEHICLE_TERMS) {
         print_table(v);
     }

@@ -41,18 +41,14 @@ const char *const vehicle_dofs[AUVID_DOF_COUNT + 1] = {"surge", "sway", "heave",
                                                        "pitch", "yaw",  NULL};
 static const char *const models[] = {"girona500", "fossen", "terms", NULL};
 static const char *const maps[] = {"newton", "linear", "signed-square", "rpm", "table", NULL};
-static const char *const limits[] = {"depth_min", "depth_max", "altitude", "roll",
-                                     "pitch",     "speed",     "yaw_rate", "distance",
+static const char *const limits[] = {"depth_min", "depth_max",  "altitude", "roll",
+                                     "pitch",     "speed",      "yaw_rate", "distance",
                                      "run_time",  "saturation", NULL};
 
 static const vehicle_key_t of_vehicle[] = {
     {.key = "name", .kind = KEY_WORD, .offset = AT(word), .required = true},
     {.key = "title", .kind = KEY_TITLE, .offset = AT(title), .required = true},
-    {.key = "model",
-     .kind = KEY_CHOICE,
-     .offset = AT(kind),
-     .words = models,
-     .required = true},
+    {.key = "model", .kind = KEY_CHOICE, .offset = AT(kind), .words = models, .required = true},
     {.key = "fast", .kind = KEY_YES, .offset = AT(fast)},
     {.key = "dry_mass_kg",
      .kind = KEY_REAL,
@@ -61,12 +57,11 @@ static const vehicle_key_t of_vehicle[] = {
      .high = LARGE}};
 
 #define T(member) offsetof(vehicle_thruster_t, member)
-static const vehicle_key_t of_thruster[] = {
-    MUST_NUMBERS("position_m", T(position_m), 3, -100, 100),
-    MUST_NUMBERS("direction", T(direction), 3, -1000, 1000),
-    MUST_NUMBER("forward_N", T(forward_N), 1e-3, LARGE),
-    MUST_NUMBER("backward_N", T(backward_N), 1e-3, LARGE),
-    {.key = "group", .kind = KEY_WORD, .offset = T(group)}};
+static const vehicle_key_t of_thruster[] = {MUST_NUMBERS("position_m", T(position_m), 3, -100, 100),
+                                            MUST_NUMBERS("direction", T(direction), 3, -1000, 1000),
+                                            MUST_NUMBER("forward_N", T(forward_N), 1e-3, LARGE),
+                                            MUST_NUMBER("backward_N", T(backward_N), 1e-3, LARGE),
+                                            {.key = "group", .kind = KEY_WORD, .offset = T(group)}};
 
 #define G(member) offsetof(thrust_map_t, member)
 static const vehicle_key_t of_group[] = {
@@ -107,45 +102,37 @@ static const vehicle_key_t of_allocation[] = {
         .key = name, .kind = KEY_REAL, .offset = AT(amplitude[dof]), .low = 0, .high = LARGE       \
     }
 static const vehicle_key_t of_excitation[] = {
-    AMPLITUDE("surge_N", AUVID_SURGE), AMPLITUDE("sway_N", AUVID_SWAY),
-    AMPLITUDE("heave_N", AUVID_HEAVE), AMPLITUDE("roll_Nm", AUVID_ROLL),
+    AMPLITUDE("surge_N", AUVID_SURGE),  AMPLITUDE("sway_N", AUVID_SWAY),
+    AMPLITUDE("heave_N", AUVID_HEAVE),  AMPLITUDE("roll_Nm", AUVID_ROLL),
     AMPLITUDE("pitch_Nm", AUVID_PITCH), AMPLITUDE("yaw_Nm", AUVID_YAW)};
 
 #define LONGEST_US 4e9
-static const vehicle_key_t of_guard[] = {REAL(depth_min_m, guard, 0, 12000),
-                                         REAL(depth_max_m, guard, 0, 12000),
-                                         REAL(altitude_min_m, guard, 0, 1000),
-                                         REAL(roll_max_rad, guard, 0, 4),
-                                         REAL(pitch_max_rad, guard, 0, 1.5),
-                                         REAL(speed_max, guard, 0, 100),
-                                         REAL(yaw_rate_max, guard, 0, 100),
-                                         REAL(distance_max_m, guard, 0, LARGE),
-                                         WHOLE(run_max_s, guard, 1e6),
-                                         WHOLE(imu_stale_us, guard, LONGEST_US),
-                                         WHOLE(velocity_stale_us, guard, LONGEST_US),
-                                         WHOLE(depth_stale_us, guard, LONGEST_US),
-                                         WHOLE(altitude_stale_us, guard, LONGEST_US),
-                                         WHOLE(applied_stale_us, guard, LONGEST_US),
-                                         WHOLE(saturation_us, guard, LONGEST_US),
-                                         WHOLE(max_tick_us, guard, LONGEST_US),
-                                         WHOLE(heartbeat_timeout_us, guard, LONGEST_US),
-                                         REAL(rest_speed, guard, 0, 100),
-                                         REAL(rest_rate, guard, 0, 100),
-                                         WHOLE(rest_dwell_us, guard, LONGEST_US),
-                                         WHOLE(settle_timeout_us, guard, LONGEST_US),
-                                         {.key = "off",
-                                          .kind = KEY_CAUSES,
-                                          .offset = AT(guard.off),
-                                          .words = limits},
-                                         {.key = "altitude_required",
-                                          .kind = KEY_YES,
-                                          .offset = AT(guard.altitude_required)},
-                                         {.key = "surface",
-                                          .kind = KEY_YES,
-                                          .offset = AT(guard.surface)},
-                                         {.key = "water_lock",
-                                          .kind = KEY_YES,
-                                          .offset = AT(guard.water_lock)}};
+static const vehicle_key_t of_guard[] = {
+    REAL(depth_min_m, guard, 0, 12000),
+    REAL(depth_max_m, guard, 0, 12000),
+    REAL(altitude_min_m, guard, 0, 1000),
+    REAL(roll_max_rad, guard, 0, 4),
+    REAL(pitch_max_rad, guard, 0, 1.5),
+    REAL(speed_max, guard, 0, 100),
+    REAL(yaw_rate_max, guard, 0, 100),
+    REAL(distance_max_m, guard, 0, LARGE),
+    WHOLE(run_max_s, guard, 1e6),
+    WHOLE(imu_stale_us, guard, LONGEST_US),
+    WHOLE(velocity_stale_us, guard, LONGEST_US),
+    WHOLE(depth_stale_us, guard, LONGEST_US),
+    WHOLE(altitude_stale_us, guard, LONGEST_US),
+    WHOLE(applied_stale_us, guard, LONGEST_US),
+    WHOLE(saturation_us, guard, LONGEST_US),
+    WHOLE(max_tick_us, guard, LONGEST_US),
+    WHOLE(heartbeat_timeout_us, guard, LONGEST_US),
+    REAL(rest_speed, guard, 0, 100),
+    REAL(rest_rate, guard, 0, 100),
+    WHOLE(rest_dwell_us, guard, LONGEST_US),
+    WHOLE(settle_timeout_us, guard, LONGEST_US),
+    {.key = "off", .kind = KEY_CAUSES, .offset = AT(guard.off), .words = limits},
+    {.key = "altitude_required", .kind = KEY_YES, .offset = AT(guard.altitude_required)},
+    {.key = "surface", .kind = KEY_YES, .offset = AT(guard.surface)},
+    {.key = "water_lock", .kind = KEY_YES, .offset = AT(guard.water_lock)}};
 
 #define MOUNT(name, of, size, by)                                                                  \
     {                                                                                              \
@@ -161,13 +148,20 @@ static const vehicle_key_t of_uncertainty[] = {REAL(thrust_scale, uncertainty, 0
                                                REAL(delay_s, uncertainty, 0, 1)};
 
 static const vehicle_key_t of_uncertain[] = {
-    REAL(backward, uncertain, 0, 1),      REAL(dead_band, uncertain, 0, 1),
-    REAL(curve, uncertain, 0, 1),         REAL(inflow, uncertain, 0, 10),
-    REAL(sag, uncertain, 0, 1),           REAL(gain, uncertain, 0, 1),
-    REAL(lag_s, uncertain, 0, 1),         REAL(delay_s, uncertain, 0, 1),
-    REAL(current, uncertain, 0, 10),      REAL(asymmetry, uncertain, 0, 1),
-    REAL(cross, uncertain, 0, 1),         REAL(force, uncertain, 0, 1),
-    REAL(gravity_m, uncertain, 0, 1),     REAL(nominal_lag_s, uncertain, 0.01, 1),
+    REAL(backward, uncertain, 0, 1),
+    REAL(dead_band, uncertain, 0, 1),
+    REAL(curve, uncertain, 0, 1),
+    REAL(inflow, uncertain, 0, 10),
+    REAL(sag, uncertain, 0, 1),
+    REAL(gain, uncertain, 0, 1),
+    REAL(lag_s, uncertain, 0, 1),
+    REAL(delay_s, uncertain, 0, 1),
+    REAL(current, uncertain, 0, 10),
+    REAL(asymmetry, uncertain, 0, 1),
+    REAL(cross, uncertain, 0, 1),
+    REAL(force, uncertain, 0, 1),
+    REAL(gravity_m, uncertain, 0, 1),
+    REAL(nominal_lag_s, uncertain, 0.01, 1),
     {.key = "fractions", .kind = KEY_YES, .offset = AT(uncertain.fractions)}};
 
 /* Of all models; the tilt where the model has no roll and pitch. */
@@ -185,29 +179,24 @@ static const vehicle_key_t of_truth[] = {
 
 #define P(index) AT(sim.parameter[index])
 static const vehicle_key_t of_truth_girona500[] = {
-    MUST_NUMBER("m_u", P(SIM_M_U), POSITIVE, 1e8),  MUST_NUMBER("m_v", P(SIM_M_V), POSITIVE, 1e8),
-    MUST_NUMBER("m_w", P(SIM_M_W), POSITIVE, 1e8),  MUST_NUMBER("m_r", P(SIM_M_R), POSITIVE, 1e8),
-    MUST_NUMBER("W-B", P(SIM_WB), -LARGE, LARGE),   MUST_NUMBER("X_u", P(SIM_X_U), -LARGE, 0),
-    MUST_NUMBER("X_uu", P(SIM_X_UU), -LARGE, 0),    MUST_NUMBER("Y_v", P(SIM_Y_V), -LARGE, 0),
-    MUST_NUMBER("Y_vv", P(SIM_Y_VV), -LARGE, 0),    MUST_NUMBER("Z_w", P(SIM_Z_W), -LARGE, 0),
-    MUST_NUMBER("Z_ww", P(SIM_Z_WW), -LARGE, 0),    MUST_NUMBER("N_r", P(SIM_N_R), -LARGE, 0),
+    MUST_NUMBER("m_u", P(SIM_M_U), POSITIVE, 1e8), MUST_NUMBER("m_v", P(SIM_M_V), POSITIVE, 1e8),
+    MUST_NUMBER("m_w", P(SIM_M_W), POSITIVE, 1e8), MUST_NUMBER("m_r", P(SIM_M_R), POSITIVE, 1e8),
+    MUST_NUMBER("W-B", P(SIM_WB), -LARGE, LARGE),  MUST_NUMBER("X_u", P(SIM_X_U), -LARGE, 0),
+    MUST_NUMBER("X_uu", P(SIM_X_UU), -LARGE, 0),   MUST_NUMBER("Y_v", P(SIM_Y_V), -LARGE, 0),
+    MUST_NUMBER("Y_vv", P(SIM_Y_VV), -LARGE, 0),   MUST_NUMBER("Z_w", P(SIM_Z_W), -LARGE, 0),
+    MUST_NUMBER("Z_ww", P(SIM_Z_WW), -LARGE, 0),   MUST_NUMBER("N_r", P(SIM_N_R), -LARGE, 0),
     MUST_NUMBER("N_rr", P(SIM_N_RR), -LARGE, 0)};
 
 #define F(member) AT(sim.fossen.member)
 static const vehicle_key_t of_truth_fossen[] = {
     MUST_NUMBER("mass_kg", F(mass_kg), POSITIVE, 1e8),
     MUST_NUMBERS("inertia", F(inertia), 3, POSITIVE, 1e8),
-    MUST_NUMBER("weight_N", F(weight_N), 0, 1e9),
-    MUST_NUMBER("buoyancy_N", F(buoyancy_N), 0, 1e9),
-    NUMBERS("r_g", F(r_g), 3, -100, 100),
-    NUMBERS("r_b", F(r_b), 3, -100, 100),
+    MUST_NUMBER("weight_N", F(weight_N), 0, 1e9), MUST_NUMBER("buoyancy_N", F(buoyancy_N), 0, 1e9),
+    NUMBERS("r_g", F(r_g), 3, -100, 100), NUMBERS("r_b", F(r_b), 3, -100, 100),
     /* the diagonal, which the reader spreads, and what is below it */
-    MUST_NUMBERS("added", F(added), 6, 0, 1e8),
-    NUMBER("added_uq", F(added[4][0]), -1e8, 1e8),
-    NUMBER("added_vp", F(added[3][1]), -1e8, 1e8),
-    NUMBER("added_vr", F(added[5][1]), -1e8, 1e8),
-    NUMBER("added_wq", F(added[4][2]), -1e8, 1e8),
-    MUST_NUMBERS("linear", F(linear), 6, 0, LARGE),
+    MUST_NUMBERS("added", F(added), 6, 0, 1e8), NUMBER("added_uq", F(added[4][0]), -1e8, 1e8),
+    NUMBER("added_vp", F(added[3][1]), -1e8, 1e8), NUMBER("added_vr", F(added[5][1]), -1e8, 1e8),
+    NUMBER("added_wq", F(added[4][2]), -1e8, 1e8), MUST_NUMBERS("linear", F(linear), 6, 0, LARGE),
     MUST_NUMBERS("quadratic", F(quadratic), 6, 0, LARGE)};
 
 #define TABLE(section, keys)                                                                       \
@@ -295,7 +284,8 @@ static bool take_numbers(ini_t *ini, const ini_entry_t *e, const vehicle_key_t *
 static bool take_name(ini_t *ini, const ini_entry_t *e, char *to)
 {
     size_t good = strspn(e->value, "abcdefghijklmnopqrstuvwxyz0123456789_");
-    if (e->value[good] != '\0' || good >= VEHICLE_WORD || (e->value[0] >= '0' && e->value[0] <= '9')) {
+    if (e->value[good] != '\0' || good >= VEHICLE_WORD ||
+        (e->value[0] >= '0' && e->value[0] <= '9')) {
         return ini_refuse(ini, e->line, e->value_column,
                           "%s: '%s' is not a name of up to %d lower-case letters, digits and _ "
                           "that begins with a letter",
@@ -308,9 +298,9 @@ static bool take_name(ini_t *ini, const ini_entry_t *e, char *to)
 static bool take_title(ini_t *ini, const ini_entry_t *e, char *to)
 {
     size_t length = strlen(e->value);
-    if (length >= VEHICLE_TITLE || strpbrk(e->value, "\"\\") != NULL) {
+    if (length >= VEHICLE_TITLE || strpbrk(e->value, "\"\\*?") != NULL) { /* it is in C, too */
         return ini_refuse(ini, e->line, e->value_column,
-                          "%s: at most %d characters, no quotation mark and no backslash", e->key,
+                          "%s: at most %d characters, none of them \" \\ * or ?", e->key,
                           VEHICLE_TITLE - 1);
     }
     memcpy(to, e->value, length + 1);
@@ -384,8 +374,8 @@ bool vehicle_keys_read(ini_t *ini, const char *section, const vehicle_keys_t *ke
                 return false;
             }
         } else if (key->required) {
-            return ini_refuse(ini, head != NULL ? head->line : 1, 1,
-                              "[%s] has no key '%s': add it", section, key->key);
+            return ini_refuse(ini, head != NULL ? head->line : 1, 1, "[%s] has no key '%s': add it",
+                              section, key->key);
         }
     }
     return true;
@@ -409,4 +399,11 @@ bool vehicle_keys_unknown(ini_t *ini, const char *section, const vehicle_keys_t 
                           e->key, section, other, list);
     }
     return true;
+}
+
+bool vehicle_keys_section(ini_t *ini, const char *section, vehicle_section_t keys, void *to)
+{
+    const vehicle_keys_t *table = &vehicle_keys[keys];
+    return vehicle_keys_read(ini, section, table, to) &&
+           vehicle_keys_unknown(ini, section, &table, 1, "");
 }

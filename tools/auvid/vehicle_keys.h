@@ -74,4 +74,8 @@ bool vehicle_keys_read(ini_t *ini, const char *section, const vehicle_keys_t *ke
 bool vehicle_keys_unknown(ini_t *ini, const char *section, const vehicle_keys_t *const *table,
                           int tables, const char *other);
 
+/** Reads a section by its table, and refuses keys that are not in it. @return false after a message
+ */
+bool vehicle_keys_section(ini_t *ini, const char *section, vehicle_section_t keys, void *to);
+
 #endif

@@ -16,7 +16,7 @@ void vehicle_json(const vehicle_t *vehicle, const char *path);
 
 /** Prints C for firmware: functions that write the configurations of allocation, identifier,
  * uncertain inputs and actuation, with the bits that this program uses. */
-void vehicle_header(const vehicle_t *vehicle, const char *path);
+void vehicle_header(const vehicle_t *vehicle);
 
 /** Prints thrusters, allocation, what is missing and what is assumed.
  * @return 0; EXIT_REFUSED after a message */

@@ -155,10 +155,11 @@ static void print_best(const result_t *r, double thrust_scale)
     const struct {
         const char *text;
         double factor[3];
-    } all[] = {{"a known force, e.g. a weight in water, that gives the thrust scale to 2 %",
-                {1.0, gain, 1.0}},
-               {"a measured mile that halves the error of the DVL scale", {1.0, 1.0, 0.25}},
-               {"twice as many sets", {0.5, 1.0, 1.0}}};
+    } all[] = {
+        {"a known force, e.g. a weight in water, that gives the thrust scale to 2 %",
+         {1.0, gain, 1.0}},
+        {"a run over a known distance that halves the error of the DVL scale", {1.0, 1.0, 0.25}},
+        {"twice as many sets", {0.5, 1.0, 1.0}}};
     int best = -1, shown = -1;
     double best_gain = 0.0, worst = 0.0;
     for (int k = 0; k < 3; ++k) {

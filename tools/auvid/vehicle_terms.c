@@ -11,10 +11,9 @@
 const char *const vehicle_kinds[] = {"other",          "mass",  "inertia", "linear_drag",
                                      "quadratic_drag", "force", NULL};
 const char *const vehicle_factors[] = {
-    "1",       "u",         "v",         "w",       "p",       "q", "r",
-    "|u|",     "|v|",       "|w|",       "|p|",     "|q|",     "|r|",
-    "u_dot",   "v_dot",     "w_dot",     "p_dot",   "q_dot",   "r_dot",
-    "sin_phi", "cos_phi",   "sin_theta", "cos_theta", "sin_psi", "cos_psi", "t", NULL};
+    "1",     "u",       "v",       "w",         "p",         "q",       "r",       "|u|",   "|v|",
+    "|w|",   "|p|",     "|q|",     "|r|",       "u_dot",     "v_dot",   "w_dot",   "p_dot", "q_dot",
+    "r_dot", "sin_phi", "cos_phi", "sin_theta", "cos_theta", "sin_psi", "cos_psi", "t",     NULL};
 
 /* A place within a value. */
 typedef struct {

@@ -101,8 +101,7 @@ static void of_imu(const double mount[3], moment_t *at)
     to_instrument(mount, at->nu + 3);
 }
 
-static void imu(const sim_config_t *c, const moment_t *body, sim_rng_t *noise,
-                sim_measurement_t *m)
+static void imu(const sim_config_t *c, const moment_t *body, sim_rng_t *noise, sim_measurement_t *m)
 {
     moment_t own = *body, *at = &own;
     of_imu(c->imu_euler, &own);

@@ -254,7 +254,8 @@ static bool thrusters_are_good(const sim_config_t *c)
             return false;
         }
     }
-    return all_finite(&c->thruster_limit_N[0][0], 2 * SIM_THRUSTERS) && c->thrusters >= 0 && c->thrusters <= SIM_THRUSTERS &&
+    return all_finite(&c->thruster_limit_N[0][0], 2 * SIM_THRUSTERS) && c->thrusters >= 0 &&
+           c->thrusters <= SIM_THRUSTERS &&
            all_finite(&c->thruster_matrix[0][0], 6 * SIM_THRUSTERS) &&
            (!hold || add_thrust(c, none, force));
 }
