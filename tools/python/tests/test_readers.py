@@ -174,7 +174,7 @@ def test_series_in_files_give_the_same_csv(short, tmp_path, convert, monkeypatch
 
 @pytest.mark.skipif(not LONG, reason="AUVID_TEST_LONG=1 runs it")
 def test_memory_does_not_grow_with_the_log(tmp_path):
-    """A log of 2 GB: the libraries need 75 MB, and the series of 14 hours do not add to it."""
+    """A log of 2 GB: the libraries need 75 MB, and the series of half a day do not add to it."""
     seconds = big_log(tmp_path / "dive.BIN", 2 << 30)
     code = "import resource, sys; from auvid import cli; cli.main(sys.argv[1:]); " \
            "print(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss)"
