@@ -244,7 +244,7 @@ fuzz: ## Fuzz CAN receivers and vehicle files for FUZZ_SECONDS (60)
 	@CFLAGS='$(FLAGS)' tests/fuzz/fuzz.sh $(FUZZ_SECONDS) $(FUZZ)
 
 setup: ## Install what the tests need (apt-get, pip); fetch Unity and a kernel with CAN
-	@tests/support/setup.sh test can firmware validate
+	@tests/support/setup.sh test can firmware validate python
 	@tests/support/setup.sh vcan || echo "tests on real CAN will be skipped"
 
 firmware-setup: | $(SETUP) ## Install the cross compilers and QEMU

@@ -3,13 +3,14 @@
 # missing.
 #
 # usage: tests/support/setup.sh [test] [lint] [can] [fuzz] [vcan] [firmware] [validate] [eigen]
-#        [mutate] [browser]
+#        [mutate] [browser] [python]
 #   test: g++, Eigen (EIGEN_DIR), cmocka, cmake, pkg-config, gcc-arm-none-eabi, Unity (UNITY_DIR,
 #         else fetched into third_party/unity)
 #   lint: clang, clang-tidy, cppcheck, binutils, python3
 #   can:  python3 with the packages of tests/can/requirements.txt, in third_party/venv
 #   validate: python3 with tools/python_validation and its packages, in third_party/validation
 #   browser: Chromium and a font, which show the page of `auvid fit --report`
+#   python: python3 with tools/python and its packages, in third_party/python
 #   mutate: python3 with the packages of tests/mutation/requirements.txt, in third_party/mutation
 #   fuzz: clang with libFuzzer
 #   vcan: can-utils and, unless this machine's kernel has vcan, QEMU and a kernel in third_party/vm
@@ -92,7 +93,7 @@ look() {
             done
             command -v objdump >/dev/null || missing+=(binutils)
             ;;
-        can | validate | mutate)
+        can | validate | mutate | python)
             python3 -c 'import ensurepip, venv' 2>/dev/null || missing+=(python3-venv)
             ;;
         firmware)
@@ -172,7 +173,7 @@ python_environment() {
     ! cmp -s "$requirements" "$folder/installed.txt" || return 0
     echo "setup: making $folder ($(grep -v '^#' "$requirements" | tr '\n' ' '))"
     rm -rf "$folder"
-    local pip=("$folder/bin/pip" install -q --disable-pip-version-check)
+    local pip=("$folder/bin/pip" install -q --no-compile --disable-pip-version-check)
     python3 -m venv "$folder" && "${pip[@]}" -r "$requirements" &&
         { [ $# = 0 ] || "${pip[@]}" "$@"; } || die "could not install $requirements with pip"
     cp "$requirements" "$folder/installed.txt"
@@ -194,6 +195,10 @@ fi
 if [[ " $* " == *" validate "* ]]; then
     python_environment third_party/validation tools/python_validation/requirements.txt \
         --no-build-isolation --no-deps -e tools/python_validation
+fi
+if [[ " $* " == *" python "* ]]; then
+    python_environment third_party/python tools/python/requirements.txt \
+        --no-build-isolation --no-deps -e tools/python
 fi
 if [[ " $* " == *" mutate "* ]]; then
     python_environment third_party/mutation tests/mutation/requirements.txt

@@ -1,0 +1,166 @@
+"""--map columns.ini: which column or field of a log is which column of the CSV.
+
+    [t_s]              ; only for a .csv: without it the column t_s
+    from = time_us
+    unit = us
+
+    [v_mps]
+    from = /dvl/data velocity.y     ; topic and field of a bag; in a .csv, the name of a column
+    unit = mm/s
+    sign = -1
+    frame = enu                     ; forward, left, up and ENU (REP 103); default ned
+"""
+import configparser
+import csv
+import math
+from typing import NamedTuple
+
+from auvid.log_error import LogError, UsageError
+from auvid.series import ATTITUDE, COMMANDS, FORCE, POSITION, QUATERNION, RATES, VELOCITY, \
+    WRENCH, Recording
+from auvid.streams import INPUT
+
+UNITS = {"": 1, "1": 1, "%": 0.01, "s": 1, "ms": 1e-3, "us": 1e-6, "ns": 1e-9, "m": 1, "cm": 0.01,
+         "mm": 1e-3, "m/s": 1, "cm/s": 0.01, "mm/s": 1e-3, "kn": 1852 / 3600, "rad": 1,
+         "deg": math.pi / 180, "rad/s": 1, "deg/s": math.pi / 180, "N": 1, "kN": 1e3, "Nm": 1,
+         "V": 1, "m/s2": 1, "g": 9.80665, "mV": 1e-3, "rpm": 1}
+GROUPS = {"dvl": VELOCITY, "attitude": ATTITUDE, "quaternion": QUATERNION, "rates": RATES,
+          "position": POSITION, "specific_force": FORCE}
+KNOWN = {"t_s", *(c for group in GROUPS.values() for c in group), *WRENCH, *COMMANDS, "voltage_V"}
+#: Columns that change their sign between forward, left, up and forward, right, down.
+TURNED = {"v_mps", "w_mps", "q_radps", "r_radps", "theta_rad", "depth_m", "fy_mps2",
+          "fz_mps2", "Y_N", "Z_N", "M_Nm", "N_Nm",
+          "cmd_sway", "cmd_heave", "cmd_pitch", "cmd_yaw"}
+
+
+class Entry(NamedTuple):
+    """A column is factor * source + offset."""
+    source: str
+    factor: float
+    offset: float
+
+
+def _entry(path, column, section):
+    unknown = set(section) - {"from", "unit", "sign", "frame"}
+    if unknown:
+        raise UsageError(f"{path}: [{column}]: unknown key {sorted(unknown)[0]}; the keys are "
+                         "from, unit, sign, frame")
+    if "from" not in section:
+        raise UsageError(f"{path}: [{column}]: no key from: name the source of the column")
+    unit, sign = section.get("unit", ""), section.get("sign", "1")
+    frame = section.get("frame", "ned")
+    for key, value, allowed in (("unit", unit, UNITS), ("sign", sign, ("1", "+1", "-1")),
+                                ("frame", frame, ("ned", "enu"))):
+        if value not in allowed:
+            raise UsageError(f"{path}: [{column}]: {key} = {value}: use one of "
+                             f"{', '.join(filter(None, allowed))}")
+    if frame == "enu" and column in QUATERNION:
+        raise UsageError(f"{path}: [{column}]: a quaternion is read in NED and FRD: give angles")
+    factor = UNITS[unit] * int(sign)
+    if frame == "enu" and column == "psi_rad":
+        return Entry(section["from"], -factor, math.pi / 2)
+    return Entry(section["from"], -factor if frame == "enu" and column in TURNED else factor, 0.0)
+
+
+def load(path):
+    """-> {column: Entry}"""
+    parser = configparser.ConfigParser(inline_comment_prefixes=(";", "#"), interpolation=None)
+    parser.optionxform = str
+    try:
+        with open(path, encoding="utf-8") as file:
+            parser.read_file(file)
+    except (OSError, UnicodeDecodeError) as error:
+        raise UsageError(f"{path}: cannot be read: {getattr(error, 'strerror', error)}") from error
+    except configparser.Error as error:
+        raise UsageError(f"{path}: {str(error).splitlines()[0]}") from error
+    for column in parser.sections():
+        if column not in KNOWN and not INPUT.match(column):
+            raise UsageError(f"{path}: [{column}] is no column of auvid; they are "
+                             f"{', '.join(sorted(KNOWN))}, thruster_1 .., rpm_1 ..")
+    if not parser.sections():
+        raise UsageError(f"{path}: no section: write one for each column, as [u_mps]")
+    return {column: _entry(path, column, parser[column]) for column in parser.sections()}
+
+
+def grouped(entries):
+    """-> [(name of the series, columns)]: vectors together, everything else by itself."""
+    out = [(name, [c for c in columns if c in entries]) for name, columns in GROUPS.items()]
+    single = [c for c in entries if c != "t_s" and not any(c in g for g in GROUPS.values())]
+    return [(name, columns) for name, columns in out if columns] + [(c, [c]) for c in single]
+
+
+def _number(path, line, name, text):
+    try:
+        return float(text)
+    except ValueError:
+        raise LogError(f"line {line}: {name}: '{text[:24]}' is not a number") from None
+
+
+def read_csv(path, options):
+    """A .csv by its map. An empty cell means: no new sample. -> Recording"""
+    recording, entries = Recording(path, "CSV"), options.map
+    recording.remedies.update(rate="record them at 10 Hz or more")
+    entries.setdefault("t_s", Entry("t_s", 1.0, 0.0))
+    with path.open(encoding="utf-8-sig", newline="") as file:
+        rows = csv.DictReader(file, skipinitialspace=True)
+        header = [name.strip() for name in rows.fieldnames or []]
+        rows.fieldnames = header
+        for column, entry in entries.items():
+            if entry.source not in header:
+                raise LogError(f"no column {entry.source} (for {column}) in the header; its "
+                               f"columns are {', '.join(header)[:300]}")
+
+        def value(row, column):
+            entry = entries[column]
+            return entry.factor * _number(path, rows.line_num, entry.source, row[entry.source]) + \
+                entry.offset
+        groups = grouped(entries)
+        for row in rows:
+            if None in row.values() or None in row:
+                raise LogError(f"line {rows.line_num}: the row does not have {len(header)} "
+                               "columns; the file may be cut off")
+            t = value(row, "t_s")
+            for name, columns in groups:
+                if all(row[entries[c].source].strip() for c in columns):
+                    recording.add(name, t, [value(row, c) for c in columns],
+                                  ", ".join(entries[c].source for c in columns), columns)
+    return recording
+
+
+class Fields:
+    """Fields of the messages of a bag."""
+
+    def __init__(self, entries):
+        self.by_topic = {}
+        for name, columns in grouped(entries):
+            sources = [entries[c].source.split() for c in columns]
+            if any(len(source) != 2 for source in sources):
+                raise UsageError(f"--map: [{columns[0]}]: from needs a topic and a field, as "
+                                 "from = /dvl/data velocity.x")
+            if len({topic for topic, _ in sources}) > 1:
+                raise UsageError(f"--map: {', '.join(columns)} must come from one topic")
+            fields = [(field.split("."), entries[c]) for (_, field), c in zip(sources, columns)]
+            self.by_topic.setdefault(sources[0][0], []).append((name, columns, fields))
+
+    def take(self, recording, t, sample, message):
+        """Adds the fields of a message, apart from the series that the bag has by itself."""
+        for name, columns, fields in self.by_topic[sample.topic]:
+            values = [entry.factor * _field(message, path, sample.topic) + entry.offset
+                      for path, entry in fields]
+            recording.add("map " + name, t, values, sample.topic, columns)
+
+    @staticmethod
+    def replace(recording):
+        """Puts the mapped series in the places of the others."""
+        for name in [name for name in recording.series if name.startswith("map ")]:
+            recording.series[name[4:]] = recording.series.pop(name)
+
+
+def _field(message, path, topic):
+    for part in path:
+        name, _, index = part.partition("[")
+        found = message.get(name) if isinstance(message, dict) else getattr(message, name, None)
+        if found is None:
+            raise LogError(f"{topic} has no field {'.'.join(path)}")
+        message = found[int(index.rstrip("]"))] if index else found
+    return float(message)
