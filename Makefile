@@ -40,7 +40,8 @@ RECORDED = $(foreach test,$(UNIT:tests/%.c=release/tests/%) $(VEHICLES:tests/%.c
 # What of the program tests run as well: the demo's world.
 WORLD := $(addprefix tools/auvid/,world.c frames.c vehicles.c vehicles_ready.c vehicle_file.c \
     vehicle_thrusters.c vehicle_keys.c vehicle_terms.c thrust_map.c ini.c field_run.c \
-    field_table.c statistics.c report.c report_error.c) $(MEMORY)
+    field_table.c statistics.c report.c report_error.c csv.c csv_header.c csv_lines.c columns.c) $(MEMORY) \
+    $(filter-out %/doctor_report.c,$(wildcard tools/auvid/doctor*.c))
 SUPPORT := $(wildcard tests/support/*.c)
 UNIT := $(wildcard tests/unit/*/test_*.c)
 REFERENCE := $(wildcard tests/reference/test_*.cpp)
@@ -116,7 +117,8 @@ objects = $(patsubst %.c,build/$(1)/%.o,$(2))
 TESTED = $(call objects,$(1),$(LIB) $(SIMULATOR) $(WORLD) $(SUPPORT)) build/$(1)/unity.o
 # Under the sanitizers these take a minute, and others run the same code: the long form only.
 SLOW_SANITIZED := $(addprefix build/sanitized/tests/unit/identifier/,\
-    test_adaptive test_uncertain test_uncertain_causes test_width)
+    test_adaptive test_uncertain test_uncertain_causes test_width) \
+    $(addprefix build/sanitized/tests/unit/tools/,test_doctor test_doctor_campaign)
 TEST_PROGRAMS := $(filter-out $(SLOW_SANITIZED),$(foreach way,release sanitized double,\
         $(UNIT:tests/unit/%.c=build/$(way)/tests/unit/%))) \
     $(REFERENCE:%.cpp=build/release/%) \

@@ -129,7 +129,7 @@ terms 's/^Y_v = -30/Y_x = -30/'
 bad "a parameter without its truth" "[0-9]+:1: \[truth\] has no key 'Y_v'"
 check "no such file" refuses 'none.ini: No such file' check none.ini
 check "a directory" refuses '\./: Is a directory' demo --vehicle ./
-check "what is no vehicle" refuses "'x.csv' is no vehicle file" check x.csv
+check "no such log" refuses 'x.csv: No such file' check x.csv
 check "--json with --header" refuses 'cannot be combined' check minnow.ini --json --header
 
 # ---- the vehicle of the guide ----

@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "commands.h"
+#include "doctor_report.h"
 #include "report_error.h"
 #include "vehicle_output.h"
 #include "vehicles.h"
@@ -40,6 +41,9 @@ int check(const options_t *options)
     if (ends_in(file, ".ini") || vehicle_named(file) != NULL) {
         return check_vehicle(file, options);
     }
-    return report_error("check: '%s' is no vehicle file (FILE.ini), and not one of %s", file,
-                        vehicle_words());
+    if (options->header) {
+        return report_error("check: --header needs a vehicle file (FILE.ini), or one of %s",
+                            vehicle_words());
+    }
+    return doctor_check(file, options);
 }

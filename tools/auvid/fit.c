@@ -8,6 +8,7 @@
 #include <string.h>
 
 #include "commands.h"
+#include "doctor_report.h"
 #include "fit.h"
 #include "heldout.h"
 #include "html.h"
@@ -161,7 +162,11 @@ static int run(job_t *job)
     if (fit_choose_free(job) != 0) {
         return EXIT_REFUSED;
     }
-    const fitted_t *fitted = fit_read_logs(job) == 0 ? fit_choose_model(job) : NULL;
+    int refused = fit_read_logs(job);
+    for (int i = 0; i < options->trains && refused == 0; ++i) {
+        refused = doctor_warn(options->train[i]);
+    }
+    const fitted_t *fitted = refused == 0 ? fit_choose_model(job) : NULL;
     if (fitted == NULL) {
         return EXIT_LOG_REFUSED;
     }

@@ -20,6 +20,7 @@ static const struct {
 } command_help[] = {
     {"demo", "[options]             identify a simulated vehicle and check the result"},
     {"fit", "TRAIN.csv .. [options] identify a vehicle from recorded logs"},
+    {"check", "LOG.csv [--json]     find slips in a log before a vehicle is identified from it"},
     {"check", "FILE.ini [options]   what a vehicle file says, and what it lacks"},
 #ifdef __linux__
     {"node", "--bus IF [options]    identify a vehicle on a CAN bus"},
@@ -111,8 +112,12 @@ static const char fit_help[] =
 
 static const char check_help[] =
     "options of check\n"
-    "  --json             print what was read as one JSON object\n"
+    "  --json             print findings, or what was read, as one JSON object\n"
     "  --header           print C for firmware: the configuration of this vehicle\n"
+    "  check LOG.csv compares, over the whole log and over parts of it, attitude with rates, depth and\n"
+    "  position with velocity, acceleration with inputs; then it looks at columns and times.\n"
+    "exit status of check: 0 usable; 1 a log is not usable, for the errors listed; 2 bad usage or\n"
+    "file\n"
     "\n";
 
 #ifdef __linux__
@@ -175,8 +180,8 @@ static const struct {
                {"node", node_help},         {"vehicle", vehicle_help},
                {"replay", replay_help},
 #endif
-               {"fit", columns_help},       {"fit", fit_exit_help},
-               {"check", check_help},       {"demo node vehicle replay check", exit_help}};
+               {"fit check", columns_help}, {"fit", fit_exit_help},
+               {"check", check_help},       {"demo node vehicle replay", exit_help}};
 
 static bool is_command(const char *name)
 {

@@ -590,7 +590,7 @@ int options_check(options_t *options, int count, char **argument)
     int status = read_all(options, count, argument, "check", check_option, &file);
     options->file = file.word[0];
     if (status == 0 && file.count == 0) {
-        return report_error("check: no FILE.ini given");
+        return report_error("check: no LOG.csv or FILE.ini given");
     }
     if (status == 0 && options->json && options->header) {
         return report_error("check: --json and --header cannot be combined");

@@ -1,0 +1,155 @@
+#!/usr/bin/env bash
+# auvid check on a log of the demo and on 26 broken copies of it: the sentence for each, the exit
+# status, and that fit prints the same. AUVID_TEST_LONG: does the verdict agree with what fit makes of
+# a log?
+. "$(dirname "$0")/common.sh"
+
+"$AUVID" demo --json --sets 4 --seed 3 --disturbance 1 --csv whole.csv >/dev/null
+
+python3 - <<'END'
+import csv, math
+rows = list(csv.reader(open("whole.csv")))
+h, whole = rows[0], [[float(x) for x in y] for y in rows[1:]][::5]
+C = {n: i for i, n in enumerate(h)}
+
+def write(name, rows, head=None):
+    with open(name + ".csv", "w") as out:
+        out.write(",".join(head or h) + "\n")
+        out.writelines(",".join("" if x is None else "%.9g" % x for x in y) + "\n" for y in rows)
+
+def change(name, each):
+    rows = [list(y) for y in whole]
+    for k, y in enumerate(rows):
+        each(k, y)
+    write(name, rows)
+
+def scale(factor, *names):
+    def each(k, y):
+        for n in names:
+            y[C[n]] *= factor
+    return each
+
+def swap(a, b):
+    def each(k, y):
+        y[C[a]], y[C[b]] = y[C[b]], y[C[a]]
+    return each
+
+def late(by, *names):
+    def each(k, y):
+        for n in names:
+            y[C[n]] = whole[max(k - by, 0)][C[n]]
+    return each
+
+def part(each):
+    return lambda k, y: each(k, y) if k >= 2 * len(whole) // 3 else None
+
+ATTITUDE, RATES, V = h[1:4], h[7:10], h[4:7]
+write("clean", whole)
+change("heading_degrees", scale(180 / math.pi, "psi_rad"))
+change("rates_degrees", scale(180 / math.pi, *RATES))
+change("rates_degrees_part", part(scale(180 / math.pi, *RATES)))
+change("heading_reversed", scale(-1, "psi_rad"))
+change("yaw_rate_reversed", scale(-1, "r_radps"))
+change("moment_reversed", scale(-1, "N_Nm"))
+change("sway_reversed", scale(-1, "v_mps"))
+change("force_reversed", scale(-1, "Y_N"))
+change("heave_reversed", scale(-1, "w_mps"))
+change("forces_exchanged", swap("X_N", "Y_N"))
+change("velocities_exchanged", swap("u_mps", "v_mps"))
+change("rates_exchanged", swap("q_radps", "r_radps"))
+change("attitude_enu", scale(-1, "theta_rad", "psi_rad"))
+change("velocities_flu", scale(-1, "v_mps", "w_mps", "q_radps", "r_radps"))
+change("attitude_late", late(4, *ATTITUDE))
+change("motion_late", late(13, *(ATTITUDE + V + RATES)))
+change("motion_early", late(7, *h[10:16]))
+change("held", lambda k, y: [late(k % 4, n)(k, y) for n in V])
+change("outage", lambda k, y: [late(k - 300, n)(k, y) for n in V] if 300 <= k < 400 else None)
+change("sway_zero", scale(0, "v_mps"))
+change("attitude_zero", scale(0, *ATTITUDE))
+change("coarse", lambda k, y: y.__setitem__(C["u_mps"], round(y[C["u_mps"]] / 0.3) * 0.3))
+write("slow", whole[::12])
+write("short", whole[:80])
+write("gap", whole[:400] + whole[450:])
+write("sag", [y + [16.8 - 4 * k / len(whole)] for k, y in enumerate(whole)], h + ["voltage_V"])
+drop = [i for i, n in enumerate(h) if n != "theta_rad"]
+write("no_pitch", [[y[i] for i in drop] for y in whole], [h[i] for i in drop])
+top = [max(abs(y[i]) for y in whole) or 1 for i in range(16)]
+pwm = {"X_N": "cmd_surge", "Y_N": "cmd_sway", "Z_N": "cmd_heave", "N_Nm": "cmd_yaw"}
+keep = [i for i, n in enumerate(h) if n not in ("K_Nm", "M_Nm")]
+write("pwm", [[round(1500 + 400 * y[i] / top[i]) if h[i] in pwm else y[i] for i in keep]
+              for y in whole], [pwm.get(h[i], h[i]) for i in keep])
+back = [list(y) for y in whole]
+back[700][0] -= 5
+write("time_back", back)
+END
+
+# says STATUS LOG SENTENCE: the status of auvid check, and a line of its output.
+says() {
+    local status=0
+    "$AUVID" check "$2.csv" >said 2>&1 || status=$?
+    cat said
+    [ "$status" = "$1" ] && grep -Eq -- "$3" said
+}
+
+check "a good log is usable" says 0 clean '^usable for identification: surge, sway, heave, yaw$'
+check "  with nothing but notes" test "$(grep -Ec '^  (error|warning)' said || true)" = 0
+while read -r status log sentence; do
+    check "$log" says "$status" "$log" "$sentence"
+done <<'END'
+1 heading_degrees error +psi_rad looks like degrees \(its rate is 57 times r_radps\): convert it to radians
+1 rates_degrees error +r_radps looks like degrees per second \(57 times the rate of psi_rad\): convert it
+1 rates_degrees_part error +r_radps looks like degrees per second .*, from t_s [0-9]+ to [0-9]+: convert it
+1 heading_reversed error +psi_rad has the wrong sign: it changes against r_radps.*: change its sign
+1 yaw_rate_reversed error +r_radps has the wrong sign: it runs against psi_rad and against its input: change its sign
+1 moment_reversed error +N_Nm has the wrong sign: r_radps accelerates against it: change its sign
+1 sway_reversed error +v_mps has the wrong sign: it accelerates against Y_N.*: change its sign
+1 force_reversed error +Y_N has the wrong sign: v_mps accelerates against it: change its sign
+1 heave_reversed error +w_mps accelerates against Z_N: one of them has the wrong sign: change it
+1 forces_exchanged error +u_mps follows Y_N, and v_mps follows X_N: the two inputs are exchanged
+1 velocities_exchanged error +u_mps follows Y_N, and v_mps follows X_N: the two velocities are exchanged
+1 rates_exchanged error +theta_rad changes with r_radps, and psi_rad with q_radps: .* exchanged: exchange the columns
+1 attitude_enu error .* as if the attitude were in ENU and FLU axes: change the signs of theta_rad and psi_rad
+1 velocities_flu error +v_mps, w_mps and r_radps accelerate against their inputs, u_mps with its own, .*: give both in FRD
+0 attitude_late warning +the attitude trails p, q, r by 0\.4[0-9]* s: give each column the time
+1 motion_late error +the velocities follow their inputs by 1\.[2-6] s, more than thrusters need
+1 motion_early error +the velocities change before their inputs by 0\.[5-9] s, which no vehicle does
+0 held warning +the velocity repeats each value for about 0\.40 s, as if held .*: leave its cells empty
+0 outage warning +u_mps, v_mps and w_mps keep their values for up to 9\.9 s .*: leave those rows out
+1 sway_zero error +v_mps is always 0, but Y_N acts: log the measured velocity
+1 attitude_zero error +the attitude never changes, but the rates do: log the measured attitude
+0 coarse warning +u_mps has steps of 0\.3, coarse against its variation .*: log more digits
+1 slow error +the rows are about 1\.[0-9]+ s apart, more than the 0\.5 s that fit bridges: log at 5 Hz
+1 short error +too little motion: .*: excite each axis for a minute or more
+0 gap note +1 gap over 0\.5 s, the longest of 5\.[0-9] s after t_s [0-9.]+: each one ends a record
+0 sag warning +voltage_V falls from 16\.8 to 12\.8: .*: log the thrust computed with the voltage
+0 no_pitch warning +theta_rad is missing and counts as zero: .*: add the column
+1 pwm error +cmd_surge looks like pulse widths in microseconds \(1100 to 1900\): subtract .* divide by 400
+2 time_back time_back.csv:702:[0-9]+: t_s: time goes back
+END
+
+check "as JSON" says 1 heading_degrees .
+"$AUVID" check heading_degrees.csv --json >out.json
+check "  with code, column and verdict" python3 -c '
+import json
+d = json.load(open("out.json"))
+f = d["findings"][0]
+assert not d["usable"] and d["verdict"].startswith("not usable")
+assert (f["severity"], f["code"], f["column"]) == ("error", "angle_degrees", "psi_rad"), f
+assert "degrees" in f["sentence"] and d["usable_motion_s"]["surge"] > 60'
+check "fit prints errors before its result" exits 0 fit moment_reversed.csv --plain
+check "  on stderr" grep -q 'moment_reversed.csv: N_Nm has the wrong sign' err
+check "fit prints nothing of a good log" exits 0 fit clean.csv --plain
+check "  indeed" test ! -s err
+check "no log" refuses 'check: no LOG.csv or FILE.ini given' check
+check "no such log" refuses 'missing.csv: No such file' check missing.csv
+check "unknown option" refuses 'check: unknown option --yes' check clean.csv --yes
+
+tank=$(cd "$ROOT" && realpath -m "${AUVID_TANK_DATA:-../shared/data/bluerov2_tank}")
+for run in a b; do
+    if [ -e "$tank/run_$run.csv" ]; then
+        cp "$tank/run_$run.csv" "tank_$run.csv"
+        check "real run $run is usable, without false error" says 0 "tank_$run" \
+            '^usable for identification: surge, sway, heave$'
+    fi
+done
+finish

@@ -1,0 +1,534 @@
+/* The log doctor on a simulated vehicle without noise: each sentence, and what must not matter.
+ * The statistics of noisy vehicles are in test_doctor_campaign.c. */
+#include "doctor.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "simulator.h"
+#include "unity.h"
+
+#define PI 3.14159265358979323846
+#define STEP_S 0.02
+
+enum { ROWS = 6000 };
+
+static csv_row_t rows[ROWS];
+static bool has[CSV_COLUMNS];
+static doctor_t doctor;
+
+/* Mass, linear and quadratic drag, largest input; righting moment of roll and pitch. */
+static const double mass[6] = {250, 370, 660, 80, 80, 75}, linear[6] = {42, 76, 44, 60, 60, 21},
+                    quadratic[6] = {125, 450, 325, 40, 40, 61},
+                    largest[6] = {100, 100, 100, 20, 20, 40}, righting[6] = {0, 0, 0, 150, 150, 0};
+
+static void advance(double euler[3], double position[3], double nu[6], const double input[6])
+{
+    double r[3][3], dot[6];
+    const double couple[6] = {370 * nu[1] * nu[5], -250 * nu[0] * nu[5], 0, 0, 0,
+                              -120 * nu[0] * nu[1]};
+    for (int j = 0; j < 6; ++j) {
+        double restore = j == 3 || j == 4 ? righting[j] * sin(euler[j - 3]) : 0.0;
+        dot[j] = (input[j] - linear[j] * nu[j] - quadratic[j] * fabs(nu[j]) * nu[j] + couple[j] -
+                  restore) /
+                 mass[j];
+    }
+    sim_rotation(euler, r);
+    for (int i = 0; i < 3; ++i) {
+        position[i] += STEP_S * (r[i][0] * nu[0] + r[i][1] * nu[1] + r[i][2] * nu[2]);
+    }
+    double across = nu[4] * sin(euler[0]) + nu[5] * cos(euler[0]);
+    euler[1] += STEP_S * (nu[4] * cos(euler[0]) - nu[5] * sin(euler[0]));
+    euler[0] += STEP_S * (nu[3] + across * tan(euler[1]));
+    euler[2] += STEP_S * across / cos(euler[1]);
+    for (int j = 0; j < 6; ++j) {
+        nu[j] += STEP_S * dot[j];
+    }
+}
+
+/* Two minutes of random steps in all degrees of freedom. */
+void setUp(void)
+{
+    double euler[3] = {0}, position[3] = {0, 0, 20}, nu[6] = {0}, input[6] = {0};
+    sim_rng_t rng;
+    sim_rng_seed(&rng, 1, 1);
+    memset(rows, 0, sizeof rows);
+    memset(has, 0, sizeof has);
+    for (int c = CSV_T; c < CSV_COMMAND; ++c) {
+        has[c] = true;
+    }
+    for (int i = 0; i < 3; ++i) {
+        has[CSV_POSITION + i] = true;
+    }
+    for (int k = 0; k < ROWS; ++k) {
+        for (int j = 0; j < 6; ++j) {
+            if (k % (60 + 17 * j) == 0) {
+                input[j] = largest[j] * (2.0 * sim_rng_uniform(&rng) - 1.0);
+            }
+        }
+        double *v = rows[k].value;
+        v[CSV_T] = 100.0 + STEP_S * k;
+        memcpy(&v[CSV_ATTITUDE], euler, sizeof euler);
+        v[CSV_ATTITUDE + 2] = remainder(euler[2], 2.0 * PI);
+        memcpy(&v[CSV_NU], nu, sizeof nu);
+        memcpy(&v[CSV_WRENCH], input, sizeof input);
+        memcpy(&v[CSV_POSITION], position, sizeof position);
+        advance(euler, position, nu, input);
+    }
+}
+
+void tearDown(void)
+{
+}
+
+static void examine(void)
+{
+    doctor_init(&doctor, has);
+    for (int k = 0; k < ROWS; ++k) {
+        doctor_feed(&doctor, &rows[k]);
+    }
+    doctor_finish(&doctor);
+}
+
+static void scale(int column, double factor)
+{
+    for (int k = 0; k < ROWS; ++k) {
+        rows[k].value[column] *= factor;
+    }
+}
+
+static void exchange(int a, int b)
+{
+    for (int k = 0; k < ROWS; ++k) {
+        double kept = rows[k].value[a];
+        rows[k].value[a] = rows[k].value[b];
+        rows[k].value[b] = kept;
+    }
+}
+
+/* Values of `cells` rows earlier, in some columns. */
+static void delay(int first, int last, int by)
+{
+    for (int k = ROWS - 1; k > 0; --k) {
+        for (int c = first; c <= last; ++c) {
+            rows[k].value[c] = rows[k > by ? k - by : 0].value[c];
+        }
+    }
+}
+
+static const doctor_finding_t *finding(doctor_code_t code)
+{
+    for (int i = 0; i < doctor.findings; ++i) {
+        if (doctor.finding[i].code == code) {
+            return &doctor.finding[i];
+        }
+    }
+    return NULL;
+}
+
+static int count(doctor_severity_t severity)
+{
+    int n = 0;
+    for (int i = 0; i < doctor.findings; ++i) {
+        n += doctor.finding[i].severity == severity;
+    }
+    return n;
+}
+
+/* The log has this error in this column, and its sentence contains this. */
+static void assert_error(doctor_code_t code, int column, const char *words)
+{
+    const doctor_finding_t *f = finding(code);
+    TEST_ASSERT_NOT_NULL_MESSAGE(f, words);
+    TEST_ASSERT_EQUAL_MESSAGE(DOCTOR_ERROR, f->severity, f->text);
+    TEST_ASSERT_EQUAL_MESSAGE(column, f->column, f->text);
+    TEST_ASSERT_NOT_NULL_MESSAGE(strstr(f->text, words), f->text);
+    TEST_ASSERT_FALSE(doctor.usable);
+    TEST_ASSERT_EQUAL_STRING_LEN("not usable", doctor.verdict, 10);
+}
+
+/* Only this error. */
+static void assert_only(doctor_code_t code, int column, const char *words)
+{
+    examine();
+    assert_error(code, column, words);
+    TEST_ASSERT_EQUAL_MESSAGE(1, count(DOCTOR_ERROR), doctor.finding[1].text);
+}
+
+static void assert_clean(void)
+{
+    examine();
+    TEST_ASSERT_EQUAL_MESSAGE(0, count(DOCTOR_ERROR), doctor.finding[0].text);
+    TEST_ASSERT_EQUAL_MESSAGE(0, count(DOCTOR_WARNING), doctor.finding[0].text);
+    TEST_ASSERT_TRUE(doctor.usable);
+    TEST_ASSERT_EQUAL_STRING_LEN("usable", doctor.verdict, 6);
+}
+
+static void test_a_log_without_slip_is_usable(void)
+{
+    assert_clean();
+    TEST_ASSERT_NOT_NULL(strstr(doctor.verdict, "surge, sway, heave, roll, pitch, yaw"));
+    for (int j = 0; j < 6; ++j) {
+        TEST_ASSERT_DOUBLE_WITHIN(15.0, 110.0, doctor.usable_s[j]);
+    }
+    /* about mass / (linear drag + 2 quadratic drag speed) */
+    TEST_ASSERT_DOUBLE_WITHIN(1.5, 3.0, doctor.time_constant_s[0]);
+}
+
+static void test_one_angle_in_degrees_is_named(void)
+{
+    scale(CSV_ATTITUDE + 2, 180.0 / PI);
+    assert_only(DOCTOR_ANGLE_DEGREES, CSV_ATTITUDE + 2,
+                "psi_rad looks like degrees (its rate is 57 times r_radps): convert it to radians");
+}
+
+static void test_rates_in_degrees_are_named(void)
+{
+    for (int j = 3; j < 6; ++j) {
+        scale(CSV_NU + j, 180.0 / PI);
+    }
+    examine();
+    TEST_ASSERT_TRUE(doctor_has_finding(&doctor, DOCTOR_RATE_DEGREES, CSV_NU + 3));
+    TEST_ASSERT_TRUE(doctor_has_finding(&doctor, DOCTOR_RATE_DEGREES, CSV_NU + 4));
+    TEST_ASSERT_TRUE(doctor_has_finding(&doctor, DOCTOR_RATE_DEGREES, CSV_NU + 5));
+}
+
+static void test_a_reversed_heading_is_told_from_a_reversed_rate(void)
+{
+    scale(CSV_ATTITUDE + 2, -1.0);
+    examine();
+    assert_error(DOCTOR_ANGLE_SIGN, CSV_ATTITUDE + 2, "psi_rad has the wrong sign");
+    TEST_ASSERT_NULL(finding(DOCTOR_RATE_SIGN));
+}
+
+static void test_a_reversed_rate_is_told_from_a_reversed_input(void)
+{
+    scale(CSV_NU + 5, -1.0);
+    examine();
+    assert_error(DOCTOR_RATE_SIGN, CSV_NU + 5, "r_radps has the wrong sign");
+    TEST_ASSERT_NULL(finding(DOCTOR_INPUT_SIGN));
+}
+
+static void test_a_reversed_moment_is_named(void)
+{
+    scale(CSV_WRENCH + 5, -1.0);
+    assert_only(DOCTOR_INPUT_SIGN, CSV_WRENCH + 5, "N_Nm has the wrong sign");
+}
+
+static void test_the_coupling_tells_a_reversed_force_from_a_reversed_velocity(void)
+{
+    has[CSV_POSITION] = has[CSV_POSITION + 1] = false;
+    scale(CSV_WRENCH + 1, -1.0);
+    assert_only(DOCTOR_INPUT_SIGN, CSV_WRENCH + 1, "Y_N has the wrong sign");
+    scale(CSV_WRENCH + 1, -1.0);
+    scale(CSV_NU + 1, -1.0);
+    assert_only(DOCTOR_VELOCITY_SIGN, CSV_NU + 1, "v_mps has the wrong sign");
+}
+
+static void test_depth_tells_a_reversed_heave_velocity(void)
+{
+    scale(CSV_NU + 2, -1.0);
+    assert_only(DOCTOR_VELOCITY_SIGN, CSV_NU + 2, "w_mps has the wrong sign");
+}
+
+static void test_without_depth_the_sentence_names_both(void)
+{
+    has[CSV_POSITION + 2] = false;
+    scale(CSV_NU + 2, -1.0);
+    assert_only(DOCTOR_EITHER_SIGN, CSV_WRENCH + 2, "w_mps accelerates against Z_N");
+}
+
+static void test_height_instead_of_depth_is_a_warning(void)
+{
+    scale(CSV_POSITION + 2, -1.0);
+    examine();
+    TEST_ASSERT_NOT_NULL(finding(DOCTOR_DEPTH_SIGN));
+    TEST_ASSERT_EQUAL(DOCTOR_WARNING, finding(DOCTOR_DEPTH_SIGN)->severity);
+    TEST_ASSERT_EQUAL(0, count(DOCTOR_ERROR));
+    TEST_ASSERT_TRUE(doctor.usable);
+}
+
+static void test_exchanged_rates_are_named(void)
+{
+    exchange(CSV_NU + 3, CSV_NU + 4);
+    examine();
+    assert_error(DOCTOR_RATE_EXCHANGED, CSV_NU + 3, "exchange");
+    TEST_ASSERT_EQUAL(CSV_NU + 4, finding(DOCTOR_RATE_EXCHANGED)->other);
+}
+
+static void test_the_coupling_tells_exchanged_forces_from_exchanged_velocities(void)
+{
+    exchange(CSV_WRENCH, CSV_WRENCH + 1);
+    assert_only(DOCTOR_INPUT_EXCHANGED, CSV_WRENCH, "the two inputs are exchanged");
+    exchange(CSV_WRENCH, CSV_WRENCH + 1);
+    exchange(CSV_NU, CSV_NU + 1);
+    examine();
+    assert_error(DOCTOR_VELOCITY_EXCHANGED, CSV_NU, "the two velocities are exchanged");
+}
+
+static void test_an_attitude_in_other_axes_is_named(void)
+{
+    scale(CSV_ATTITUDE + 1, -1.0);
+    scale(CSV_ATTITUDE + 2, -1.0);
+    examine();
+    assert_error(DOCTOR_FRAME, CSV_ATTITUDE + 2, "change the signs of theta_rad and psi_rad");
+}
+
+static void test_velocities_in_other_axes_are_named(void)
+{
+    static const int reversed[4] = {1, 2, 4, 5};
+    for (int i = 0; i < 4; ++i) {
+        scale(CSV_NU + reversed[i], -1.0);
+    }
+    examine();
+    TEST_ASSERT_TRUE(doctor_has_finding(&doctor, DOCTOR_FRAME, CSV_NU + 1));
+}
+
+static void test_a_late_attitude_is_named_with_its_delay(void)
+{
+    delay(CSV_ATTITUDE, CSV_ATTITUDE + 2, 12);
+    examine();
+    TEST_ASSERT_NOT_NULL(finding(DOCTOR_ATTITUDE_SHIFT));
+    TEST_ASSERT_EQUAL(DOCTOR_WARNING, finding(DOCTOR_ATTITUDE_SHIFT)->severity);
+    TEST_ASSERT_NOT_NULL(strstr(doctor.finding[0].text, "trails p, q, r by 0.2"));
+    TEST_ASSERT_DOUBLE_WITHIN(0.02, 0.24, finding(DOCTOR_ATTITUDE_SHIFT)->value);
+}
+
+static void test_late_motion_is_named_with_its_delay(void)
+{
+    delay(CSV_ATTITUDE, CSV_NU + 5, 60);
+    examine();
+    assert_error(DOCTOR_INPUT_SHIFT, CSV_WRENCH, "follow their inputs by 1.");
+    TEST_ASSERT_DOUBLE_WITHIN(0.2, 1.2, finding(DOCTOR_INPUT_SHIFT)->value);
+}
+
+static void test_early_motion_is_named(void)
+{
+    delay(CSV_WRENCH, CSV_WRENCH + 5, 30);
+    examine();
+    assert_error(DOCTOR_INPUT_SHIFT, CSV_WRENCH, "which no vehicle does");
+    TEST_ASSERT_DOUBLE_WITHIN(0.2, -0.6, finding(DOCTOR_INPUT_SHIFT)->value);
+}
+
+static void test_a_slip_of_a_part_is_told_with_its_time(void)
+{
+    for (int k = 2 * ROWS / 3; k < ROWS; ++k) {
+        rows[k].value[CSV_NU + 5] *= 180.0 / PI;
+    }
+    examine();
+    assert_error(DOCTOR_RATE_DEGREES, CSV_NU + 5, "from t_s 1");
+    TEST_ASSERT_DOUBLE_WITHIN(15.0, 180.0, finding(DOCTOR_RATE_DEGREES)->from_s);
+    TEST_ASSERT_DOUBLE_WITHIN(1.0, 220.0, finding(DOCTOR_RATE_DEGREES)->to_s);
+}
+
+static void test_velocities_may_be_absent_between_samples(void)
+{
+    for (int k = 0; k < ROWS; ++k) {
+        for (int j = 0; j < 3 && k % 10 != 0; ++j) {
+            rows[k].value[CSV_NU + j] = NAN;
+        }
+    }
+    assert_clean();
+}
+
+static void test_held_velocities_are_a_warning(void)
+{
+    for (int k = 0; k < ROWS; ++k) {
+        memcpy(&rows[k].value[CSV_NU], &rows[k - k % 10].value[CSV_NU], 3 * sizeof(double));
+    }
+    examine();
+    TEST_ASSERT_EQUAL(0, count(DOCTOR_ERROR));
+    TEST_ASSERT_NOT_NULL(finding(DOCTOR_HELD));
+    TEST_ASSERT_NOT_NULL(strstr(finding(DOCTOR_HELD)->text, "for about 0.20 s"));
+}
+
+static void test_an_outage_is_told_with_its_length(void)
+{
+    for (int k = 2000; k < 2400; ++k) {
+        memcpy(&rows[k].value[CSV_NU], &rows[2000].value[CSV_NU], 3 * sizeof(double));
+    }
+    examine();
+    TEST_ASSERT_NOT_NULL(finding(DOCTOR_OUTAGE));
+    TEST_ASSERT_DOUBLE_WITHIN(0.1, 8.0, finding(DOCTOR_OUTAGE)->value);
+    TEST_ASSERT_NOT_NULL(strstr(finding(DOCTOR_OUTAGE)->text, "t_s 140.0"));
+}
+
+static void test_a_velocity_that_is_always_zero_is_an_error(void)
+{
+    scale(CSV_NU + 1, 0.0);
+    examine();
+    assert_error(DOCTOR_STUCK, CSV_NU + 1, "v_mps is always 0, but Y_N acts");
+}
+
+static void test_an_attitude_that_never_changes_is_an_error(void)
+{
+    for (int i = 0; i < 3; ++i) {
+        scale(CSV_ATTITUDE + i, 0.0);
+    }
+    examine();
+    assert_error(DOCTOR_STUCK, CSV_ATTITUDE, "the attitude never changes");
+}
+
+static void test_a_missing_column_is_a_warning(void)
+{
+    has[CSV_ATTITUDE + 1] = false;
+    examine();
+    TEST_ASSERT_TRUE(doctor_has_finding(&doctor, DOCTOR_MISSING, CSV_ATTITUDE + 1));
+    TEST_ASSERT_EQUAL(0, count(DOCTOR_ERROR));
+}
+
+static void test_pulse_widths_are_named(void)
+{
+    for (int j = 0; j < 6; ++j) {
+        for (int k = 0; k < ROWS; ++k) {
+            double part = rows[k].value[CSV_WRENCH + j] / largest[j];
+            rows[k].value[CSV_COMMAND + j] = 1500.0 + 400.0 * part;
+        }
+        has[CSV_WRENCH + j] = false;
+        has[CSV_COMMAND + j] = true;
+    }
+    examine();
+    assert_error(DOCTOR_SCALE, CSV_COMMAND, "pulse widths");
+}
+
+static void test_coarse_steps_are_told(void)
+{
+    for (int k = 0; k < ROWS; ++k) {
+        double *u = &rows[k].value[CSV_NU];
+        *u = 0.2 * floor(*u / 0.2 + 0.5);
+    }
+    examine();
+    TEST_ASSERT_TRUE(doctor_has_finding(&doctor, DOCTOR_QUANTISED, CSV_NU));
+    TEST_ASSERT_NOT_NULL(strstr(finding(DOCTOR_QUANTISED)->text, "steps of 0.2"));
+}
+
+static void test_a_sagging_voltage_is_told(void)
+{
+    has[CSV_VOLTAGE] = true;
+    for (int k = 0; k < ROWS; ++k) {
+        rows[k].value[CSV_VOLTAGE] = 16.8 - 3.0 * k / ROWS;
+    }
+    examine();
+    TEST_ASSERT_NOT_NULL(finding(DOCTOR_VOLTAGE));
+    TEST_ASSERT_TRUE(doctor.usable);
+}
+
+static void test_time_that_goes_back_is_an_error_and_the_row_is_skipped(void)
+{
+    rows[3000].value[CSV_T] = rows[100].value[CSV_T];
+    rows[3000].value[CSV_NU] = 1e5;
+    examine();
+    assert_error(DOCTOR_TIME, CSV_T, "in 1 row, first after t_s 159.98");
+    TEST_ASSERT_TRUE(doctor.column[CSV_NU].max < 10.0);
+}
+
+static void test_gaps_are_counted_and_are_no_error(void)
+{
+    doctor_init(&doctor, has);
+    for (int k = 0; k < ROWS; ++k) {
+        if (k % 1000 >= 40) {
+            doctor_feed(&doctor, &rows[k]);
+        }
+    }
+    doctor_finish(&doctor);
+    TEST_ASSERT_NOT_NULL(finding(DOCTOR_GAPS));
+    TEST_ASSERT_NOT_NULL(strstr(finding(DOCTOR_GAPS)->text, "5 gaps"));
+    TEST_ASSERT_TRUE(doctor.usable);
+}
+
+static void test_slow_rows_are_an_error(void)
+{
+    doctor_init(&doctor, has);
+    for (int k = 0; k < ROWS; k += 50) {
+        doctor_feed(&doctor, &rows[k]);
+    }
+    doctor_finish(&doctor);
+    assert_error(DOCTOR_SLOW, CSV_T, "the rows are about 0.9");
+}
+
+static void test_a_short_log_is_an_error(void)
+{
+    doctor_init(&doctor, has);
+    for (int k = 0; k < 400; ++k) {
+        doctor_feed(&doctor, &rows[k]);
+    }
+    doctor_finish(&doctor);
+    assert_error(DOCTOR_SHORT, -1, "too little motion");
+}
+
+static void test_a_log_without_inputs_is_an_error(void)
+{
+    for (int j = 0; j < 6; ++j) {
+        has[CSV_WRENCH + j] = false;
+    }
+    examine();
+    assert_error(DOCTOR_MISSING, CSV_WRENCH, "no input column");
+}
+
+/* The rows again and again for hours: blocks double, and the range of a slip is still found. */
+static void test_a_long_log_is_examined_at_constant_memory(void)
+{
+    doctor_init(&doctor, has);
+    for (int turn = 0; turn < 90; ++turn) {
+        for (int k = 0; k < ROWS; k += 5) {
+            csv_row_t row = rows[k];
+            row.value[CSV_T] += turn * (ROWS * STEP_S + 30.0);
+            row.value[CSV_NU + 5] *= turn >= 60 ? -1.0 : 1.0;
+            doctor_feed(&doctor, &row);
+        }
+    }
+    doctor_finish(&doctor);
+    TEST_ASSERT_TRUE(doctor.blocks <= DOCTOR_BLOCKS);
+    assert_error(DOCTOR_RATE_SIGN, CSV_NU + 5, "r_radps has the wrong sign");
+    TEST_ASSERT_DOUBLE_WITHIN(1000.0, 9100.0, finding(DOCTOR_RATE_SIGN)->from_s);
+}
+
+static void test_of_two_slips_both_are_named(void)
+{
+    scale(CSV_WRENCH, -1.0);
+    scale(CSV_ATTITUDE + 2, 180.0 / PI);
+    examine();
+    TEST_ASSERT_NOT_NULL(finding(DOCTOR_ANGLE_DEGREES));
+    TEST_ASSERT_NOT_NULL(finding(DOCTOR_INPUT_SIGN));
+}
+
+int main(void)
+{
+    UNITY_BEGIN();
+    RUN_TEST(test_a_log_without_slip_is_usable);
+    RUN_TEST(test_one_angle_in_degrees_is_named);
+    RUN_TEST(test_rates_in_degrees_are_named);
+    RUN_TEST(test_a_reversed_heading_is_told_from_a_reversed_rate);
+    RUN_TEST(test_a_reversed_rate_is_told_from_a_reversed_input);
+    RUN_TEST(test_a_reversed_moment_is_named);
+    RUN_TEST(test_the_coupling_tells_a_reversed_force_from_a_reversed_velocity);
+    RUN_TEST(test_depth_tells_a_reversed_heave_velocity);
+    RUN_TEST(test_without_depth_the_sentence_names_both);
+    RUN_TEST(test_height_instead_of_depth_is_a_warning);
+    RUN_TEST(test_exchanged_rates_are_named);
+    RUN_TEST(test_the_coupling_tells_exchanged_forces_from_exchanged_velocities);
+    RUN_TEST(test_an_attitude_in_other_axes_is_named);
+    RUN_TEST(test_velocities_in_other_axes_are_named);
+    RUN_TEST(test_a_late_attitude_is_named_with_its_delay);
+    RUN_TEST(test_late_motion_is_named_with_its_delay);
+    RUN_TEST(test_early_motion_is_named);
+    RUN_TEST(test_a_slip_of_a_part_is_told_with_its_time);
+    RUN_TEST(test_velocities_may_be_absent_between_samples);
+    RUN_TEST(test_held_velocities_are_a_warning);
+    RUN_TEST(test_an_outage_is_told_with_its_length);
+    RUN_TEST(test_a_velocity_that_is_always_zero_is_an_error);
+    RUN_TEST(test_an_attitude_that_never_changes_is_an_error);
+    RUN_TEST(test_a_missing_column_is_a_warning);
+    RUN_TEST(test_pulse_widths_are_named);
+    RUN_TEST(test_coarse_steps_are_told);
+    RUN_TEST(test_a_sagging_voltage_is_told);
+    RUN_TEST(test_time_that_goes_back_is_an_error_and_the_row_is_skipped);
+    RUN_TEST(test_gaps_are_counted_and_are_no_error);
+    RUN_TEST(test_slow_rows_are_an_error);
+    RUN_TEST(test_a_short_log_is_an_error);
+    RUN_TEST(test_a_log_without_inputs_is_an_error);
+    RUN_TEST(test_a_long_log_is_examined_at_constant_memory);
+    RUN_TEST(test_of_two_slips_both_are_named);
+    return UNITY_END();
+}

@@ -1,0 +1,341 @@
+/*
+ * Each velocity against its input:
+ *   acceleration = b input(t - lag) + drag + coupling + constant,
+ * by least squares over a range, with the input, or without it. A slip explains the log better if
+ * the residual sum of squares is smaller: n/2 ln(S_1 / S_2). Without slip b > 0 and the motion
+ * follows within 0.6 s: thrusters, and delays of the instruments. A slip must leave drag that
+ * dissipates: where rows are slow for a quick axis, its input is proportional to its velocity, and
+ * the signs of both terms are uncertain together.
+ */
+#include <math.h>
+#include <stddef.h>
+#include <string.h>
+
+#include "doctor.h"
+
+#define MIN_LLR 20.0 /* more than for the attitude: the disturbance is correlated over seconds */
+#define MIN_EACH 8.0
+#define MIN_SHIFT_LLR 25.0
+#define FIRST_LAG (DOCTOR_EARLY - 1) /* usual lags */
+#define LAST_LAG (DOCTOR_EARLY + 6)
+#define USUAL_S 0.1 /* motion may lead by this: stamps */
+#define EARLY_S (DOCTOR_EARLY * DOCTOR_CELL_S)
+#define TOO_EARLY_S 0.45 /* fit finds the delay of motion that leads by less */
+#define MIN_COUPLING 5.0 /* standard errors */
+
+enum { INPUT, SPEED, QUADRATIC, COUPLING };
+enum { ACCELERATION = GAIN_TERMS - 1 };
+
+/* A regression. */
+typedef struct {
+    double without, with; /* sums of squares, without and with the input */
+    double b;
+    double drag; /* share of the velocity that is lost per second: positive dissipates */
+    double coefficient[GAIN_TERMS], t[GAIN_TERMS];
+} gain_t;
+
+static const char *const axis_name[6] = {"surge", "sway", "heave", "roll", "pitch", "yaw"};
+
+static const char *input_name(const doctor_t *d, int j)
+{
+    return csv_name[d->inputs + j];
+}
+
+/* products: of the input with each term. */
+static void regress(const doctor_sums_t *s, int j, const double products[GAIN_TERMS], gain_t *out)
+{
+    double m[GAIN_TERMS][GAIN_TERMS], diagonal[GAIN_TERMS];
+    bool swept[GAIN_TERMS] = {false};
+    memcpy(m, s->fixed[j], sizeof m);
+    for (int k = 0; k < GAIN_TERMS; ++k) {
+        m[0][k] = m[k][0] = products[k];
+    }
+    for (int k = 0; k < GAIN_TERMS; ++k) {
+        diagonal[k] = m[k][k];
+    }
+    for (int k = ACCELERATION - 1; k >= SPEED; --k) {
+        swept[k] = doctor_sweep(m, k, diagonal[k]);
+    }
+    out->without = m[ACCELERATION][ACCELERATION];
+    swept[INPUT] = doctor_sweep(m, INPUT, 1e4 * diagonal[INPUT]); /* 1e-5 of it must be left */
+    out->with = swept[INPUT] ? m[ACCELERATION][ACCELERATION] : out->without;
+    out->b = swept[INPUT] ? m[INPUT][ACCELERATION] : 0.0;
+    double variance = fmax(out->with, 0.0) / s->count[j] * (double)DOCTOR_WINDOW;
+    double speed = sqrt(s->fixed[j][SPEED][SPEED] / s->count[j]);
+    for (int k = 0; k < GAIN_TERMS; ++k) {
+        out->coefficient[k] = swept[k] ? m[k][ACCELERATION] : 0.0;
+        out->t[k] = swept[k] && variance * m[k][k] > 0.0
+                        ? out->coefficient[k] / sqrt(variance * m[k][k])
+                        : 0.0;
+    }
+    out->drag = -(out->coefficient[SPEED] + 2.0 * out->coefficient[QUADRATIC] * speed);
+}
+
+static double ratio(const doctor_sums_t *s, int j, double without, double with)
+{
+    return doctor_ratio(s->count[j] / DOCTOR_WINDOW, without, with);
+}
+
+static bool has_pair(const doctor_t *d, int j)
+{
+    return d->inputs >= 0 && d->has[d->inputs + j] && d->has[CSV_NU + j] &&
+           d->column[d->inputs + j].changes > 0.0 && d->column[CSV_NU + j].changes > 0.0;
+}
+
+/* Sums of squares with the usual lags, of the usual and of the opposite sign. */
+static void usual(const doctor_sums_t *s, int j, double *clean, double *against, gain_t *best)
+{
+    gain_t g;
+    *clean = *against = HUGE_VAL;
+    best->with = HUGE_VAL;
+    for (int k = FIRST_LAG; k <= LAST_LAG; ++k) {
+        regress(s, j, s->own[j][k], &g);
+        *clean = fmin(*clean, g.b > 0.0 ? g.with : g.without);
+        *against = fmin(*against, g.b < 0.0 && g.drag > 0.0 ? g.with : g.without);
+        if (g.with < best->with) {
+            *best = g;
+        }
+    }
+}
+
+static double sign_score(const doctor_t *d, const doctor_sums_t *s, int j, int *which)
+{
+    double clean, against;
+    gain_t g;
+    (void)d;
+    *which = 0;
+    usual(s, j, &clean, &against, &g);
+    return ratio(s, j, clean, against);
+}
+
+/* Of all DoF together, because all inputs have one clock. which: lag [cells] + DOCTOR_EARLY. */
+static double shift_score(const doctor_t *d, const doctor_sums_t *s, int unused, int *which)
+{
+    double score[DOCTOR_EARLY + DOCTOR_LATE + 1] = {0}, best = 0.0;
+    (void)unused;
+    for (int j = 0; j < 6; ++j) {
+        double clean, against;
+        gain_t g;
+        if (!has_pair(d, j) || s->count[j] < 1.0) {
+            continue;
+        }
+        usual(s, j, &clean, &against, &g);
+        for (int k = 0; k <= DOCTOR_EARLY + DOCTOR_LATE; ++k) {
+            regress(s, j, s->own[j][k], &g);
+            score[k] += ratio(s, j, clean, g.b > 0.0 && g.drag > 0.0 ? g.with : g.without);
+        }
+    }
+    for (int k = 0; k <= DOCTOR_EARLY + DOCTOR_LATE; ++k) {
+        if ((k < FIRST_LAG || k > LAST_LAG) && score[k] > best) {
+            best = score[k];
+            *which = k;
+        }
+    }
+    return best;
+}
+
+/* pair: 6 i + j. */
+static double exchange_score(const doctor_t *d, const doctor_sums_t *s, int pair, int *which)
+{
+    const int axis[2] = {pair / 6, pair % 6};
+    double each[2];
+    (void)d;
+    *which = 0;
+    for (int k = 0; k < 2; ++k) {
+        int j = axis[k];
+        double clean, against;
+        gain_t g;
+        usual(s, j, &clean, &against, &g);
+        regress(s, j, s->cross[j][axis[1 - k]], &g);
+        each[k] = ratio(s, j, fmin(clean, against), g.b > 0.0 ? g.with : g.without);
+    }
+    return each[0] > MIN_EACH && each[1] > MIN_EACH ? each[0] + each[1] : 0.0;
+}
+
+void doctor_inputs_scan(doctor_t *d)
+{
+    doctor_sums_t all;
+    doctor_sum(d, 0, d->blocks - 1, &all);
+    for (int j = 0; j < 6; ++j) {
+        double clean, against;
+        gain_t g;
+        if (!has_pair(d, j)) {
+            continue;
+        }
+        usual(&all, j, &clean, &against, &g);
+        /* also of a short log */
+        double windows = all.count[j] / DOCTOR_WINDOW;
+        d->answers[j] = clean > 0.0 && 0.5 * windows * log(against / clean) > MIN_EACH;
+        if (d->answers[j]) {
+            d->time_constant_s[j] = g.drag > 0.0 ? 1.0 / g.drag : 0.0;
+        }
+        d->pushed[j] = doctor_scan(d, sign_score, j);
+        if (!(d->pushed[j].llr > MIN_LLR)) {
+            d->pushed[j].llr = 0.0;
+        }
+    }
+}
+
+/* Do the couplings v r (surge) and u r (sway) have their signs? In standard errors: above zero yes,
+ * below zero no. An input with the wrong sign does not change them, a velocity does. */
+static double coupling(const doctor_t *d, const doctor_range_t *r, const int column[2])
+{
+    doctor_sums_t sum;
+    double total = 0.0;
+    doctor_sum(d, r->first, r->last, &sum);
+    for (int j = 0; j < 2; ++j) {
+        gain_t g;
+        regress(&sum, j, column[j] == j ? sum.own[j][DOCTOR_EARLY + 2] : sum.cross[j][column[j]],
+                &g);
+        total += j == 0 ? g.t[COUPLING] : -g.t[COUPLING];
+    }
+    return total;
+}
+
+/* Is the velocity of DoF j wrong (1), its input (-1), or is that not known (0)? */
+static int velocity_is_wrong(const doctor_t *d, int j)
+{
+    static const int own[2] = {0, 1};
+    const doctor_range_t *r = &d->pushed[j];
+    if (j == 2) {
+        return d->has[CSV_POSITION + 2] ? (doctor_overlap(r, &d->sunk) ? 1 : 0) : 0;
+    }
+    if (j < 2 && doctor_overlap(r, &d->gone[j])) {
+        return 1;
+    }
+    if (j < 2 && !(d->turned[2].llr > 0.0) && !(d->pushed[5].llr > 0.0)) {
+        double t = coupling(d, r, own);
+        return t > MIN_COUPLING ? -1 : t < -MIN_COUPLING ? 1 : 0;
+    }
+    return j == 5 && d->has[CSV_ATTITUDE + 2] ? -1 : 0;
+}
+
+static void find_sign(doctor_t *d, int j)
+{
+    const doctor_range_t *r = &d->pushed[j];
+    const char *input = input_name(d, j), *velocity = csv_name[CSV_NU + j];
+    int wrong = velocity_is_wrong(d, j);
+    char where[48];
+    doctor_where(d, r, where);
+    if (wrong > 0) {
+        doctor_add(d, DOCTOR_ERROR, DOCTOR_VELOCITY_SIGN, CSV_NU + j, d->inputs + j, r,
+                   "%s has the wrong sign: it accelerates against %s, and %s%s: change its sign",
+                   velocity, input,
+                   j == 2 ? "runs against depth" : "its coupling with the turn is reversed", where);
+    } else if (wrong < 0) {
+        doctor_add(d, DOCTOR_ERROR, DOCTOR_INPUT_SIGN, d->inputs + j, CSV_NU + j, r,
+                   "%s has the wrong sign: %s accelerates against it%s: change its sign", input,
+                   velocity, where);
+    } else {
+        doctor_add(d, DOCTOR_ERROR, DOCTOR_EITHER_SIGN, d->inputs + j, CSV_NU + j, r,
+                   "%s accelerates against %s%s: one of them has the wrong sign: change it",
+                   velocity, input, where);
+    }
+}
+
+/* The signs of v, w, r, but not of u, are reversed: axes with y to port and z up. */
+static bool find_frame(doctor_t *d)
+{
+    const doctor_range_t *p = d->pushed;
+    char where[48];
+    if (!doctor_overlap(&p[1], &p[2]) || p[0].llr > 0.0 || !d->answers[0]) {
+        return false;
+    }
+    doctor_add(d, DOCTOR_ERROR, DOCTOR_FRAME, CSV_NU + 1, d->inputs + 1, &p[1],
+               "v_mps%s w_mps%s accelerate against their inputs, u_mps with its own%s, as if "
+               "velocities and inputs were in different axes (FRD: y to starboard, z down; FLU: y "
+               "to port, z up): give both in FRD",
+               p[5].llr > 0.0 ? "," : " and", p[5].llr > 0.0 ? " and r_radps" : "",
+               doctor_where(d, &p[1], where));
+    return true;
+}
+
+static bool find_exchange(doctor_t *d)
+{
+    doctor_range_t best = {0};
+    int i = 0, j = 0;
+    for (int pair = 0; pair < 36; ++pair) {
+        if (pair / 6 < pair % 6 && has_pair(d, pair / 6) && has_pair(d, pair % 6)) {
+            doctor_range_t r = doctor_scan(d, exchange_score, pair);
+            if (r.llr > best.llr) {
+                best = r;
+                i = pair / 6;
+                j = pair % 6;
+            }
+        }
+    }
+    if (!(best.llr > MIN_LLR)) {
+        return false;
+    }
+    static const int crossed[2] = {1, 0};
+    double t = i == 0 && j == 1 && !(d->turned[2].llr > 0.0) ? coupling(d, &best, crossed) : 0.0;
+    bool inputs = t > MIN_COUPLING, velocities = t < -MIN_COUPLING;
+    char where[48];
+    doctor_add(d, DOCTOR_ERROR,
+               inputs       ? DOCTOR_INPUT_EXCHANGED
+               : velocities ? DOCTOR_VELOCITY_EXCHANGED
+                            : DOCTOR_EITHER_EXCHANGED,
+               (velocities ? CSV_NU : d->inputs) + i, (velocities ? CSV_NU : d->inputs) + j, &best,
+               "%s follows %s, and %s follows %s%s: %s exchanged: exchange the columns",
+               csv_name[CSV_NU + i], input_name(d, j), csv_name[CSV_NU + j], input_name(d, i),
+               doctor_where(d, &best, where),
+               inputs       ? "the two inputs are"
+               : velocities ? "the two velocities are"
+                            : "the two inputs, or the two velocities, are");
+    d->pushed[i].llr = d->pushed[j].llr = 0.0;
+    return true;
+}
+
+/* sign_llr: of all wrong signs together, which explain a shift as well, but less likely. */
+static bool find_shift(doctor_t *d, double sign_llr)
+{
+    doctor_range_t r = doctor_scan(d, shift_score, 0);
+    char where[48];
+    double lag_s = (r.which - DOCTOR_EARLY) * DOCTOR_CELL_S;
+    /* Between rows the input is not known. */
+    double row_s = doctor_interval_quantile(d, 0.5), late_s = LAST_LAG * DOCTOR_CELL_S;
+    bool usual = lag_s > -USUAL_S - row_s && lag_s < late_s - EARLY_S + row_s;
+    if (!(r.llr > MIN_SHIFT_LLR) || r.llr < sign_llr || usual) {
+        return false;
+    }
+    doctor_finding_t *f = doctor_add(
+        d, lag_s < 0.0 && lag_s > -TOO_EARLY_S ? DOCTOR_WARNING : DOCTOR_ERROR, DOCTOR_INPUT_SHIFT,
+        d->inputs, CSV_NU, &r,
+        "the velocities %s their inputs by %.1f s%s, %s: give all columns the time at "
+        "which they were measured",
+        lag_s < 0.0 ? "change before" : "follow", fabs(lag_s), doctor_where(d, &r, where),
+        lag_s < 0.0 ? "which no vehicle does" : "more than thrusters need");
+    if (f != NULL) {
+        f->value = lag_s;
+    }
+    return true;
+}
+
+/* Is the rate of DoF j known to be wrong from the attitude? */
+static bool rate_is_wrong(const doctor_t *d, int j)
+{
+    int axis = j - 3;
+    return axis >= 0 && doctor_overlap(&d->pushed[j], &d->turned[axis]);
+}
+
+void doctor_inputs(doctor_t *d)
+{
+    double sign_llr = 0.0;
+    for (int j = 0; j < 6; ++j) {
+        sign_llr += d->pushed[j].llr;
+    }
+    bool exchanged = find_exchange(d);
+    bool frame = find_frame(d);
+    bool shifted = !exchanged && find_shift(d, sign_llr);
+    for (int j = 0; j < 6; ++j) {
+        bool pushed = d->pushed[j].llr > 0.0;
+        if (has_pair(d, j) && pushed && !shifted && !rate_is_wrong(d, j) &&
+            !(frame && (j == 1 || j == 2 || j >= 4))) {
+            find_sign(d, j);
+        } else if (has_pair(d, j) && !d->answers[j] && !exchanged && !pushed && !shifted) {
+            doctor_add(d, DOCTOR_NOTE, DOCTOR_INPUT_WITHOUT_EFFECT, d->inputs + j, CSV_NU + j, NULL,
+                       "%s does not visibly follow %s: %s is not identified from this log",
+                       csv_name[CSV_NU + j], input_name(d, j), axis_name[j]);
+        }
+    }
+}

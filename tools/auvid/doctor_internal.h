@@ -1,0 +1,193 @@
+/**
+ * @file doctor_internal.h
+ * The parts of the log doctor (doctor.h). Sums of the identities are kept for each of at most
+ * DOCTOR_BLOCKS equal blocks of time, which double in length when they are full. So every identity
+ * can be tested over each range of blocks: a slip may concern a part of the log only.
+ */
+#ifndef PROGRAM_DOCTOR_INTERNAL_H
+#define PROGRAM_DOCTOR_INTERNAL_H
+
+/** Cells of 0.1 s. A rate is the difference over a window of five cells. */
+#define DOCTOR_CELL_S 0.1
+enum {
+    DOCTOR_WINDOW = 5,
+    DOCTOR_RING = 16,        /* cells that are being filled */
+    DOCTOR_HISTORY = 64,     /* past windows */
+    DOCTOR_BLOCKS = 16,      /* even */
+    DOCTOR_LAGS = 15,        /* of attitude against rates: each way, in cells */
+    DOCTOR_EARLY = 10,       /* of an input against acceleration: cells that motion may lead .. */
+    DOCTOR_LATE = 20,        /* .. or trail */
+    DOCTOR_DISTINCT = 48,    /* distinct values that are remembered of a column */
+    DOCTOR_MIN_WINDOWS = 30, /* independent ones, for a decision */
+    DOCTOR_INTERVALS = 64    /* classes of row intervals */
+};
+
+/** Signals of a cell. */
+enum {
+    CELL_ANGLE,                   /* [rad], as if the log were in radians */
+    CELL_DEGREE = CELL_ANGLE + 3, /* [rad], as if the log were in degrees */
+    CELL_NU = CELL_DEGREE + 3,
+    CELL_INPUT = CELL_NU + 6,
+    CELL_POSITION = CELL_INPUT + 6,
+    CELL_SIGNALS = CELL_POSITION + 3
+};
+
+/** Averages over a cell; NaN: not covered by samples. */
+typedef struct {
+    double mean[CELL_SIGNALS];
+} doctor_cell_t;
+
+/** The resampler. */
+typedef struct {
+    double last_s[CELL_SIGNALS], last[CELL_SIGNALS]; /* the last sample; NaN: none */
+    double raw[6];                                   /* angles before unwrapping */
+    double sum[DOCTOR_RING][CELL_SIGNALS], covered[DOCTOR_RING][CELL_SIGNALS];
+    int64_t next; /* first cell that is not complete */
+} doctor_cells_t;
+
+/** Averages over a window that ends with a cell, and rates over it. */
+typedef struct {
+    double body_rate[3][3]; /* of the attitude: as told; in degrees; psi reversed */
+    double nu[6], quadratic[6], acceleration[6], input[6];
+    double couple[6][2];        /* coupling terms of each DoF */
+    double angle[3];            /* [rad] */
+    double depth_rate, sink[3]; /* parts of the depth rate from u, v, w */
+    double over_ground[2][2];   /* position rate in body axes: psi as it is, psi reversed */
+} doctor_window_t;
+
+/** Sums of products of two signals. */
+typedef struct {
+    double n, a, b, aa, bb, ab;
+} doctor_pair_t;
+
+enum { GAIN_TERMS = 7 }; /* input, v, |v|v, two couplings, 1; acceleration */
+
+/** Sums of the identities over a block: doubles only, so that blocks add element by element. */
+typedef struct {
+    doctor_pair_t turn[3][3][3]; /* reading of the attitude (body_rate), its axis, rate */
+    doctor_pair_t lag[2 * DOCTOR_LAGS + 1][3]; /* the same axis, radians */
+    double fixed[6][GAIN_TERMS][GAIN_TERMS];   /* products of all terms but the input */
+    double own[6][DOCTOR_EARLY + DOCTOR_LATE + 1][GAIN_TERMS]; /* own input at a lag, times each */
+    double cross[6][6][GAIN_TERMS];                            /* another input */
+    double count[6];                                           /* of windows */
+    double depth[6][6];            /* 1, sink from u, v, w, depth rate, sum of sinks */
+    doctor_pair_t ground[2][2][2]; /* psi, body axis of position, velocity */
+    double moving[6];              /* cells with usable motion */
+    double seconds;
+} doctor_sums_t;
+
+typedef struct {
+    double from_s, to_s;
+    doctor_sums_t sums;
+} doctor_block_t;
+
+/** A column by itself. */
+typedef struct {
+    double first, last, min, max;
+    double n, sum, square;
+    double changed_s, changes;      /* time of the last change; number of changes */
+    double longest_s, longest_at_s; /* longest time without change */
+    double limit, at_limit;         /* largest absolute value; samples there */
+    double held;                    /* samples that repeat the one before */
+    double distinct[DOCTOR_DISTINCT];
+    int distincts; /* beyond the capacity: many */
+    double beyond; /* samples beyond +-1.65, a little more than a right angle */
+    double absent_s, absent_at_s, sample_s; /* longest time without sample */
+} doctor_column_t;
+
+/** which of sunk: theta or u has the wrong sign. */
+enum { DOCTOR_PITCH_REVERSED = 2 };
+
+/** A range of blocks in which an explanation is better than that without slip. */
+typedef struct {
+    double llr;      /* logarithm of the ratio of likelihoods; <= 0: none */
+    int first, last; /* blocks */
+    int which;       /* explanation, as its identity numbers them */
+} doctor_range_t;
+
+typedef struct {
+    bool has[CSV_COLUMNS];
+    int inputs;     /* first column of the inputs: CSV_WRENCH or CSV_COMMAND; -1: none */
+    bool thrusters; /* it has inputs of single thrusters */
+    double start_s, last_s;
+    double rows, back, back_at_s;         /* rows; rows whose time does not advance */
+    double gaps, longest_gap_s, gap_at_s; /* over half a second */
+    double interval[DOCTOR_INTERVALS];    /* rows by interval, six classes an octave */
+    double gap_total_s;
+    double any_moves, all_move;     /* rows in which one, or each of u, v, w changes */
+    double still[3], still_since_s; /* velocities that do not change, since then */
+    double still_s, still_at_s;     /* the longest time of that, and its start */
+    double still_total_s;           /* sum of those over a second */
+    bool still_at_zero, still_counted;
+    doctor_cells_t cells;
+    doctor_cell_t past[DOCTOR_HISTORY];
+    doctor_window_t window[DOCTOR_HISTORY];
+    int64_t windows; /* number of windows so far */
+    doctor_block_t block[DOCTOR_BLOCKS];
+    int blocks, cells_in_block, block_cells;
+    doctor_column_t column[CSV_COLUMNS];
+    doctor_range_t turned[3]; /* an angle and its rate have opposite signs there */
+    doctor_range_t pushed[6]; /* a velocity and its input have opposite signs there */
+    doctor_range_t sunk;      /* depth and heave velocity have opposite signs there */
+    doctor_range_t gone[2];   /* position and velocity, of surge and sway, likewise */
+    bool answers[6];          /* a velocity follows its input */
+    double usable_s[6], time_constant_s[6];
+    /* results */
+    bool usable;
+    char verdict[360];
+    doctor_finding_t finding[DOCTOR_FINDINGS];
+    int findings;
+} doctor_t;
+
+/* doctor_cells.c */
+void doctor_cells_init(doctor_t *d);
+/** Adds the samples of a row at t seconds after the first row. */
+void doctor_cells_add(doctor_t *d, double t, const double value[CELL_SIGNALS]);
+void doctor_cells_flush(doctor_t *d);
+
+/* doctor_window.c: the sums */
+void doctor_window_add(doctor_t *d, const doctor_cell_t *cell);
+
+/* doctor_scan.c */
+/** Score of a sum of blocks: writes the best explanation. Returns its log likelihood ratio. */
+typedef double doctor_score_t(const doctor_t *d, const doctor_sums_t *sums, int axis, int *which);
+/** The range of blocks with the largest score. */
+doctor_range_t doctor_scan(const doctor_t *d, doctor_score_t *score, int axis);
+/** Sums of a range. */
+void doctor_sum(const doctor_t *d, int first, int last, doctor_sums_t *sum);
+/** n/2 ln(without / with) for n independent windows and two residuals; 0 for too few windows. */
+double doctor_ratio(double windows, double without, double with);
+/** Do two ranges overlap? False if one of them is none. */
+bool doctor_overlap(const doctor_range_t *a, const doctor_range_t *b);
+/** Sum of squares of a - gain b about their means, over that of both: 1 - concordance (Lin). */
+double doctor_discord(const doctor_pair_t *p, double gain);
+/** Correlation. */
+double doctor_correlation(const doctor_pair_t *p);
+/** Sweeps row k of a symmetric matrix (Beaton 1964). Returns false if it depends on others. */
+bool doctor_sweep(double m[GAIN_TERMS][GAIN_TERMS], int k, double before);
+
+/* The tests. *_scan writes turned, pushed .., the others add findings. */
+void doctor_attitude_scan(doctor_t *d); /* doctor_attitude.c */
+void doctor_attitude(doctor_t *d);
+void doctor_inputs_scan(doctor_t *d); /* doctor_inputs.c */
+void doctor_inputs(doctor_t *d);
+void doctor_travel_scan(doctor_t *d); /* doctor_travel.c */
+void doctor_travel(doctor_t *d);
+void doctor_column_add(doctor_t *d, int column, double t, double value); /* doctor_columns.c */
+void doctor_columns(doctor_t *d);
+void doctor_time(doctor_t *d); /* doctor_time.c */
+
+/* doctor.c */
+/** Adds a finding; range NULL: the whole log. Returns it. */
+doctor_finding_t *doctor_add(doctor_t *d, doctor_severity_t severity, doctor_code_t code,
+                             int column, int other, const doctor_range_t *range, const char *format,
+                             ...);
+/** "" or ", from t_s 12 to 40". */
+const char *doctor_where(const doctor_t *d, const doctor_range_t *range, char text[48]);
+/** Interval of rows in the middle of class k [s]. */
+double doctor_interval(int k);
+/** Interval that is not exceeded by a share of the rows [s]. */
+double doctor_interval_quantile(const doctor_t *d, double share);
+bool doctor_has_finding(const doctor_t *d, doctor_code_t code, int column);
+
+#endif

@@ -1,0 +1,170 @@
+/*
+ * The rates of depth and position against the velocity, turned into their axes; by concordance, as
+ * in doctor_attitude.c. A constant offset, such as a vertical current, does not matter.
+ */
+#include <math.h>
+#include <stddef.h>
+
+#include "doctor.h"
+
+#define MIN_LLR 12.0
+#define MIN_RATE                                                                                   \
+    0.05 /* rms [m/s]: a sensor that is mounted 2 degrees askew gives 0.02 at 0.5 m/s */
+#define MAX_DISCORD 0.5
+#define WINDOW_CELLS (2 * DOCTOR_WINDOW)
+
+enum { ONE, FROM_U, FROM_V, FROM_W, DEPTH_RATE, TOGETHER };
+
+/* Signs of the parts from u, v, w. */
+enum {
+    AS_TOLD,
+    HEAVE_REVERSED,
+    PITCH_REVERSED = DOCTOR_PITCH_REVERSED,
+    DEPTH_REVERSED,
+    DEPTH_CASES
+};
+static const double depth_sign[DEPTH_CASES][3] = {
+    {1.0, 1.0, 1.0}, {1.0, 1.0, -1.0}, {-1.0, 1.0, 1.0}, {-1.0, -1.0, -1.0}};
+
+static doctor_pair_t depth_pair(const doctor_sums_t *s, const double sign[3])
+{
+    doctor_pair_t p = {.n = s->depth[ONE][ONE],
+                       .a = s->depth[ONE][DEPTH_RATE],
+                       .aa = s->depth[DEPTH_RATE][DEPTH_RATE]};
+    for (int i = 0; i < 3; ++i) {
+        p.b += sign[i] * s->depth[ONE][FROM_U + i];
+        p.ab += sign[i] * s->depth[DEPTH_RATE][FROM_U + i];
+        for (int j = 0; j < 3; ++j) {
+            p.bb += sign[i] * sign[j] * s->depth[FROM_U + i][FROM_U + j];
+        }
+    }
+    return p;
+}
+
+/* Are both rates well above the errors of the sensors? */
+static bool is_fast(const doctor_pair_t *p)
+{
+    double n = fmax(p->n, 1.0), least = MIN_RATE * MIN_RATE * n;
+    return p->aa - p->a * p->a / n > least && p->bb - p->b * p->b / n > least;
+}
+
+static double depth_score(const doctor_t *d, const doctor_sums_t *s, int axis, int *which)
+{
+    doctor_pair_t clean = depth_pair(s, depth_sign[AS_TOLD]);
+    double best = 0.0;
+    (void)d;
+    (void)axis;
+    for (int k = 1; k < DEPTH_CASES; ++k) {
+        doctor_pair_t p = depth_pair(s, depth_sign[k]);
+        double discord = doctor_discord(&p, 1.0);
+        double llr = doctor_ratio(p.n / WINDOW_CELLS, doctor_discord(&clean, 1.0), discord);
+        if (llr > best && discord < MAX_DISCORD && is_fast(&p)) {
+            best = llr;
+            *which = k;
+        }
+    }
+    return best;
+}
+
+static double ground_score(const doctor_t *d, const doctor_sums_t *s, int axis, int *which)
+{
+    const doctor_pair_t *p = &s->ground[0][axis][axis];
+    (void)d;
+    *which = 0;
+    return is_fast(p)
+               ? doctor_ratio(p->n / WINDOW_CELLS, doctor_discord(p, 1.0), doctor_discord(p, -1.0))
+               : 0.0;
+}
+
+static bool has_depth(const doctor_t *d)
+{
+    return d->has[CSV_POSITION + 2] && d->has[CSV_NU + 2];
+}
+
+static bool has_position(const doctor_t *d)
+{
+    return d->has[CSV_POSITION] && d->has[CSV_POSITION + 1] && d->has[CSV_ATTITUDE + 2] &&
+           d->has[CSV_NU] && d->has[CSV_NU + 1];
+}
+
+void doctor_travel_scan(doctor_t *d)
+{
+    if (has_depth(d)) {
+        d->sunk = doctor_scan(d, depth_score, 0);
+    }
+    for (int i = 0; i < 2 && has_position(d); ++i) {
+        d->gone[i] = doctor_scan(d, ground_score, i);
+        d->gone[i].llr = d->gone[i].llr > MIN_LLR ? d->gone[i].llr : 0.0;
+    }
+    d->sunk.llr = d->sunk.llr > MIN_LLR ? d->sunk.llr : 0.0;
+}
+
+/* The sign of depth against heave velocity; the input tells which of the two is wrong. */
+static void find_depth(doctor_t *d)
+{
+    const doctor_range_t *r = &d->sunk;
+    char where[48];
+    if (!(r->llr > 0.0) || d->pushed[2].llr > 0.0) {
+        return; /* the latter: see doctor_inputs.c */
+    }
+    doctor_where(d, r, where);
+    if (r->which == PITCH_REVERSED && (d->turned[1].llr > 0.0 || d->turned[2].llr > 0.0)) {
+        return; /* see doctor_attitude.c */
+    }
+    if (r->which == PITCH_REVERSED) {
+        doctor_add(d, DOCTOR_ERROR, DOCTOR_ANGLE_SIGN, CSV_ATTITUDE + 1, CSV_NU, r,
+                   "theta_rad, or u_mps, has the wrong sign: depth does not change as they say%s: "
+                   "change the wrong one",
+                   where);
+    } else if (d->answers[2]) {
+        doctor_add(d, DOCTOR_WARNING, DOCTOR_DEPTH_SIGN, CSV_POSITION + 2, CSV_NU + 2, r,
+                   "depth_m is positive upwards, w_mps downwards%s: change the sign of depth_m",
+                   where);
+    } else {
+        doctor_add(
+            d, DOCTOR_ERROR, DOCTOR_DEPTH_SIGN, CSV_POSITION + 2, CSV_NU + 2, r,
+            "depth_m changes against w_mps%s: one of them is positive upwards: change its sign",
+            where);
+    }
+}
+
+static bool contradicts(const doctor_pair_t *p)
+{
+    double n = p->n / WINDOW_CELLS, c = doctor_correlation(p);
+    double aa = p->aa - p->a * p->a / fmax(p->n, 1.0), bb = p->bb - p->b * p->b / fmax(p->n, 1.0);
+    if (n < DOCTOR_MIN_WINDOWS || !is_fast(p)) {
+        return false;
+    }
+    double error = 5.0 / sqrt(n), ab = c * sqrt(bb / aa), ba = c * sqrt(aa / bb);
+    return ab + error * sqrt(bb / aa) < 0.5 && ba + error * sqrt(aa / bb) < 0.5;
+}
+
+void doctor_travel(doctor_t *d)
+{
+    doctor_sums_t all;
+    doctor_sum(d, 0, d->blocks - 1, &all);
+    int before = d->findings;
+    find_depth(d);
+    if (has_depth(d) && d->findings == before && !(d->sunk.llr > 0.0)) {
+        doctor_pair_t p = depth_pair(&all, depth_sign[AS_TOLD]);
+        if (contradicts(&p)) {
+            doctor_add(
+                d, DOCTOR_WARNING, DOCTOR_DEPTH, CSV_POSITION + 2, CSV_NU + 2, NULL,
+                "depth_m and the velocity contradict each other (correlation %.2f), unexplained: "
+                "see whether they are of the same vehicle, time and axis",
+                doctor_correlation(&p));
+        }
+    }
+    if (!has_position(d) || d->turned[2].llr > 0.0 || d->gone[0].llr > 0.0 ||
+        d->gone[1].llr > 0.0) {
+        return;
+    }
+    if (contradicts(&all.ground[0][0][0]) || contradicts(&all.ground[0][1][1])) {
+        bool reversed = doctor_correlation(&all.ground[1][0][0]) > 0.8 &&
+                        doctor_correlation(&all.ground[1][1][1]) > 0.8;
+        doctor_add(d, DOCTOR_WARNING, DOCTOR_POSITION, CSV_POSITION, CSV_NU, NULL,
+                   "north_m, east_m and the velocity contradict each other%s",
+                   reversed ? "; they agree if the sign of psi_rad or of east_m is changed"
+                            : ", unexplained: see whether they are north and east");
+    }
+}
