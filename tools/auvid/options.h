@@ -45,10 +45,10 @@ typedef struct {
 typedef struct {
     bool json;
     bool literal;
+    bool plain; /**< no uncertain inputs (uncertain.h): all exact but for the uncertainties below */
     uint64_t seed; /**< default 1 */
     /** Uncertainties that the identifier is given. Negative: the library's default. */
     double thrust_scale, dvl_scale, delay_s;
-    bool plain;               /**< no uncertain inputs (uncertain.h): all are exact but for these */
     const vehicle_t *vehicle; /**< default Girona500 */
 
     /* demo */
@@ -64,25 +64,25 @@ typedef struct {
 
     /* fit */
     const char *train[OPTIONS_LOGS];
-    int trains;
     const char *validate; /**< NULL: none */
     double lower, upper;  /**< bounds of every parameter; default +-1000 */
     bool bias;
+    bool has_gain; /**< commands are converted to newtons */
+    bool whole;    /**< --vehicle was given: model, thrusters, all else */
     bool linear_input;
     coupling_t coupling;
     const vehicle_t *thrusters;          /**< of this vehicle; NULL: not known */
-    bool whole;                          /**< --vehicle was given: model, thrusters, all else */
     const auvid_vehicle_t *model;        /**< default Girona500 */
     double dry_mass_kg;                  /**< 0: not known */
     double max_gap_s;                    /**< default 0.5 */
-    bool has_gain;                       /**< commands are converted to newtons */
     double gain[AUVID_DOF_COUNT];        /**< newtons per unit of command; 0: not given */
     const char *choice[OPTIONS_CHOICES]; /**< NAME=VALUE (--fix) or NAME,.. (--free), as given */
     int choices;
+    int trains; /**< number of training logs */
 
     /* check */
     const char *file; /**< the vehicle file */
-    bool header; /**< print C for firmware */
+    bool header;      /**< print C for firmware */
 
     /* node, vehicle, replay; seed, sets, disturbance and csv as above */
     const char *bus;   /**< interface */
