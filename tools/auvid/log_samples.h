@@ -86,6 +86,6 @@ void log_wrench(const log_use_t *use, const double *input, double voltage_V,
 int log_reader_begin(log_reader_t *reader, log_t *log, const log_use_t *use);
 
 /** Reads the next row. Returns 0, CSV_END, or EXIT_REFUSED after one line on stderr. */
-int log_reader_next(log_reader_t *reader, log_sample_t *sample);
+int log_reader_next(log_reader_t *r, log_sample_t *out);
 
 #endif

@@ -68,13 +68,12 @@ typedef struct {
 
     /* fit */
     const char *train[OPTIONS_LOGS];
-    int trains;
     const char *validate; /**< NULL: none */
     double lower, upper;  /**< bounds of every parameter; default +-1000 */
     bool bias;
-    bool linear_input;
-    bool whole;    /**< --vehicle was given: model, thrusters, all else */
     bool has_gain; /**< commands are converted to newtons */
+    bool whole;    /**< --vehicle was given: model, thrusters, all else */
+    bool linear_input;
     coupling_t coupling;
     const vehicle_t *thrusters;          /**< of this vehicle; NULL: not known */
     const auvid_vehicle_t *model;        /**< default Girona500 */
@@ -83,6 +82,7 @@ typedef struct {
     double gain[AUVID_DOF_COUNT];        /**< newtons per unit of command; 0: not given */
     const char *choice[OPTIONS_CHOICES]; /**< NAME=VALUE (--fix) or NAME,.. (--free), as given */
     int choices;
+    int trains; /**< number of training logs */
 
     /* check */
     const char *file; /**< the vehicle file */
