@@ -91,9 +91,8 @@ void auvid_vehicle_residual(const auvid_vehicle_t *vehicle, const auvid_sample_t
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
         if (vehicle->columns[j] != 0) {
             auvid_real_t predicted = AUVID_C(0.0);
-            uint32_t columns = vehicle->columns[j];
-            for (int i = 0; columns != 0; ++i, columns >>= 1) {
-                predicted += (columns & 1u) != 0 ? y.row[j][i] * pi[i] : AUVID_C(0.0);
+            for (int i = 0; i < vehicle->parameters; ++i) {
+                predicted += y.row[j][i] * pi[i];
             }
             residual[j] = predicted - sample->tau[j];
         }
