@@ -1,9 +1,9 @@
 #!/usr/bin/env bash
-# Does the codec with all messages fit into 1600 bytes of flash (code and tables, Cortex-M4F, -Os)?
+# Does the codec with all messages fit into 1700 bytes of flash (code and tables, Cortex-M4F, -Os)?
 # Counted is all that packing and unpacking of any message links, except memcpy and memset.
 . "$(dirname "$0")/../program/common.sh"
 
-LARGEST=1600
+LARGEST=1700
 ARM="arm-none-eabi-gcc -std=c11 -mcpu=cortex-m4 -mthumb -mfloat-abi=hard -mfpu=fpv4-sp-d16 -Os
     -ffunction-sections -fdata-sections -I$ROOT/lib/include"
 
