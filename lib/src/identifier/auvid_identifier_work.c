@@ -45,6 +45,12 @@ static bool identifier_only_confirms(const auvid_identifier_t *id)
            id->optimizer.cfg.phases == AUVID_SEARCH_LOCAL;
 }
 
+/* Is the minimum a certificate, or only a good point? Steps of Gauss-Newton may end at a kink. */
+static bool identifier_certifies(const auvid_identifier_t *id)
+{
+    return !auvid_metric_stores_rows(&id->metric) || identifier_vehicle(id)->smooth;
+}
+
 auvid_status_t auvid_identifier_begin_search(auvid_identifier_t *id, auvid_real_t *scale,
                                              const auvid_real_t *last,
                                              const auvid_minimum_t *minimum, const auvid_real_t *pi,
@@ -72,7 +78,7 @@ auvid_status_t auvid_identifier_begin_search(auvid_identifier_t *id, auvid_real_
         known[n] = at[n] = delay_s;
     }
     if (auvid_metric_stores_rows(&id->metric) && last != NULL && minimum != NULL &&
-        search->phases == AUVID_SEARCH_BOTH) {
+        search->phases == AUVID_SEARCH_BOTH && identifier_certifies(id)) {
         search->phases = AUVID_SEARCH_LOCAL;
     }
     auvid_status_t status =
@@ -81,7 +87,9 @@ auvid_status_t auvid_identifier_begin_search(auvid_identifier_t *id, auvid_real_
         (void)auvid_optimizer_add_point(&id->optimizer, known);
     }
     if (status >= 0 && minimum != NULL && !id->search.paper) {
-        (void)auvid_optimizer_certify(&id->optimizer, at, minimum->cost, minimum->allowed);
+        (void)(identifier_certifies(id) ? auvid_optimizer_certify(&id->optimizer, at, minimum->cost,
+                                                                  minimum->allowed)
+                                        : auvid_optimizer_add_point(&id->optimizer, at));
     }
     return status;
 }

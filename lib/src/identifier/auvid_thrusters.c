@@ -197,6 +197,7 @@ auvid_status_t auvid_thrusters_init(auvid_thrusters_t *thrusters,
     vehicle->regressor = cfg->hull->regressor != NULL ? thrusters_regressor : NULL;
     vehicle->acceleration = NULL;
     vehicle->affine = auvid_vehicle_affine(cfg->hull);
+    vehicle->smooth = cfg->hull->residual == NULL || cfg->hull->smooth;
     vehicle->ignores_inputs = true;
     vehicle->parameters = (uint8_t)n;
     vehicle->parameter = th->parameter;

@@ -102,6 +102,7 @@ auvid_status_t auvid_current_init(auvid_current_t *current, const auvid_vehicle_
     vehicle->residual = current_residual;
     vehicle->regressor = NULL;
     vehicle->affine = auvid_vehicle_affine(hull);
+    vehicle->smooth = hull->residual == NULL || hull->smooth;
     vehicle->acceleration = hull->acceleration != NULL ? current_acceleration : NULL;
     vehicle->context = current;
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
