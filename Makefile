@@ -40,7 +40,8 @@ RECORDED = $(foreach test,$(UNIT:tests/%.c=release/tests/%) $(VEHICLES:tests/%.c
 # What of the program tests run as well: the demo's world.
 WORLD := $(addprefix tools/auvid/,world.c frames.c vehicles.c vehicles_ready.c vehicle_file.c \
     vehicle_thrusters.c vehicle_keys.c vehicle_terms.c thrust_map.c ini.c field_run.c \
-    field_table.c statistics.c report.c report_error.c csv.c csv_header.c csv_lines.c columns.c) $(MEMORY) \
+    field_table.c statistics.c report.c report_error.c csv.c csv_header.c csv_lines.c \
+    columns.c) $(MEMORY) \
     $(filter-out %/doctor_report.c,$(wildcard tools/auvid/doctor*.c))
 SUPPORT := $(wildcard tests/support/*.c)
 UNIT := $(wildcard tests/unit/*/test_*.c)

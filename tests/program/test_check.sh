@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # auvid check on a log of the demo and on 26 broken copies of it: the sentence for each, the exit
-# status, and that fit prints the same. AUVID_TEST_LONG: does the verdict agree with what fit makes of
-# a log?
+# status, and that fit prints the same. AUVID_TEST_LONG: does the verdict agree with what fit makes
+# of a log?
 . "$(dirname "$0")/common.sh"
 
 "$AUVID" demo --json --sets 4 --seed 3 --disturbance 1 --csv whole.csv >/dev/null
@@ -96,34 +96,34 @@ check "  with nothing but notes" test "$(grep -Ec '^  (error|warning)' said || t
 while read -r status log sentence; do
     check "$log" says "$status" "$log" "$sentence"
 done <<'END'
-1 heading_degrees error +psi_rad looks like degrees \(its rate is 57 times r_radps\): convert it to radians
-1 rates_degrees error +r_radps looks like degrees per second \(57 times the rate of psi_rad\): convert it
-1 rates_degrees_part error +r_radps looks like degrees per second .*, from t_s [0-9]+ to [0-9]+: convert it
+1 heading_degrees error +psi_rad looks like degrees \(its rate is 57 times r_radps\): convert it to
+1 rates_degrees error +r_radps looks like degrees per second \(57 times the rate of psi_rad\):
+1 rates_degrees_part error +r_radps looks like degrees per second .*, from t_s [0-9]+ to [0-9]+:
 1 heading_reversed error +psi_rad has the wrong sign: it changes against r_radps.*: change its sign
-1 yaw_rate_reversed error +r_radps has the wrong sign: it runs against psi_rad and against its input: change its sign
+1 yaw_rate_reversed error +r_radps has the wrong sign: it runs against psi_rad and against its
 1 moment_reversed error +N_Nm has the wrong sign: r_radps accelerates against it: change its sign
 1 sway_reversed error +v_mps has the wrong sign: it accelerates against Y_N.*: change its sign
 1 force_reversed error +Y_N has the wrong sign: v_mps accelerates against it: change its sign
 1 heave_reversed error +w_mps accelerates against Z_N: one of them has the wrong sign: change it
 1 forces_exchanged error +u_mps follows Y_N, and v_mps follows X_N: the two inputs are exchanged
-1 velocities_exchanged error +u_mps follows Y_N, and v_mps follows X_N: the two velocities are exchanged
-1 rates_exchanged error +theta_rad changes with r_radps, and psi_rad with q_radps: .* exchanged: exchange the columns
-1 attitude_enu error .* as if the attitude were in ENU and FLU axes: change the signs of theta_rad and psi_rad
-1 velocities_flu error +v_mps, w_mps and r_radps accelerate against their inputs, u_mps with its own, .*: give both in FRD
+1 velocities_exchanged error +u_mps follows Y_N, and v_mps follows X_N: the two velocities are
+1 rates_exchanged error +theta_rad changes with r_radps, and psi_rad with q_radps: .* exchanged:
+1 attitude_enu error .* as if the attitude were in ENU and FLU axes: change the signs of theta_rad
+1 velocities_flu error +v_mps, w_mps and r_radps accelerate against their inputs, u_mps with its
 0 attitude_late warning +the attitude trails p, q, r by 0\.4[0-9]* s: give each column the time
 1 motion_late error +the velocities follow their inputs by 1\.[2-6] s, more than thrusters need
 1 motion_early error +the velocities change before their inputs by 0\.[5-9] s, which no vehicle does
-0 held warning +the velocity repeats each value for about 0\.40 s, as if held .*: leave its cells empty
+0 held warning +the velocity repeats each value for about 0\.40 s, as if held .*: leave its cells
 0 outage warning +u_mps, v_mps and w_mps keep their values for up to 9\.9 s .*: leave those rows out
 1 sway_zero error +v_mps is always 0, but Y_N acts: log the measured velocity
 1 attitude_zero error +the attitude never changes, but the rates do: log the measured attitude
 0 coarse warning +u_mps has steps of 0\.3, coarse against its variation .*: log more digits
-1 slow error +the rows are about 1\.[0-9]+ s apart, more than the 0\.5 s that fit bridges: log at 5 Hz
+1 slow error +the rows are about 1\.[0-9]+ s apart, more than the 0\.5 s that fit bridges: log at 5
 1 short error +too little motion: .*: excite each axis for a minute or more
 0 gap note +1 gap over 0\.5 s, the longest of 5\.[0-9] s after t_s [0-9.]+: each one ends a record
 0 sag warning +voltage_V falls from 16\.8 to 12\.8: .*: log the thrust computed with the voltage
 0 no_pitch warning +theta_rad is missing and counts as zero: .*: add the column
-1 pwm error +cmd_surge looks like pulse widths in microseconds \(1100 to 1900\): subtract .* divide by 400
+1 pwm error +cmd_surge looks like pulse widths in microseconds \(1100 to 1900\): subtract .* divide
 2 time_back time_back.csv:702:[0-9]+: t_s: time goes back
 END
 

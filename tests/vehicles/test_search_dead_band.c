@@ -1,7 +1,7 @@
 /*
  * The search of a user's model with kinks, a dead band on the mean commands of a row: how near the
- * optimum it ends, and what it takes. The model is not declared smooth, so both algorithms run. Long
- * form (AUVID_TEST_LONG): 100 seeds; or COUNT and FIRST as arguments.
+ * optimum it ends, and what it takes. The model is not declared smooth, so both algorithms run.
+ * Long form (AUVID_TEST_LONG): 100 seeds; or COUNT and FIRST as arguments.
  */
 #include "dead_band.h"
 #include "search_campaign.h"

@@ -132,9 +132,9 @@ typedef struct {
      * thrusters.h. Then derivatives by their delay are left out. Default false. */
     bool ignores_inputs;
 
-    /** Residual path: true if `residual` has no kinks in the parameters that matter beside the noise.
-     * Then a search ends once a poll confirms the end of the Gauss-Newton steps. Default false: these
-     * are only a known good point, and both algorithms run. */
+    /** Residual path: true if `residual` has no kinks in the parameters that matter beside the
+     * noise. Then a search ends once a poll confirms the end of the Gauss-Newton steps. Default
+     * false: these are only a known good point, and both algorithms run. */
     bool smooth;
 
     /** Residual path: cost of one call of `regressor` in the same units; default (zero): as work.

@@ -393,6 +393,7 @@ void auvid_uncertain_channels(auvid_uncertain_t *u, const auvid_metric_t *m,
             }
         }
     }
+    auvid_clear(force, AUVID_MAX_THRUSTERS);
     for (int i = 0; i < u->allocation->cfg.thrusters; ++i) {
         force[i] = uncertain_force(u, i, cell->command[i]);
     }

@@ -314,7 +314,7 @@ static bool uncertain_step(uncertain_t *u, const auvid_metric_t *m)
     return false;
 }
 
-/* Steps of Gauss-Newton. While the excitation runs, a later solution continues from the last one. */
+/* Steps of Gauss-Newton. During an excitation, a later solution continues from the last one. */
 static int uncertain_passes(const uncertain_t *u)
 {
     return u->excited && u->estimate.number > 0 ? 1 : 3;

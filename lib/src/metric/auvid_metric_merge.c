@@ -266,7 +266,8 @@ static void metric_weigh_bands(auvid_metric_t *m, int j)
     ev->band_weight[1][j] = AUVID_C(1.0) / ev->band_weight[0][j];
 }
 
-/* Complete a pass, one DoF at a time, at the cost of five rows each. @return true if all are complete */
+/* Complete a pass, one DoF at a time, at the cost of five rows each. @return true if all are
+ * complete */
 static bool metric_finish_dofs(auvid_metric_t *m, uint32_t *budget)
 {
     auvid_metric_cursor_t *at = &m->evaluator.at;
