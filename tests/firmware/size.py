@@ -36,6 +36,9 @@ PATHS = {
     r"path\(\w+\)->add_cell\(": r":metric_add_(equations|motion)$",
     r"path\(\w+\)->finish_row\(": r":metric_(take|store)_row$",
     r"path\(\w+\)->begin\(": r":metric_begin_samples$",
+    r"start->begin\(": r":identifier_begin_(minimum|newton)$",
+    r"start->run\(": r"^auvid_identifier_optimum$|:identifier_newton$",
+    r"start->scale\(": r":identifier_scale_of_(columns|newton)$",
     r"path\(\w+\)->evaluate\(": r":metric_(evaluate_factor|sample_cost)$",
     r"path->merge\(": r"auvid_metric_merge_sets$",
     r"path\(\w+\)->linearise\(": r"auvid_metric_linearise_sets$",
@@ -49,7 +52,7 @@ NOTHING = r"(?!)"  # the example has no uncertain inputs
 # What calls through pointers lead to in the example, by a pattern of the line of source: functions
 # of auvid_girona500, the metric's prior, the thrusters' log, and the driver's interrupt.
 POINTERS = PATHS | {
-    r"\bv(ehicle)?->(regressor|residual)\(": r":vehicle_g500_(?!acceleration)",
+    r"\b(v(ehicle)?|hull)->(regressor|residual)\(": r":vehicle_g500_(?!acceleration)",
     r"\bv(ehicle)?->acceleration\(": r":vehicle_g500_acceleration",
     r"\? auvid_metric_delay_slopes : auvid_metric_delay_weights\)": r"^auvid_metric_delay_(s|w)",
     r"simulate->cell\(": r"auvid_identifier_simulate\.c:simulate_cell$",

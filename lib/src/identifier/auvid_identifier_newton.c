@@ -13,6 +13,8 @@
 #include "../base/auvid_math_internal.h"
 #include "../metric/auvid_metric_evaluator_internal.h"
 
+#if AUVID_MAX_COMMANDS > 0
+
 /* Largest excess of a result's cost, as in auvid_identifier_optimum.c. */
 #define NEWTON_EXCESS AUVID_C(1e-3)
 #define NEWTON_EXCESS_OF_ZERO AUVID_C(1e-8)
@@ -172,3 +174,5 @@ static void identifier_scale_of_newton(const auvid_identifier_t *id, auvid_real_
 
 const auvid_path_start_t auvid_start_newton = {identifier_begin_newton, identifier_newton,
                                                identifier_scale_of_newton};
+
+#endif

@@ -185,13 +185,13 @@ typedef struct {
 } auvid_metric_cursor_t;
 
 /** Largest number of windows of residuals that contain a row, in the residual path. */
-#define AUVID_METRIC_WINDOWS 16
+#define AUVID_METRIC_WINDOWS (AUVID_MAX_COMMANDS > 0 ? 16 : 1)
 
 /** Windows of residuals under way, each with the sums of its rows' derivatives. Private; memory
  * for auvid_metric_linearise, which need not be initialised. */
 typedef struct {
     auvid_real_t z[AUVID_METRIC_WINDOWS][AUVID_MAX_COLUMNS]; /* e_i, e and e_d, by channel */
-    uint8_t missing[AUVID_METRIC_WINDOWS]; /* bit i: velocity i was not measured in a row */
+    uint8_t missing[16]; /* bit i: velocity i was not measured in a row; always 16: no gap */
 } auvid_metric_windows_t;
 
 /** Evaluator: the ring's merged R factors, and the candidate under evaluation. Private. */
