@@ -44,6 +44,8 @@ WORLD := $(addprefix tools/auvid/,world.c frames.c vehicles.c vehicles_ready.c v
     columns.c) $(MEMORY) \
     $(filter-out %/doctor_report.c,$(wildcard tools/auvid/doctor*.c))
 SUPPORT := $(wildcard tests/support/*.c)
+# What of it needs nothing of the program, as on a microcontroller.
+SUPPORT_FIRMWARE := $(filter-out %/dive.c,$(SUPPORT))
 UNIT := $(wildcard tests/unit/*/test_*.c)
 REFERENCE := $(wildcard tests/reference/test_*.cpp)
 VEHICLES := $(wildcard tests/vehicles/test_*.c)
@@ -139,7 +141,7 @@ FUZZ_SECONDS ?= 60
 VCAN_PROGRAMS := $(patsubst %.c,build/release/%,$(wildcard tests/vcan/*.c))
 BENCH_PROGRAMS := $(BENCH:%.c=build/bench/%)
 # What Python looks at, with the debugging information from which it learns names and layouts.
-VALIDATION := $(LIB) $(SIMULATOR) $(SUPPORT)
+VALIDATION := $(LIB) $(SIMULATOR) $(SUPPORT_FIRMWARE)
 VALIDATION_LIBRARIES := $(addprefix build/validation/,float.so double.so large.so)
 # large: double, and populations as the literature has them, 25 n for n = 10.
 VALIDATION_double := -DAUVID_REAL_DOUBLE
@@ -366,7 +368,7 @@ build/firmware/$(1)-$(2)/unity.o: Makefile | setup
 
 build/firmware/$(1)-$(2)/tests/%.elf: tests/%.c build/firmware/$(1)-$(2)/unity.o \
         $(patsubst %.c,build/firmware/$(1)-$(2)/%.o,\
-        $(LIB) $(SIMULATOR) $(SUPPORT) $(FIRMWARE_START))
+        $(LIB) $(SIMULATOR) $(SUPPORT_FIRMWARE) $(FIRMWARE_START))
 	@mkdir -p $$(@D); echo "  $$@"
 	$$(Q)`$(BOARD) $(1) link` -$(2) $$(FIRMWARE_FLAGS) $$(FLAGS_tests) $(UNITY_64) \
 	    --specs=rdimon.specs -Wl,--defsym=STACK_SIZE=0x80000 -MF $$@.d -MT $$@ \
