@@ -23,8 +23,9 @@ DEAD = ("cfg.", "refusal.", "actuation.refusal.", "metric.evaluator.regressor",
 MAY_FAIL = ("change.predicted", "change.statistic", "metric.evaluator.window",
             "metric.evaluator.sum", "metric.evaluator.compensation", "metric.evaluator.squares",
             "metric.evaluator.band_sse", "metric.evaluator.z", "metric.result.cost",
-            "metric.result.sse", "optimizer.trial", "uncertain.recorded.accumulator",
-            "uncertain.recorded.channel", "instruments.accumulator", "instruments.channel")
+            "metric.result.sse", "optimizer.trial", "linear.newton.cost", "linear.windows.z",
+            "uncertain.recorded.accumulator", "uncertain.recorded.channel",
+            "instruments.accumulator", "instruments.channel")
 # Members that decide on forces stay those of init.
 KEPT = tuple("actuation." + name for name in (
     "excitation.cfg.", "excitation.duration_us", "excitation.pause_us", "excitation.fade_us",
@@ -32,7 +33,9 @@ KEPT = tuple("actuation." + name for name in (
     "guard.cfg.", "guard.ready"))
 # Members of unions are used in other phases of work than the rest.
 MERGE, ASK, CONFIDENCE, GLOBAL, LOCAL = 5, 6, 10, 1, 6
+NEWTON, STEP = "Gauss-Newton steps, in the phase MERGE", 2
 LIVE = (("confidence.", CONFIDENCE, GLOBAL), ("optimum.", MERGE, GLOBAL),
+        ("linear.", NEWTON, GLOBAL),
         ("optimizer.crs.", ASK, GLOBAL),
         ("optimizer.", ASK, LOCAL), ("", ASK, GLOBAL))
 # Pointers that saving follows. Of the last two, it saves whether they are NULL.
@@ -67,7 +70,7 @@ class Subject:
         source = lib.auvid_girona500
         ctypes.memmove(ctypes.byref(self.vehicle), ctypes.byref(source), ctypes.sizeof(source))
         self.vehicle.residual = type(self.vehicle.residual)(lambda *_: None)
-        self.residual, self.regressor = (ctypes.addressof(path) for path in (
+        self.residual, self.regressor = (ctypes.pointer(path) for path in (
             lib.auvid_path_residual, lib.auvid_path_regressor))
         self.vehicle.path = self.residual
         config = lib.auvid_identifier_config_t()
@@ -113,11 +116,17 @@ class Subject:
         """Set up a possible state of a search for two values, or of its result's confidence. The
         model has a regressor for the phase that finds the minimum cost, else none."""
         ctypes.memset(ctypes.byref(self.id.optimizer), 0, ctypes.sizeof(self.id.optimizer))
-        self.id.work.phase, self.id.work.searching = phase, phase == ASK
+        self.id.work.phase = MERGE if phase == NEWTON else phase
+        self.id.work.searching = phase == ASK
         self.id.metric.result.excited = self.id.metric.result.dof_rows[0] = self.id.work.active = 1
         self.id.metric.sets.held = True
         self.vehicle.path = self.regressor if phase == MERGE else self.residual
-        self.id.work.seeks_optimum = self.id.work.spent = phase == MERGE
+        self.id.work.seeks_optimum = phase == MERGE
+        self.id.work.spent = phase in (MERGE, NEWTON)
+        if phase == NEWTON:
+            self.id.linear.newton.ls.n = 1 + self.id.metric.cfg.estimate_delay
+            self.id.linear.newton.state = STEP
+            return
         if phase == MERGE:
             self.id.optimum.n = 1
             return

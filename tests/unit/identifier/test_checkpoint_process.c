@@ -192,7 +192,7 @@ static void record(bool residual)
     for (run.ticks = 1; run.ticks < 50 * seconds; ++run.ticks) {
         tick_t *tick = &run.tick[run.ticks];
         /* so that some sets complete during a search, and a tick may end in any phase */
-        uint32_t usual = residual ? 50 : 60;
+        uint32_t usual = residual ? 120 : 60;
         tick->budget = 1 + auvid_rng_below(&rng, auvid_rng_below(&rng, 6) == 0 ? 9 : usual);
         chain.cfg.budget = tick->budget;
         chain_tick(&chain);

@@ -235,7 +235,7 @@ static void test_a_split_run_ends_as_a_whole_one_excited(void)
 
 static void test_a_split_run_ends_as_a_whole_one_passive(void)
 {
-    check_split_run(PASSIVE, 22000);
+    check_split_run(PASSIVE, 32000);
     TEST_ASSERT_EQUAL_HEX64(all_steps, seen[0]);
 }
 

@@ -255,7 +255,7 @@ static void test_linearising_takes_the_units_that_the_header_says(void)
     uint32_t merge = 0;
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
         int n = auvid_metric_order(&metric, j);
-        merge += n > 0 ? 4u * 2u * 2u * (uint32_t)n + 8u : 0u;
+        merge += n > 0 ? 4u * 2u * 2u * (uint32_t)n + 20u : 0u;
     }
     TEST_ASSERT_EQUAL_UINT32(merge + EACH * 2 * ROWS, used);
     TEST_ASSERT_EQUAL_UINT32(used, linearise(truth, 0, UINT8_MAX, UINT32_MAX));
