@@ -146,7 +146,11 @@ static void identify(uint64_t seed, double disturbance_N)
         const auvid_real_t commands[AUVID_MAX_THRUSTERS] = {command, command};
         TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_applied(&id, in.t_us, nominal, commands));
     }
-    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_work(&id, UINT32_MAX));
+    int calls = 1; /* the first one only begins */
+    while (auvid_identifier_work(&id, UINT32_MAX) == AUVID_PENDING && calls < 10) {
+        ++calls;
+    }
+    TEST_ASSERT_TRUE(calls < 10);
     TEST_ASSERT_EQUAL_UINT32(1, id.estimate.number);
 }
 
