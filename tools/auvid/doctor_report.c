@@ -47,11 +47,11 @@ static const char *const code_name[DOCTOR_CODES] = {
     [DOCTOR_MOTION] = "motion",
 };
 
-/* Reads a whole log. Returns 0, or EXIT_REFUSED after one line on stderr. */
-static int examine(doctor_t *doctor, csv_log_t *log, const char *file)
+/* Reads a whole open log. Returns 0, or EXIT_REFUSED after one line on stderr. */
+static int examine(doctor_t *doctor, csv_log_t *log)
 {
     csv_row_t row;
-    int status = csv_open(log, file);
+    int status = csv_rewind(log);
     if (status != 0) {
         return status;
     }
@@ -136,7 +136,8 @@ int doctor_check(const char *file, const options_t *options)
     if (doctor == NULL) {
         return report_error("check: not enough memory");
     }
-    int status = examine(doctor, &log, file);
+    int status = csv_open(&log, file);
+    status = status != 0 ? status : examine(doctor, &log);
     if (status == 0) {
         csv_notes(&log);
         (options->json ? print_json : print_text)(doctor, &log);
@@ -147,23 +148,21 @@ int doctor_check(const char *file, const options_t *options)
     return status;
 }
 
-int doctor_warn(const char *file)
+int doctor_warn(csv_log_t *log)
 {
-    csv_log_t log = {0};
     doctor_t *doctor = malloc(sizeof *doctor);
     if (doctor == NULL) {
-        return report_error("%s: not enough memory", file);
+        return report_error("%s: not enough memory", log->path);
     }
-    int status = examine(doctor, &log, file);
+    int status = examine(doctor, log);
     for (int i = 0; status == 0 && i < doctor->findings; ++i) {
         const doctor_finding_t *f = &doctor->finding[i];
         if (f->severity == DOCTOR_ERROR) {
-            report_error_line("%s: %s", file, f->text);
+            report_error_line("%s: %s", log->path, f->text);
         } else if (f->severity == DOCTOR_WARNING) {
-            report_warning("%s: %s", file, f->text);
+            report_warning("%s: %s", log->path, f->text);
         }
     }
-    csv_close(&log);
     free(doctor);
     return status;
 }

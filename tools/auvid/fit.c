@@ -164,7 +164,7 @@ static int run(job_t *job)
     }
     int refused = fit_read_logs(job);
     for (int i = 0; i < options->trains && refused == 0; ++i) {
-        refused = doctor_warn(options->train[i]);
+        refused = doctor_warn(&job->log[i].csv);
     }
     const fitted_t *fitted = refused == 0 ? fit_choose_model(job) : NULL;
     if (fitted == NULL) {
