@@ -132,7 +132,7 @@ TEST_PROGRAMS_LONG := $(TEST_PROGRAMS) $(SLOW_SANITIZED) \
     $(foreach way,wide_double wide_sanitized,$(VEHICLES:%.c=build/$(way)/%)) \
     $(VEHICLES_REFERENCE:%.cpp=build/wide_double/%)
 # The CAN codec alone, for the comparison with cantools.
-CAN_CODEC := $(wildcard lib/src/can/auvid_can*.c)
+CAN_CODEC := $(wildcard lib/src/can/auvid_can*.c) lib/src/base/auvid_math.c
 CAN_LIBRARIES := build/can/float.so build/can/double.so
 CAN_CODEGEN := third_party/venv/bin/python tools/can_codegen/can_codegen.py
 FUZZ := $(wildcard tests/fuzz/fuzz_*.c)
