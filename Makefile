@@ -69,6 +69,7 @@ SLEEPER := tests/program/test_realtime.sh
 SCRIPTS := $(SLEEPER) $(filter-out $(SLEEPER),$(SCRIPTS))
 # Builds of packages (CMake, pkg-config, C++) and with all kinds of flags are left to the long form.
 BUILDS := $(addprefix tests/program/,test_drop_in.sh test_hostile_builds.sh test_sizes_derived.sh \
+    test_sizes_link.sh test_sizes_uncertain.sh \
     test_threads.sh)
 # What needs a real bus, here or in a virtual machine.
 VCAN_SCRIPTS := $(wildcard tests/vcan/test_*.sh)

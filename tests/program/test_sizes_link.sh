@@ -72,7 +72,8 @@ static void residual(const void *, const auvid_sample_t *sample, const auvid_rea
 }
 static const auvid_parameter_t parameter = {"m", "kg", AUVID_SURGE, AUVID_PARAMETER_MASS};
 static const auvid_vehicle_t mine = {AUVID_BUILD, &auvid_path_residual, "mine", 1, &parameter, {1},
-                                     0, residual, nullptr, nullptr, nullptr, 0, {}, false};
+                                     0, residual, nullptr, nullptr, nullptr, 0, {}, false,
+                                     false, false, 0, 0};
 int use(void)
 {
     return auvid_vehicle_check(&mine) == AUVID_OK ? 0 : 1;
