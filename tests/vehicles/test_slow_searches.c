@@ -1,8 +1,8 @@
 /*
  * The guide's two configurations whose search takes longest, with continuous excitation at the
  * default budget. They are two thrusters at the stern with four sets, and a Girona500 in a current.
- * Each search ends with an estimate. There is one for each set, or at least one in twice the time of
- * the longest search.
+ * Each search ends with an estimate. There is one for each set, or at least one in twice the time
+ * of the longest search.
  *
  * Long form (AUVID_TEST_LONG): 2 h with thrusters, 1 h in the current. Short form: 4 minutes in the
  * current.
