@@ -168,7 +168,7 @@ typedef struct {
 
 /** See named. */
 #define AUVID_CAUSE_SIGMAS AUVID_C(4.0)
-#define AUVID_CAUSE_SHARE AUVID_C(0.04)
+#define AUVID_CAUSE_SHARE AUVID_C(0.03)
 
 /** What is wrong with the inputs. */
 typedef struct {
