@@ -25,6 +25,9 @@ Q := $(if $(V),,@)
 # Eigen/Core.
 export UNITY_DIR ?= third_party/unity/src
 export EIGEN_DIR ?= /usr/include/eigen3
+# Tests start Python many times: its byte code is made once, whatever the environment says.
+export PYTHONPYCACHEPREFIX := $(CURDIR)/build/python
+unexport PYTHONDONTWRITEBYTECODE
 
 LIB := $(wildcard lib/src/*/*.c)
 PUBLIC := $(wildcard lib/include/auvid/*.h lib/include/auvid/detail/*.h)
@@ -119,17 +122,22 @@ FLAGS_tests := -Wall -Wextra -Ilib/src -Itools/simulator -Itools/auvid -Iport/li
 
 objects = $(patsubst %.c,build/$(1)/%.o,$(2))
 TESTED = $(call objects,$(1),$(LIB) $(SIMULATOR) $(WORLD) $(SUPPORT)) build/$(1)/unity.o
-# Under the sanitizers these take a minute, and others run the same code: the long form only.
-SLOW_SANITIZED := $(addprefix build/sanitized/tests/unit/identifier/,\
-    test_adaptive test_uncertain test_uncertain_causes test_width) \
-    $(addprefix build/sanitized/tests/unit/tools/,test_doctor test_doctor_campaign)
-TEST_PROGRAMS := $(filter-out $(SLOW_SANITIZED),$(foreach way,release sanitized double,\
-        $(UNIT:tests/unit/%.c=build/$(way)/tests/unit/%))) \
+# Under the sanitizers and in double these take a minute, and others run the same code: the long
+# form only. The program itself is never built in double.
+SLOW := $(addprefix %/tests/unit/identifier/,\
+    test_adaptive test_change_test test_uncertain test_uncertain_causes test_width)
+SLOW_SANITIZED := $(SLOW) $(addprefix %/tests/unit/tools/,test_doctor test_doctor_campaign)
+SLOW_DOUBLE := $(SLOW) %/tests/unit/identifier/test_checkpoint_uncertain
+unit_tests = $(UNIT:tests/unit/%.c=build/$(1)/tests/unit/%)
+TEST_PROGRAMS := $(call unit_tests,release) \
+    $(filter-out $(SLOW_SANITIZED),$(call unit_tests,sanitized)) \
+    $(filter-out $(SLOW_DOUBLE) build/double/tests/unit/tools/%,$(call unit_tests,double)) \
     $(REFERENCE:%.cpp=build/release/%) \
     $(VEHICLES:%.c=build/wide/%) $(VEHICLES_REFERENCE:%.cpp=build/wide/%) \
     $(foreach way,release sanitized,$(PORT_TESTS:%.c=build/$(way)/%)) $(GOLDEN_TESTS)
 # The larger models in double and under the sanitizers are left to the long form.
-TEST_PROGRAMS_LONG := $(TEST_PROGRAMS) $(SLOW_SANITIZED) \
+TEST_PROGRAMS_LONG := $(sort $(TEST_PROGRAMS) $(foreach way,sanitized double,\
+    $(call unit_tests,$(way)))) \
     $(foreach way,wide_double wide_sanitized,$(VEHICLES:%.c=build/$(way)/%)) \
     $(VEHICLES_REFERENCE:%.cpp=build/wide_double/%)
 # The CAN codec alone, for the comparison with cantools.
@@ -150,6 +158,7 @@ VALIDATION_large := -DAUVID_REAL_DOUBLE -DAUVID_MAX_POPULATION=250
 
 # The same images for a board at other levels of optimization, and the host's.
 IMAGES := $(BOARDS:%=build/firmware/%-Os/example.elf)
+IMAGES_SHORT := $(patsubst %,build/firmware/%-Os/example.elf,$(shell $(BOARD) short))
 IMAGES_LONG := $(BOARDS:%=build/firmware/%-O2/example.elf)
 # Unit tests there: see tests/firmware/unit.txt.
 unit_listed = $(addprefix %/,$(shell awk '$$2 ~ /$(1)/ { print $$1 ".c" }' tests/firmware/unit.txt))
@@ -157,9 +166,10 @@ UNIT_IMAGES_LONG := $(foreach board,m4f m0plus,\
     $(patsubst %.c,build/firmware/$(board)-O2/%.elf,$(filter-out $(call unit_listed,host),$(UNIT))))
 # Images whose instructions are counted, BOARD-LEVEL each. m3_20k is m3, with other sizes.
 COUNTED := m4f-O2 $(patsubst %,%-Os,$(filter-out m3_20k,$(BOARDS)))
-COUNTED_IMAGES := build/firmware/count_plugin.so \
-    $(foreach name,$(COUNTED),build/firmware/$(name)/counted.elf build/firmware/$(name)/rows.elf) \
+counted_images = $(foreach name,$(1),$(addprefix build/firmware/$(name)/,counted.elf rows.elf))
+COUNTED_SHORT := build/firmware/count_plugin.so $(call counted_images,m4f-O2 m4f-Os) \
     $(foreach level,O2 Os,build/firmware/m4f-$(level)/tests/unit/identifier/test_hostile_inputs.elf)
+COUNTED_IMAGES := $(COUNTED_SHORT) $(call counted_images,$(filter-out m4f-%,$(COUNTED)))
 UNIT_IMAGES := $(filter-out $(patsubst %.c,%.elf,$(call unit_listed,long)),\
     $(UNIT_IMAGES_LONG))
 # The example with port/cortex_m/optional/soft_float.c, and that with link-time optimization.
@@ -189,8 +199,8 @@ demo: build/auvid ## Build the program and identify a simulated vehicle with it
 	build/auvid demo
 
 test: build/auvid $(TEST_PROGRAMS) | setup ## Install what is missing, run all tests (minutes)
-	@tests/run.sh $(VCAN_SHORT) $(FIRMWARE_SCRIPTS) $(VALIDATION_SHORT) $(TEST_PROGRAMS) \
-	    $(filter-out $(BUILDS),$(SCRIPTS)) -- tests/statuses/test_statuses.sh
+	@tests/run.sh $(VCAN_SHORT) $(FIRMWARE_SCRIPTS) $(VALIDATION_SHORT) \
+	    $(filter-out $(BUILDS),$(SCRIPTS)) $(TEST_PROGRAMS) -- tests/statuses/test_statuses.sh
 
 test-long: build/auvid $(TEST_PROGRAMS_LONG) | setup ## The same with long campaigns (an hour)
 	@AUVID_TEST_LONG=1 tests/run.sh $(VCAN_SCRIPTS) $(FIRMWARE_SCRIPTS) \
@@ -199,9 +209,9 @@ test-long: build/auvid $(TEST_PROGRAMS_LONG) | setup ## The same with long campa
 
 test test-long: $(CAN_LIBRARIES) $(VCAN_PROGRAMS) $(filter-out %/large.so,$(VALIDATION_LIBRARIES))
 test-long: $(VALIDATION_LIBRARIES) $(BENCH_PROGRAMS) # these are only built
-test test-long test-firmware: $(IMAGES) $(UNIT_IMAGES) $(FIRMWARE_HOSTS) $(COUNTED_IMAGES)
+test test-long test-firmware: $(IMAGES_SHORT) $(UNIT_IMAGES) $(FIRMWARE_HOSTS) $(COUNTED_SHORT)
 test test-long test-firmware: $(GOLDEN_IMAGE) $(CHECKPOINT_IMAGES) $(SOFT_FLOAT_IMAGES)
-test-long: $(IMAGES_LONG) $(UNIT_IMAGES_LONG) $(FIRMWARE_HOSTS_LONG)
+test-long: $(IMAGES) $(IMAGES_LONG) $(COUNTED_IMAGES) $(UNIT_IMAGES_LONG) $(FIRMWARE_HOSTS_LONG)
 
 test-vcan: build/auvid $(VCAN_PROGRAMS) | setup ## Tests on real CAN, in a virtual machine if needed
 	@tests/run.sh $(VCAN_SCRIPTS)
@@ -300,10 +310,15 @@ build/$(1)/unity.o: Makefile | setup
 	@mkdir -p $$(@D); echo "  $$@"
 	$$(Q)$$(CC) -std=c11 -w $(WAY_$(1)) -DUNITY_INCLUDE_DOUBLE= -c -o $$@ $$(UNITY_DIR)/unity.c
 
-build/$(1)/tests/%: tests/%.cpp $(call TESTED,$(1))
+# The linker takes from an archive only what a test calls.
+build/$(1)/tested.a: $(call TESTED,$(1))
+	@rm -f $$@; echo "  $$@"
+	$$(Q)$(AR) qcs $$@ $$^
+
+build/$(1)/tests/%: tests/%.cpp build/$(1)/tested.a
 	@mkdir -p $$(@D); rm -f $$@; echo "  $$@"
 	$$(Q)$$(EIGEN_CXX) -std=c++17 $(WAY_$(1)) -O1 $$(FLAGS) $$(FLAGS_tests) \
-	    -isystem $$(EIGEN_DIR) $$(CXXFLAGS) -MF $$@.d -MT $$@ -o $$@ $$< $(call TESTED,$(1)) -lm
+	    -isystem $$(EIGEN_DIR) $$(CXXFLAGS) -MF $$@.d -MT $$@ -o $$@ $$< build/$(1)/tested.a -lm
 
 build/$(1)/tests/port/%: tests/port/%.c tests/port/fake_system.c $(call objects,$(1),$(PORT))
 	@mkdir -p $$(@D); rm -f $$@; echo "  $$@"
@@ -315,10 +330,10 @@ $(foreach way,$(WAYS),$(eval $(call rules,$(way))))
 
 # $(1) is the way, $(2) the folder.
 define test_rules
-build/$(1)/tests/$(2)/%: tests/$(2)/%.c $(call TESTED,$(1))
+build/$(1)/tests/$(2)/%: tests/$(2)/%.c build/$(1)/tested.a
 	@mkdir -p $$(@D); rm -f $$@; echo "  $$@"
 	$$(Q)$$(CC) -std=c11 $(WAY_$(1)) $$(FLAGS) $$(FLAGS_tests) $$(STATUSES) $$(CFLAGS) \
-	    -MF $$@.d -MT $$@ -o $$@ $$< $(call TESTED,$(1)) -lm
+	    -MF $$@.d -MT $$@ -o $$@ $$< build/$(1)/tested.a -lm
 endef
 $(foreach way,$(WAYS),$(foreach folder,unit vehicles golden,\
     $(eval $(call test_rules,$(way),$(folder)))))
@@ -407,16 +422,21 @@ build/firmware/count_plugin.so: tests/firmware/count_plugin.c
 	@mkdir -p $(@D); echo "  $@"
 	$(Q)$(CC) -std=gnu11 -O2 -Wall -Wextra -shared -fPIC $(CFLAGS) -o $@ $<
 
+# The library as one translation unit, compiled in half of the time: see tests/lint/unity.sh.
+INCLUDE_LIBRARY = printf '\#include "%s"\n' $(LIB)
+WHOLE_LIBRARY := -xc - -xnone
+
 # The example on the host: with nothing but a level of optimization, which leaves the compiler free
 # to use whatever this machine has, and with our flags ("-ours").
 build/firmware/host/%: $(LIB) $(FIRMWARE_EXAMPLE) tests/firmware/machine_host.c \
         $(PUBLIC) $(wildcard lib/src/*/*.h port/cortex_m/*.h port/cortex_m/*/*.h) \
         | firmware-setup
 	@mkdir -p $(@D); echo "  $@"
-	$(Q)$(word 1,$(subst -, ,$*)) -$(word 2,$(subst -, ,$*)) \
+	$(Q)$(INCLUDE_LIBRARY) | $(word 1,$(subst -, ,$*)) -$(word 2,$(subst -, ,$*)) \
 	    $(if $(findstring ours,$*),-std=c11 -ffp-contract=off,-march=native) \
 	    $(if $(findstring 20k,$*),'-DAUVID_USER_CONFIG="example/config_20k.h"') \
-	    -Ilib/include -Iport/cortex_m -o $@ $(filter %.c,$^)
+	    -Ilib/include -Iport/cortex_m -I. -o $@ $(WHOLE_LIBRARY) \
+	    $(FIRMWARE_EXAMPLE) tests/firmware/machine_host.c
 
 build/can/%.so: $(CAN_CODEC) $(PUBLIC) $(wildcard lib/src/*/*.h) Makefile | $(SETUP)
 	@mkdir -p $(@D); echo "  $@"
@@ -426,9 +446,9 @@ build/can/%.so: $(CAN_CODEC) $(PUBLIC) $(wildcard lib/src/*/*.h) Makefile | $(SE
 build/validation/%.so: $(VALIDATION) Makefile \
         $(PUBLIC) $(wildcard lib/src/*/*.h tools/simulator/*.h tests/support/*.h) | $(SETUP)
 	@mkdir -p $(@D); echo "  $@"
-	$(Q)$(CC) -std=c11 -O2 -g -fno-var-tracking -fPIC -shared $(VALIDATION_$*) \
-	    -ffp-contract=off -Ilib/include -Ilib/src -Itools/simulator -Itests/support $(CFLAGS) \
-	    -o $@ $(VALIDATION) -lm
+	$(Q)$(INCLUDE_LIBRARY) | $(CC) -std=c11 -O2 -g -fno-var-tracking -fPIC -shared \
+	    $(VALIDATION_$*) -ffp-contract=off -Ilib/include -Ilib/src -Itools/simulator \
+	    -Itests/support -I. $(CFLAGS) -o $@ $(WHOLE_LIBRARY) $(filter-out $(LIB),$(VALIDATION)) -lm
 
 .IGNORE: $(TEST_PROGRAMS_LONG) $(VCAN_PROGRAMS) $(VALIDATION_LIBRARIES)
 .IGNORE: $(IMAGES) $(IMAGES_LONG) $(UNIT_IMAGES_LONG) $(FIRMWARE_HOSTS_LONG) $(COUNTED_IMAGES)

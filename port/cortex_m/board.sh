@@ -2,6 +2,8 @@
 # The properties of a board in boards.txt, as commands.
 #
 # usage: board.sh list               print the names of all boards
+#        board.sh short              without those that tests leave to the long form: m3_20k has
+#                                    the core of m3, and m7's differs from m4f's least
 #        board.sh BOARD tools        print the prefix of its compiler
 #        board.sh BOARD compile      print the compiler and its flags
 #        board.sh BOARD link         the same with the linker script and the memory of the board
@@ -19,8 +21,11 @@ die() {
 if [ "${1:-}" = list ]; then
     awk '/^[a-z]/ { print $1 }' "$here/boards.txt"
     exit
+elif [ "${1:-}" = short ]; then
+    "$0" list | grep -vx -e m3 -e m7
+    exit
 fi
-[ $# -ge 2 ] || die "usage: board.sh list | BOARD tools|compile|link|run"
+[ $# -ge 2 ] || die "usage: board.sh list | short | BOARD tools|compile|link|run"
 read -r board tools machine flash_at flash ram_at ram flags < <(
     awk -v board="$1" '$1 == board' "$here/boards.txt"
 ) || die "no board '$1' in boards.txt; 'board.sh list' lists them"

@@ -19,6 +19,7 @@ POINTERS), or exceeds the RAM that is left for it.
 Frames and calls of compiled functions come from gcc (-fcallgraph-info=su), those of its libraries
 from the disassembly.
 """
+import functools
 import pathlib
 import re
 import subprocess
@@ -28,6 +29,7 @@ import tempfile
 BOARD = "port/cortex_m/board.sh"
 HEADERS = sorted(pathlib.Path("lib/include/auvid").glob("**/*.h"))
 API = "".join(path.read_text() for path in HEADERS)
+WORDS = set(re.findall(r"\w+", API))
 MODULES = {path.stem for path in HEADERS} | {"can_fifo", "can_receiver"}
 # The functions of the metric's paths, by member of auvid_path_t, and of the phases of the work.
 PATHS = {
@@ -114,8 +116,19 @@ def compiled(folder, ending):
             for path in sorted(folder.glob(source + ending))]
 
 
-def library_frames(board, folder):
-    """{name: (frame, callees)} of the compiler's libraries, for all functions auvid may call."""
+@functools.cache
+def target(path, line):
+    """The pattern of POINTERS that matches a line of source."""
+    source = pathlib.Path(path).read_text().splitlines()[int(line) - 1]
+    for pattern in POINTERS:
+        if re.search(pattern, source):
+            return pattern
+    raise NoBound(f"{path}:{line}: {source.strip()}: unknown target; add it to POINTERS")
+
+
+def library_frames(board, folder, known):
+    """{name: (frame, callees)} of the compiler's libraries, for all functions auvid may call. Not
+    those that are known."""
     tools, link = (run(BOARD, board, what).split() for what in ("tools", "link"))
     with tempfile.TemporaryDirectory() as scratch:
         image = scratch + "/whole.elf"
@@ -131,7 +144,7 @@ def library_frames(board, folder):
     found = {}
     for block in re.split(r"\n\n(?=[0-9a-f]+ <)", text):
         head = re.match(r"([0-9a-f]+) <([^>]+)>:", block)
-        if head is None:
+        if head is None or head[2] in known:
             continue
         frame, callees = 0, set()
         for line in block.splitlines()[1:]:
@@ -167,20 +180,12 @@ class Graph:
                 r'sourcename: "([^"]+)" targetname: "([^"]+)"(?: label: "([^"]+)")?', text
             ):
                 self.calls.setdefault(caller, set()).add(
-                    self.pointer(where) if callee == "__indirect_call" else callee)
-        for name, (frame, callees) in library_frames(board, folder).items():
+                    target(*where.split(":")[:2]) if callee == "__indirect_call" else callee)
+        known = {title.rsplit(":", 1)[-1] for title in self.frames}
+        for name, (frame, callees) in library_frames(board, folder, known).items():
             if name not in self.frames:
                 self.frames[name] = frame
                 self.calls[name] = callees
-
-    def pointer(self, where):
-        """The pattern of POINTERS that matches a line of source."""
-        path, line = where.split(":")[:2]
-        source = pathlib.Path(path).read_text().splitlines()[int(line) - 1]
-        for pattern in POINTERS:
-            if re.search(pattern, source):
-                return pattern
-        raise NoBound(f"{where}: {source.strip()}: unknown target; add it to POINTERS")
 
     def worst(self, name, above=(), model=True):
         """(bytes, chain) below and with `name`."""
@@ -204,7 +209,7 @@ class Graph:
         found = {}
         for name in self.frames:
             plain = re.sub(r"_f(32|64)(_\d+)*$", "", name)
-            if plain.startswith("auvid_") and re.search(rf"\b{plain}\b", API):
+            if plain.startswith("auvid_") and plain in WORDS:
                 found[plain] = self.worst(name, model=False)
         return found
 

@@ -7,7 +7,7 @@
 //
 // Long form (AUVID_TEST_LONG), 1000 scenarios: among the parameters flagged identifiable, the
 // fraction more than 20 % off has a one-sided 95 % Clopper-Pearson bound of at most 0.5 %. Short
-// form, 300: it fails if 0.5 % is refuted at the 99 % level. Parameters of one run are not
+// form, 150: it fails if 0.5 % is refuted at the 99 % level. Parameters of one run are not
 // independent, so the number of runs with such parameters is printed. Of the parameters whose
 // degree of freedom was excited and whose bound's 95 % half-width is at most 10 %, at least 85 %
 // are flagged. The short form fails if 85 % is refuted at the 99 % level.
@@ -165,7 +165,7 @@ static void test_flags_of_identifiability_are_correct_and_complete()
 {
     bool full = campaign_is_long();
     Counts c = {};
-    uint64_t runs = full ? 1000 : 300;
+    uint64_t runs = full ? 1000 : 150;
     for (uint64_t seed = 7100001; seed <= 7100000 + runs; ++seed) {
         Scenario s = draw(seed);
         count(c, s, seed, identify(s, seed));

@@ -99,6 +99,7 @@ class Subject:
         assert lib.auvid_identifier_attach_prediction(self.id, self.prediction) == 0
         self.prediction.vehicle = ctypes.pointer(self.vehicle)
         self.attach_uncertain()
+        self.chunk = (ctypes.c_uint8 * ROOM)()
 
     def attach_uncertain(self):
         """They need a model with regressor."""
@@ -138,11 +139,10 @@ class Subject:
         optimizer.cfg.n, optimizer.cfg.population, optimizer.cfg.delta = 2, 3, 2
 
     def save(self):
-        cursor, chunk = self.lib.auvid_checkpoint_t(), (ctypes.c_uint8 * ROOM)()
-        size = ctypes.c_uint32(ROOM)
+        cursor, size = self.lib.auvid_checkpoint_t(), ctypes.c_uint32(ROOM)
         assert self.lib.auvid_checkpoint_begin(cursor, self.id) == 0
-        assert self.lib.auvid_checkpoint_next(cursor, chunk, size) == 0
-        return bytes(chunk[:size.value])
+        assert self.lib.auvid_checkpoint_next(cursor, self.chunk, size) == 0
+        return ctypes.string_at(self.chunk, size.value)
 
     def restore(self, saved):
         return self.lib.auvid_checkpoint_resume(

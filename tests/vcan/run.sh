@@ -8,8 +8,8 @@
 # network namespace. Otherwise it runs in a virtual machine (QEMU without KVM, a kernel from
 # kernel.sh). There it sees this machine's files and programs under the same names, but its changes
 # are discarded except below build/. Standard output, error and exit status are passed on, and the
-# current directory is the same. Of the environment it gets only PATH, HOME, CI, AUVID* and VCAN*.
-# VCAN_INSIDE is set to `namespace` or `machine`.
+# current directory is the same. Of the environment it gets only PATH, HOME, CI, AUVID*, VCAN* and
+# PYTHON*. VCAN_INSIDE is set to `namespace` or `machine`.
 #   VCAN_TIMEOUT=600      time limit in seconds (status 124)
 #   VCAN_VIRTUAL=1        the virtual machine even if it is not needed
 #   VCAN_CONTROLLERS=0    number of emulated SJA1000 controllers, can0..., on one bus and down;
@@ -66,7 +66,7 @@ run_native() {
 # The script that /init runs in the machine.
 write_command() {
     local name
-    for name in PATH HOME CI ${!AUVID@} ${!VCAN@}; do
+    for name in PATH HOME CI ${!AUVID@} ${!VCAN@} ${!PYTHON@}; do
         [ -z "${!name+x}" ] || printf 'export %s=%q\n' "$name" "${!name}"
     done
     printf 'cd %q || exit 125\n' "$PWD"

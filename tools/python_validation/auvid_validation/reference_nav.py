@@ -1,5 +1,7 @@
 """The navigation filter against filterpy, and against one written from the paper's Eq. 3-8 in
 numpy, in double: Jacobians by complex steps, all measurements of an instant as one vector."""
+import functools
+
 import numpy as np
 from filterpy.kalman import KalmanFilter
 from scipy.spatial.transform import Rotation
@@ -11,8 +13,13 @@ TICKS = 3000  # a minute
 DVL_YAW, DVL_LEVER = np.radians(225.0), (-0.75, 0.1, 0.2)  # Girona500's, and off its axis
 
 
+@functools.lru_cache(maxsize=1)  # the Jacobians of a tick have one attitude
+def rotation(*angles):
+    return Rotation.from_euler("ZYX", angles[::-1]).as_matrix()
+
+
 def body_to_world(attitude):
-    return Rotation.from_euler("ZYX", attitude[::-1]).as_matrix()
+    return rotation(*attitude)
 
 
 def make_run(lib, rng):
