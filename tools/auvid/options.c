@@ -73,7 +73,7 @@ static int take_count(reader_t *r, uint64_t low, uint64_t high, uint64_t *out)
     return 0;
 }
 
-static int take_count32(reader_t *r, uint32_t low, uint32_t high, uint32_t *out)
+int take_count32(reader_t *r, uint32_t low, uint32_t high, uint32_t *out)
 {
     uint64_t x = 0;
     int status = take_count(r, low, high, &x);
@@ -249,7 +249,7 @@ static int demo_option(reader_t *r, options_t *options)
         return take_count32(r, 1, 100000, &options->runs);
     }
     if (is(r, "--budget")) {
-        return take_count32(r, 1, 1000000, &options->budget);
+        return take_budget(r, &options->budget);
     }
     if (is(r, "--csv")) {
         return take_value(r, &options->csv);

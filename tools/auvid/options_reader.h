@@ -24,6 +24,12 @@ int take_flag(const reader_t *r, bool *flag);
 /** Takes a number from 0 to high. */
 int take_number(reader_t *r, double high, double *out);
 
+/** Takes a whole number from low to high. */
+int take_count32(reader_t *r, uint32_t low, uint32_t high, uint32_t *out);
+
+/** Takes a budget: units of work per tick, or auto[:CORE:MHZ]. */
+int take_budget(reader_t *r, uint32_t *budget);
+
 /** Reads an option of field statistics. Returns -1 if it is another one. */
 int options_field_take(reader_t *r, options_t *options);
 
