@@ -83,6 +83,7 @@ BOARD := port/cortex_m/board.sh
 BOARDS := $(shell $(BOARD) list)
 FIRMWARE_START := $(wildcard port/cortex_m/*.c)
 FIRMWARE_EXAMPLE := $(wildcard port/cortex_m/example/*.c)
+FIRMWARE_PASSIVE := own_navigation with_filter
 FIRMWARE_SCRIPTS := $(wildcard tests/firmware/test_*.sh)
 # Mutation tests: the unit tests, or TESTS by name, linked with a changed file of the library.
 MUTATION_SCRIPTS := $(wildcard tests/mutation/test_*.sh)
@@ -157,8 +158,10 @@ VALIDATION_double := -DAUVID_REAL_DOUBLE
 VALIDATION_large := -DAUVID_REAL_DOUBLE -DAUVID_MAX_POPULATION=250
 
 # The same images for a board at other levels of optimization, and the host's.
-IMAGES := $(BOARDS:%=build/firmware/%-Os/example.elf)
-IMAGES_SHORT := $(patsubst %,build/firmware/%-Os/example.elf,$(shell $(BOARD) short))
+images = $(foreach board,$(1),$(patsubst %,build/firmware/$(board)-Os/%.elf,\
+    example $(FIRMWARE_PASSIVE)))
+IMAGES := $(call images,$(BOARDS))
+IMAGES_SHORT := $(call images,$(shell $(BOARD) short))
 IMAGES_LONG := $(BOARDS:%=build/firmware/%-O2/example.elf)
 # Unit tests there: see tests/firmware/unit.txt.
 unit_listed = $(addprefix %/,$(shell awk '$$2 ~ /$(1)/ { print $$1 ".c" }' tests/firmware/unit.txt))
@@ -216,7 +219,7 @@ test-long: $(IMAGES) $(IMAGES_LONG) $(COUNTED_IMAGES) $(UNIT_IMAGES_LONG) $(FIRM
 test-vcan: build/auvid $(VCAN_PROGRAMS) | setup ## Tests on real CAN, in a virtual machine if needed
 	@tests/run.sh $(VCAN_SCRIPTS)
 
-firmware: $(IMAGES) ## Build the example for each microcontroller: build/firmware/*/example.elf
+firmware: $(IMAGES) ## Build the examples for each microcontroller: build/firmware/*/*.elf
 
 test-firmware: build/auvid | setup ## Run it in QEMU, with unit tests: are the bits the host's?
 	@tests/run.sh $(FIRMWARE_SCRIPTS)
@@ -375,6 +378,13 @@ build/firmware/$(1)-$(2)/%.o: %.c Makefile port/cortex_m/boards.txt | firmware-s
 
 build/firmware/$(1)-$(2)/example.elf: port/cortex_m/firmware.ld \
         $(patsubst %.c,build/firmware/$(1)-$(2)/%.o,$(LIB) $(FIRMWARE_START) $(FIRMWARE_EXAMPLE))
+	@echo "  $$@"
+	$$(Q)`$(BOARD) $(1) link` -Wl,-Map=$$(@:.elf=.map) -o $$@ $$(filter %.o,$$^)
+
+$(FIRMWARE_PASSIVE:%=build/firmware/$(1)-$(2)/%.elf): build/firmware/$(1)-$(2)/%.elf: \
+        port/cortex_m/firmware.ld $(patsubst %.c,build/firmware/$(1)-$(2)/%.o,\
+        $(LIB) $(FIRMWARE_START) port/cortex_m/passive/driver_qemu.c) \
+        build/firmware/$(1)-$(2)/port/cortex_m/passive/%.o
 	@echo "  $$@"
 	$$(Q)`$(BOARD) $(1) link` -Wl,-Map=$$(@:.elf=.map) -o $$@ $$(filter %.o,$$^)
 

@@ -1,12 +1,14 @@
 #!/usr/bin/env python3
-"""Flash, RAM and stack of the firmware's example, from the output of `make firmware`.
+"""Flash, RAM and stack of the firmware's examples, from the output of `make firmware`.
 
 usage: size.py BOARD... >FIGURES.csv
        size.py --readme [write]         README's table, from tests/firmware/size.csv
 Prints lines "what/board/name,bytes", and the same as tables on stderr. Exit status 1 if a maximum
 stack is unknown (recursion, a frame of unknown size, a call through a pointer that is not in
 POINTERS), or exceeds the RAM that is left for it.
-  image   text, data and bss of the example
+  image   text, data and bss of the example, and of the two passive ones (port/cortex_m/passive)
+  rooms   flash of each image on m4f: by the folder of lib/src, `example` (with start-up and
+          driver), and `compiler` for its libraries
   flash   of each module as linked into the example. A module is a public header and the objects
           named after it, or a single object; `library` is all of lib/, `library whole` its objects
           before linking
@@ -29,7 +31,7 @@ import tempfile
 BOARD = "port/cortex_m/board.sh"
 HEADERS = sorted(pathlib.Path("lib/include/auvid").glob("**/*.h"))
 API = "".join(path.read_text() for path in HEADERS)
-WORDS = set(re.findall(r"\w+", API))
+CALLED = set(re.findall(r"\w+(?=\()", API))
 MODULES = {path.stem for path in HEADERS} | {"can_fifo", "can_receiver"}
 # The functions of the metric's paths, by member of auvid_path_t, and of the phases of the work.
 PATHS = {
@@ -78,6 +80,7 @@ POINTERS = PATHS | {
 }
 START = r"machine_\w+\.c:start$"
 INTERRUPT = r"machine_\w+\.c:(systick|trap)$"
+IMAGES = {"node": "example", "with_filter": "with_filter", "own_navigation": "own_navigation"}
 PARTS = ("nav", "metric", "optimizer", "guard")  # of a line in the tables: the regressor path
 OTHERS = ("start-up and driver", "compiler's")
 CORE = "nav smoother metric optimizer crs line_search identifier excitation guard can".split()
@@ -98,15 +101,20 @@ def module_of(path):
     return OTHERS["/port/" not in path]
 
 
-def flash(folder):
-    """Bytes of flash by module, from the linker's map."""
-    linked = (folder / "example.map").read_text().split("Linker script and memory map")[1]
+def room_of(path):
+    room = re.search(r"lib/src/(\w+)/", path)
+    return room[1] if room else ("compiler", "example")["/port/" in path]
+
+
+def flash(map_file, group):
+    """{group(path): bytes of flash}, from the linker's map."""
+    linked = map_file.read_text().split("Linker script and memory map")[1]
     sizes = {}
     for name, size, path in re.findall(
         r"^ (\.[\w.$]+)\s+0x[0-9a-f]+\s+0x([0-9a-f]+) (\S+\.(?:o|a\(.*\)))$", linked, re.M
     ):
         if re.match(r"\.(text|s?rodata|vectors|ARM\.ex|s?data)", name):
-            sizes[module_of(path)] = sizes.get(module_of(path), 0) + int(size, 16)
+            sizes[group(path)] = sizes.get(group(path), 0) + int(size, 16)
     return sizes
 
 
@@ -209,7 +217,7 @@ class Graph:
         found = {}
         for name in self.frames:
             plain = re.sub(r"_f(32|64)(_\d+)*$", "", name)
-            if plain.startswith("auvid_") and plain in WORDS:
+            if plain.startswith("auvid_") and plain in CALLED:
                 found[plain] = self.worst(name, model=False)
         return found
 
@@ -255,10 +263,11 @@ def main():
     for board in boards:
         folder = pathlib.Path(f"build/firmware/{board}-Os")
         prefix = run(BOARD, board, "tools").strip()
-        totals = run(prefix + "size", str(folder / "example.elf")).splitlines()[1].split()
-        for name, size in zip(("text", "data", "bss"), totals):
-            figures[f"image/{board}/{name}"] = int(size)
-        sizes = flash(folder)
+        for image, file in IMAGES.items():
+            totals = run(prefix + "size", str(folder / f"{file}.elf")).splitlines()[1].split()
+            for name, size in zip(("text", "data", "bss"), totals):
+                figures[f"image/{board}/{image} {name}"] = int(size)
+        sizes = flash(folder / "example.map", module_of)
         sizes["library"] = sum(size for name, size in sizes.items() if name not in OTHERS)
         sizes["library whole"] = sum(
             int(line.split()[0]) for line in run(
@@ -282,6 +291,9 @@ def main():
         needed = figures[f"stack/{board}/main"] + figures[f"stack/{board}/interrupt"]
         if needed > room(prefix, folder):
             raise NoBound(f"{board}: stack {needed}, but {room(prefix, folder)} bytes are left")
+    for image, file in IMAGES.items():
+        rooms = flash(pathlib.Path(f"build/firmware/m4f-Os/{file}.map"), room_of)
+        figures |= {f"rooms/{image}/{room}": size for room, size in rooms.items()}
     for config, board, more in (
         ("default", "m4f", ()), ("m3_20k", "m3_20k", ()),
         ("regressors", "m4f", ("-DAUVID_MAX_COMMANDS=0", "-DAUVID_MAX_POPULATION=52")),
@@ -300,7 +312,7 @@ def main():
 def tables(figures, chains):
     """Prints the figures as tables on stderr."""
     out = sys.stderr
-    for what in ("image", "flash", "sizeof", "stack"):
+    for what in ("image", "rooms", "flash", "sizeof", "stack"):
         rows = {}
         for key, size in figures.items():
             kind, column, name = key.split("/")
@@ -324,10 +336,12 @@ def readme():
     size = {key: int(number) for key, number in (line.split(",") for line in lines[1:])}
     boards = run(BOARD, "list").split()
     table = [f"{'bytes':<28}" + "".join(f"{board:>9}" for board in boards)]
-    for title, keys in (("flash: all", ["image/{}/text"]),
-                        ("       auvid's part", ["flash/{}/library"]),
-                        ("RAM: static", ["image/{}/data", "image/{}/bss"]),
-                        ("     stack, at most", ["stack/{}/main", "stack/{}/interrupt"])):
+    rows = [(f"{what}: {image}", [f"image/{{}}/{image.replace(' ', '_')} {name}" for name in names])
+            for what, names in (("flash", ["text"]), ("RAM", ["data", "bss"]))
+            for image in ("own navigation", "with filter", "node")]
+    for title, keys in (*rows,
+                        ("node: auvid's part of flash", ["flash/{}/library"]),
+                        ("      stack, at most", ["stack/{}/main", "stack/{}/interrupt"])):
         table.append(f"{title:<28}" + "".join(
             f"{sum(size[key.format(board)] for key in keys):>9}" for board in boards))
     return "\n".join(table) + "\n"

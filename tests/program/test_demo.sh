@@ -133,6 +133,17 @@ assert d['budget']['limit'] == $budget >= d['budget']['worst'] and d['status'] =
         'assert all(error(n) < 0.05 for n in ("m_u", "m_v", "m_w", "m_r"))'
 done
 check "a budget of zero is refused" refuses "--budget: '0' is not a whole number" demo --budget 0
+check "a budget for a core: half of a tick at 168 MHz" \
+    exits 0 demo --budget auto --sets 1 --json
+check "it is that of the library" is out 'assert d["budget"]["limit"] == 3029'
+check "a slower core has less" exits 0 demo --budget auto:m0plus:200 --sets 1 --json
+check "200 MHz of a Cortex-M0+" is out 'assert 80 < d["budget"]["limit"] < 100'
+for wrong in automatic auto: auto:m4f auto:m4f: auto:z80:4 auto:m4f:fast auto:m4f:1:2 auto:m:1; do
+    check "'$wrong' is refused" refuses "'$wrong' is not auto or auto:CORE:MHZ" \
+        demo --budget $wrong
+done
+check "a core that is too slow is refused" \
+    refuses "'auto:m0plus:48' leaves no time for a search" demo --budget auto:m0plus:48
 check "a scenario has its own budget" refuses "--scenario and --budget cannot be combined" \
     demo --scenario payload --budget 10
 

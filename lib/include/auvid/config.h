@@ -80,10 +80,15 @@
  * that needs more. AUVID_TOKEN_x is the part of link-time names; 0: derived. */
 
 /** Largest population m of the controlled random search (m >= n + 1); default 4 n, which is also
- * the optimizer's. 2..1024. */
+ * the optimizer's. 2..1024. 0: no code and no memory for Algorithm 1, for boards with little
+ * memory. Then all models must be on the regressor path (AUVID_MAX_COMMANDS 0). Its R factor gives
+ * the minimum of the cost, and Algorithm 2 confirms it; the default of auvid_search_config_t.phases
+ * is AUVID_SEARCH_LOCAL, and any other value is refused. */
 #ifndef AUVID_MAX_POPULATION
 #define AUVID_MAX_POPULATION (4 * AUVID_MAX_PARAMETERS)
 #define AUVID_TOKEN_POPULATION 0
+#elif AUVID_MAX_POPULATION == 0
+#define AUVID_TOKEN_POPULATION none
 #else
 #define AUVID_TOKEN_POPULATION AUVID_MAX_POPULATION
 #endif
@@ -160,10 +165,13 @@
 #if AUVID_MAX_PARAMETERS < 1 || AUVID_MAX_PARAMETERS > 32
 #error "auvid: AUVID_MAX_PARAMETERS must be 1..32"
 #endif
-#if AUVID_MAX_POPULATION < 2 || AUVID_MAX_POPULATION > 1024
-#error "auvid: AUVID_MAX_POPULATION must be 2..1024"
+#if AUVID_MAX_POPULATION != 0 && (AUVID_MAX_POPULATION < 2 || AUVID_MAX_POPULATION > 1024)
+#error "auvid: AUVID_MAX_POPULATION must be 0 or 2..1024"
 #endif
-#if AUVID_MAX_PARAMETERS + 1 > AUVID_MAX_POPULATION
+#if AUVID_MAX_POPULATION == 0 && AUVID_MAX_COMMANDS > 0
+#error "auvid: AUVID_MAX_POPULATION 0 needs AUVID_MAX_COMMANDS 0: other models need Algorithm 1"
+#endif
+#if AUVID_MAX_POPULATION != 0 && AUVID_MAX_PARAMETERS + 1 > AUVID_MAX_POPULATION
 #error "auvid: AUVID_MAX_POPULATION must be at least AUVID_MAX_PARAMETERS + 1"
 #endif
 #if AUVID_MAX_SETS < 1 || AUVID_MAX_SETS > 64
@@ -205,6 +213,8 @@
 
 /** Length of arrays of commands, which must not be empty. */
 #define AUVID_COMMAND_SLOTS (AUVID_MAX_COMMANDS > 0 ? AUVID_MAX_COMMANDS : 1)
+/** Likewise of the population. */
+#define AUVID_POPULATION_SLOTS (AUVID_MAX_POPULATION > 0 ? AUVID_MAX_POPULATION : 1)
 
 /* The link-time name of a function contains the arithmetic and, if its arguments depend on them,
  * the sizes; tests/lint/sources.py reports a function whose name lacks them. A derived size is in

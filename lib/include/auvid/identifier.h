@@ -98,7 +98,8 @@ typedef struct auvid_identifier_config {
 /** Sizes that a configuration needs: the least value of each macro AUVID_MAX_... of config.h. */
 typedef struct {
     uint32_t parameters; /**< also of the delay, if it is searched (residual path) */
-    uint32_t population; /**< as configured, or else n + 1; 4 n, the default, is better */
+    uint32_t population; /**< as configured, or else n + 1; 4 n, the default, is better. 0 if the
+                              search consists of the local phase (regressor path) */
     uint32_t sets;
     uint32_t commands; /**< 0: the model needs no memory for them. 1: the residual path; your model
                             may read more */

@@ -99,6 +99,16 @@ typedef struct {
     bool new_attitude, new_rates;   /* this half arrived since the last step: its time is an age */
 } auvid_node_imu_t;
 
+/** What a node has received of one message. The counts wrap. */
+typedef struct {
+    uint32_t good;    /**< accepted frames */
+    uint32_t lost;    /**< frames missing between them */
+    uint32_t refused; /**< see auvid_node_counters_t */
+    uint8_t counter;  /* of the last authentic frame */
+    bool started;     /* `counter` is valid */
+    uint8_t reserved[2];
+} auvid_node_received_t;
+
 /** What to report next. Private. */
 typedef struct {
     uint8_t parameter, point, cause; /* point of the drag force; class of causes, by its share */
@@ -115,7 +125,7 @@ typedef struct auvid_node {
                           int *count); /* NULL: no uncertain inputs */
     auvid_node_counters_t counters;
     auvid_can_sender_t sender;
-    auvid_can_receiver_t receiver[AUVID_CAN_NODE_KINDS];
+    auvid_node_received_t received[AUVID_CAN_NODE_KINDS]; /**< by auvid_can_node_kind_t */
     auvid_input_t in; /* samples since the last tick; a t_us holds the age until the next step */
     auvid_node_imu_t imu;
     auvid_real_t thrust[AUVID_CAN_THRUSTERS]; /* of the last feedback */

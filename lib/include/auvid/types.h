@@ -92,7 +92,8 @@ typedef enum {
     AUVID_ERR_STALE = -5,         /**< sample older than allowed, or from the future */
     AUVID_ERR_RANGE = -6,         /**< a value or configuration field is outside its stated range */
     AUVID_ERR_BOUNDS = -7,        /**< lower bound not below upper bound */
-    AUVID_ERR_POPULATION = -8,    /**< m < n + 1, or m > AUVID_MAX_POPULATION */
+    AUVID_ERR_POPULATION = -8,    /**< m < n + 1, or m > AUVID_MAX_POPULATION; Algorithm 1 with
+                                  AUVID_MAX_POPULATION 0 */
     AUVID_ERR_PARAMETERS = -9,    /**< no parameter, or more than AUVID_MAX_PARAMETERS */
     AUVID_ERR_SIZE = -10,         /**< another count exceeds its size in config.h */
     AUVID_ERR_STATE = -11,        /**< call out of order (tell before ask, not initialised, ...) */
@@ -207,7 +208,9 @@ typedef struct {
     uint16_t population; /**< m of Algorithm 1, n + 1..AUVID_MAX_POPULATION; 0: 4 n (at least n + 2,
                               at most AUVID_MAX_POPULATION) */
     uint8_t n;           /**< parameters, 1..AUVID_MAX_PARAMETERS */
-    uint8_t phases;      /**< auvid_search_phases_t; default AUVID_SEARCH_BOTH */
+    uint8_t phases;      /**< auvid_search_phases_t; default AUVID_SEARCH_BOTH. With
+                              AUVID_MAX_POPULATION 0 only AUVID_SEARCH_LOCAL, which is then the
+                              default */
     uint8_t restarts; /**< of the local phase, with alpha0 / 10, the first along the axes; default
                               1 */
     bool has_good;    /**< use `good`, clipped to the bounds; default false */

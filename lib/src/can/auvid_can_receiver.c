@@ -6,8 +6,8 @@
 #include <string.h>
 
 #include "../base/auvid_math_internal.h"
+#include "auvid_can_follow_internal.h"
 
-#define COUNTERS 16u
 #define RECEIVER_HALF (AUVID_CAN_THRUSTERS / 2)
 
 auvid_status_t auvid_can_receiver_init(auvid_can_receiver_t *receiver, auvid_can_kind_t kind,
@@ -74,23 +74,13 @@ auvid_status_t auvid_can_receiver_status(auvid_can_receiver_t *receiver, uint64_
 /* Verdict on an authentic frame by its counter. */
 static auvid_status_t can_receiver_check_counter(auvid_can_receiver_t *receiver, uint8_t counter)
 {
-    uint32_t step = (uint32_t)(counter - receiver->counter) % COUNTERS;
-    bool first = !receiver->started;
-    receiver->counter = counter;
-    receiver->started = true;
-    if (first && !receiver->strict) {
-        return AUVID_OK;
-    }
-    if (first || step > AUVID_CAN_LARGEST_STEP) {
-        ++receiver->counter_jumps;
-        return AUVID_ERR_COUNTER_JUMP;
-    }
-    if (step == 0) {
-        ++receiver->repeated;
-        return AUVID_ERR_REPEATED;
-    }
-    receiver->lost += step - 1u;
-    return AUVID_OK;
+    bool first = receiver->strict && !receiver->started;
+    auvid_status_t status =
+        auvid_can_follow(&receiver->counter, &receiver->started, counter, &receiver->lost);
+    status = first ? AUVID_ERR_COUNTER_JUMP : status;
+    receiver->counter_jumps += status == AUVID_ERR_COUNTER_JUMP;
+    receiver->repeated += status == AUVID_ERR_REPEATED;
+    return status;
 }
 
 auvid_status_t auvid_can_receiver_take(auvid_can_receiver_t *receiver,

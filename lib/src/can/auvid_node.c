@@ -11,6 +11,7 @@
 #include "../identifier/auvid_identifier_internal.h"
 #include "../identifier/auvid_input_internal.h"
 #include "../navigation/auvid_sensors_internal.h"
+#include "auvid_can_follow_internal.h"
 #include "auvid_node_step_internal.h"
 
 /* If the clock of the tick advances by more than this [us], it was set. Time then advances by this
@@ -28,19 +29,6 @@ void auvid_node_defaults(auvid_node_config_t *cfg)
     }
 }
 
-static auvid_status_t node_init_frames(auvid_node_t *node, const auvid_node_config_t *cfg)
-{
-    auvid_status_t status = auvid_can_sender_init(&node->sender, &cfg->ids);
-    for (int i = 0; i < AUVID_CAN_KINDS && status >= 0; ++i) {
-        auvid_can_kind_t kind = (auvid_can_kind_t)i;
-        auvid_can_node_kind_t received = auvid_can_node_kind(kind);
-        if (received != AUVID_CAN_NODE_KINDS) {
-            status = auvid_can_receiver_init(&node->receiver[received], kind, 0, &cfg->ids);
-        }
-    }
-    return status;
-}
-
 /* Check the number of thrusters, and prepare the frames. */
 static void node_check(auvid_node_t *node, const auvid_node_config_t *cfg, int thrusters,
                        auvid_refusal_t *why)
@@ -54,7 +42,7 @@ static void node_check(auvid_node_t *node, const auvid_node_config_t *cfg, int t
     auvid_check_part(why, "ids");
     AUVID_CHECK_TABLE(why, &cfg->ids, fields);
     if (why->status == AUVID_OK) { /* refused if the blocks overlap */
-        auvid_status_t status = node_init_frames(node, cfg);
+        auvid_status_t status = auvid_can_sender_init(&node->sender, &cfg->ids);
         auvid_check_limit(why, status >= 0, status, "slow", (auvid_real_t)cfg->ids.slow,
                           (auvid_real_t)(cfg->ids.fast + AUVID_CAN_FAST_KINDS));
     }
@@ -297,10 +285,14 @@ auvid_status_t auvid_node_take(auvid_node_t *node, const auvid_can_frame_t *fram
     if (received == AUVID_CAN_NODE_KINDS || node_is_echo(node, kind, frame)) {
         return AUVID_UNUSED;
     }
-    auvid_can_frame_t at_tick = *frame;
+    auvid_node_received_t *of = &node->received[received];
     auvid_can_message_t message;
-    at_tick.t_us = node->t_us; /* nothing depends on the time of arrival */
-    auvid_status_t status = auvid_can_receiver_take(&node->receiver[received], &at_tick, &message);
+    auvid_status_t status = auvid_can_unpack(&node->cfg.ids, frame, &message);
+    if (status == AUVID_OK) {
+        status = auvid_can_follow(&of->counter, &of->started, message.counter, &of->lost);
+    }
+    of->good += status == AUVID_OK;
+    of->refused += status < 0;
     if (!node_obeys(status, &message)) {
         ++node->counters.refused;
         return status;

@@ -21,11 +21,14 @@ auvid_status_t auvid_identifier_needs(const auvid_identifier_config_t *cfg, auvi
     for (uint32_t i = 0; i < parameters; ++i) {
         searched += metric->free == 0 || (metric->free >> i & 1u) != 0 ? 1 : 0;
     }
+    bool local = cfg->search.phases == AUVID_SEARCH_LOCAL;
     uint32_t taps = auvid_metric_taps(metric, rows);
     uint32_t apart = metric->row_cells > 0 ? metric->row_cells : 1;
     *needs = (auvid_needs_t){
         .parameters = searched > parameters ? searched : parameters,
-        .population = cfg->search.population > 0 ? cfg->search.population : searched + 1,
+        .population = cfg->search.population > 0 ? cfg->search.population
+                      : local && !rows           ? 0
+                                                 : searched + 1,
         .sets = metric->sets,
         .commands = rows ? 1 : 0,
         .taps = taps,

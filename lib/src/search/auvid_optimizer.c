@@ -13,7 +13,7 @@
 
 static bool optimizer_is_global(const auvid_optimizer_t *o)
 {
-    return o->state < AUVID_OPTIMIZER_START;
+    return AUVID_MAX_POPULATION > 0 && o->state < AUVID_OPTIMIZER_START;
 }
 
 auvid_status_t auvid_optimizer_init(auvid_optimizer_t *o, const auvid_search_config_t *cfg,
@@ -42,7 +42,7 @@ auvid_status_t auvid_optimizer_init(auvid_optimizer_t *o, const auvid_search_con
         o->trial[i] =
             auvid_clamp(c->has_good ? c->good[i] : (low + high) * AUVID_C(0.5), low, high);
     }
-    if (c->phases == AUVID_SEARCH_LOCAL) {
+    if (AUVID_MAX_POPULATION == 0 || c->phases == AUVID_SEARCH_LOCAL) {
         auvid_line_search_begin(o, AUVID_C(0.0));
         return AUVID_OK;
     }
@@ -55,7 +55,7 @@ auvid_status_t auvid_optimizer_add_point(auvid_optimizer_t *o, const auvid_real_
     if (o == NULL || theta == NULL) {
         return AUVID_ERR_NULL;
     }
-    if (o->state != AUVID_OPTIMIZER_FRESH) {
+    if (AUVID_MAX_POPULATION == 0 || o->state != AUVID_OPTIMIZER_FRESH) {
         return AUVID_ERR_STATE;
     }
     if (o->crs.known == o->cfg.population) {
@@ -77,7 +77,7 @@ auvid_status_t auvid_optimizer_certify(auvid_optimizer_t *o, const auvid_real_t 
     if (o == NULL || theta == NULL) {
         return AUVID_ERR_NULL;
     }
-    bool global = o->state == AUVID_OPTIMIZER_FRESH;
+    bool global = AUVID_MAX_POPULATION > 0 && o->state == AUVID_OPTIMIZER_FRESH;
     if (!global && (o->state != AUVID_OPTIMIZER_START || o->asked)) {
         return AUVID_ERR_STATE;
     }

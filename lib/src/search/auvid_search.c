@@ -30,6 +30,7 @@ void auvid_search_defaults(auvid_search_config_t *cfg, uint8_t n)
     cfg->delta = AUVID_C(2.0);
     cfg->gamma = AUVID_C(1e-6);
     cfg->n = n;
+    cfg->phases = AUVID_MAX_POPULATION > 0 ? AUVID_SEARCH_BOTH : AUVID_SEARCH_LOCAL;
     cfg->restarts = 1;
 }
 
@@ -47,7 +48,7 @@ static void search_steps(const auvid_search_config_t *c, auvid_real_t step[3])
 static uint32_t search_population(const auvid_search_config_t *c)
 {
     uint32_t n = c->n, m = 4u * n > n + 2u ? 4u * n : n + 2u;
-    m = m < AUVID_MAX_POPULATION ? m : AUVID_MAX_POPULATION;
+    m = m <= AUVID_MAX_POPULATION ? m : AUVID_MAX_POPULATION;
     return c->population != 0 ? c->population : m;
 }
 
@@ -90,8 +91,11 @@ void auvid_search_check_fields(const auvid_search_config_t *c, auvid_refusal_t *
     };
     const uint32_t m = search_population(c);
     auvid_check_count(why, AUVID_ERR_PARAMETERS, "n", c->n, AUVID_MAX_PARAMETERS);
-    auvid_check_limit(why, m > c->n && m <= AUVID_MAX_POPULATION, AUVID_ERR_POPULATION,
-                      "population", (auvid_real_t)m,
+    auvid_check_limit(why, AUVID_MAX_POPULATION > 0 || c->phases == AUVID_SEARCH_LOCAL,
+                      AUVID_ERR_POPULATION, "phases: AUVID_MAX_POPULATION",
+                      (auvid_real_t)c->phases, (auvid_real_t)AUVID_SEARCH_LOCAL);
+    auvid_check_limit(why, (m > c->n || AUVID_MAX_POPULATION == 0) && m <= AUVID_MAX_POPULATION,
+                      AUVID_ERR_POPULATION, "population", (auvid_real_t)m,
                       (auvid_real_t)(m > c->n ? AUVID_MAX_POPULATION : c->n + 1));
     for (int i = 0; i < c->n && why->status == AUVID_OK; ++i) {
         const auvid_real_t low = c->lower[i], high = c->upper[i];

@@ -280,7 +280,7 @@ static void test_times_of_arrival_change_no_bit(void)
     go(SET_TICKS / 3);
     TEST_ASSERT_EQUAL_MEMORY(&other.id.nav, &node.id.nav, sizeof node.id.nav);
     TEST_ASSERT_EQUAL_MEMORY(&other.id.recorder, &node.id.recorder, sizeof node.id.recorder);
-    TEST_ASSERT_EQUAL_MEMORY(other.receiver, node.receiver, sizeof node.receiver);
+    TEST_ASSERT_EQUAL_MEMORY(other.received, node.received, sizeof node.received);
 }
 
 static auvid_uncertain_t uncertain;

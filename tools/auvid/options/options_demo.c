@@ -19,7 +19,7 @@ static int demo_option(reader_t *r, options_t *options)
         return take_count32(r, 1, 100000, &options->runs);
     }
     if (option_is(r, "--budget")) {
-        return take_count32(r, 1, 1000000, &options->budget);
+        return take_budget(r, &options->budget);
     }
     if (option_is(r, "--csv")) {
         return take_value(r, &options->csv);

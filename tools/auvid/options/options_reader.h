@@ -47,6 +47,9 @@ int take_number(reader_t *r, double high, double *out);
 int take_count(reader_t *r, uint64_t low, uint64_t high, uint64_t *out);
 int take_count32(reader_t *r, uint32_t low, uint32_t high, uint32_t *out);
 
+/** Takes a budget: units of work per tick, or auto[:CORE:MHZ]. */
+int take_budget(reader_t *r, uint32_t *budget);
+
 /** Takes one of `count` words, as its index. */
 int take_word(reader_t *r, const char *const *words, int count, int *out);
 

@@ -89,13 +89,13 @@ typedef struct {
 
 /** State of the global phase: the population S of m points. */
 typedef struct {
-    auvid_real_t theta[AUVID_MAX_POPULATION][AUVID_MAX_PARAMETERS]; /**< S [parameter's unit] */
-    auvid_real_t cost[AUVID_MAX_POPULATION]; /**< J of each point, once evaluated */
+    auvid_real_t theta[AUVID_POPULATION_SLOTS][AUVID_MAX_PARAMETERS]; /**< S [parameter's unit] */
+    auvid_real_t cost[AUVID_POPULATION_SLOTS]; /**< J of each point, once evaluated */
     auvid_real_t initial_spread;          /**< J0_max - J0_min over the points that did not fail */
     auvid_real_t last_spread;             /**< J_max - J_min at which the search ends */
     uint32_t rng[4];                      /**< state of the random numbers */
     uint32_t rejections;                  /**< consecutive trials outside the box, now */
-    uint16_t order[AUVID_MAX_POPULATION]; /**< a permutation of 0..m-1; draws shuffle it */
+    uint16_t order[AUVID_POPULATION_SLOTS]; /**< a permutation of 0..m-1; draws shuffle it */
     uint16_t known;                       /**< points added by auvid_optimizer_add_point, 0..m */
     uint16_t best, worst;                 /**< indices of theta_min and theta_max */
 } auvid_crs_t;
