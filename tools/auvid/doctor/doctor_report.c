@@ -148,21 +148,32 @@ int doctor_check(const char *file, const options_t *options)
     return status;
 }
 
-int doctor_warn(csv_log_t *log)
+int doctor_tell(const doctor_t *doctor, const char *path, report_findings_t *findings)
+{
+    int status = 0;
+    for (int i = 0; status == 0 && i < doctor->findings; ++i) {
+        const doctor_finding_t *f = &doctor->finding[i];
+        bool error = f->severity == DOCTOR_ERROR;
+        if (error) {
+            report_error_line("%s: %s", path, f->text);
+        } else if (f->severity == DOCTOR_WARNING) {
+            report_warning("%s: %s", path, f->text);
+        } else {
+            continue;
+        }
+        status = report_add_finding(findings, path, code_name[f->code], error, f->text);
+    }
+    return status;
+}
+
+int doctor_warn(csv_log_t *log, report_findings_t *findings)
 {
     doctor_t *doctor = malloc(sizeof *doctor);
     if (doctor == NULL) {
         return report_error("%s: not enough memory", log->path);
     }
     int status = examine(doctor, log);
-    for (int i = 0; status == 0 && i < doctor->findings; ++i) {
-        const doctor_finding_t *f = &doctor->finding[i];
-        if (f->severity == DOCTOR_ERROR) {
-            report_error_line("%s: %s", log->path, f->text);
-        } else if (f->severity == DOCTOR_WARNING) {
-            report_warning("%s: %s", log->path, f->text);
-        }
-    }
+    status = status != 0 ? status : doctor_tell(doctor, log->path, findings);
     free(doctor);
     return status;
 }

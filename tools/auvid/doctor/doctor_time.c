@@ -49,7 +49,7 @@ static void find_gaps(doctor_t *d)
                    "record",
                    d->gaps, d->gaps > 1.0 ? "s" : "", d->longest_gap_s, d->gap_at_s);
     }
-    for (int j = 0; j < 6; ++j) {
+    for (int j = 0; j < 6 && median <= GAP_S; ++j) {
         double constant = d->time_constant_s[j];
         if (constant > 0.0 && median > SLOW * constant) {
             doctor_add(d, DOCTOR_WARNING, DOCTOR_SLOW, CSV_T, CSV_NU + j, NULL,

@@ -132,6 +132,7 @@ static void gather_logs(const job_t *job, const auvid_identifier_t *id, result_t
                                           .duration_s = test->last_s - test->first_s};
     }
     result->trace = &job->trace;
+    result->findings = &job->findings;
     if (id->metric.sets.recorded == 0 && job->use.dofs != 0) {
         result->remedy = survey->gaps > 0
                              ? "the log: record a row every 0.2 s or more often, without gaps"
@@ -164,7 +165,7 @@ static int run(job_t *job)
     }
     int refused = fit_read_logs(job);
     for (int i = 0; i < options->trains && refused == 0; ++i) {
-        refused = doctor_warn(&job->log[i].csv);
+        refused = doctor_warn(&job->log[i].csv, &job->findings);
     }
     const fitted_t *fitted = refused == 0 ? fit_choose_model(job) : NULL;
     if (fitted == NULL) {
@@ -200,6 +201,7 @@ int fit(const options_t *options)
     fit_close_logs(job);
     free(job->coupled);
     free(job->decoupled);
+    report_free_findings(&job->findings);
     free(job);
     return status;
 }

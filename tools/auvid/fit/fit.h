@@ -10,7 +10,7 @@
 #include "../options/options.h"
 #include "replay.h"
 #include "../log/survey.h"
-#include "../report/trace.h"
+#include "../report/report.h"
 
 /** A model identified from the logs. */
 typedef struct {
@@ -36,6 +36,7 @@ typedef struct {
     const char *why[AUVID_DOF_COUNT];         /**< why a DoF cannot be identified, or NULL */
     fitted_t *coupled, *decoupled;            /**< NULL: not fitted */
     trace_t trace;                            /**< of the held-out log */
+    report_findings_t findings;               /**< what is wrong with the training logs */
     double error[2];                          /**< cross-validation errors of the two; < 0: none */
 } job_t;
 

@@ -378,6 +378,32 @@ static void json_log(FILE *out, const char *key, const report_log_t *log)
     fprintf(out, "}");
 }
 
+/* What is wrong with the logs, errors first. Nothing: no log was examined. */
+static void json_findings(FILE *out, const report_findings_t *findings)
+{
+    const char *separator = "";
+    if (findings == NULL) {
+        return;
+    }
+    fprintf(out, ",\n  \"log_findings\": [");
+    for (int warnings = 0; warnings < 2; ++warnings) {
+        for (int i = 0; i < findings->count; ++i) {
+            const report_finding_t *f = &findings->at[i];
+            if (f->error == (warnings != 0)) {
+                continue;
+            }
+            fprintf(out, "%s\n    {\"log\": ", separator);
+            json_string(out, f->log);
+            fprintf(out, ", \"severity\": \"%s\", \"code\": \"%s\", \"sentence\": ",
+                    f->error ? "error" : "warning", f->code);
+            json_string(out, f->sentence);
+            fprintf(out, "}");
+            separator = ",";
+        }
+    }
+    fprintf(out, "]");
+}
+
 /* Four digits are enough for a plot. null interrupts the line: not measured, or a gap. */
 static void json_plot(FILE *out, const trace_t *trace, int j, bool predicted)
 {
@@ -468,6 +494,7 @@ void report_json(FILE *out, const result_t *result, const campaign_t *campaign,
     }
     json_log(out, "log", &result->log);
     json_log(out, "held_out_log", &result->held_out);
+    json_findings(out, result->findings);
     json_trace(out, result);
     if (events != NULL) {
         json_event_log(out, events);
