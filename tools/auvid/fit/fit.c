@@ -69,6 +69,7 @@ static void print_inputs(const job_t *job, const auvid_identifier_t *id)
             printf("           Coupling terms assume the same unit in all degrees of freedom.\n");
         }
     }
+    fit_print_maps(&job->maps);
     if (!id->exact_inputs && id->attached.uncertain == NULL) {
         printf("           Their errors are not examined: see --thrusters, --plain\n");
     }
@@ -133,6 +134,7 @@ static void gather_logs(const job_t *job, const auvid_identifier_t *id, result_t
     }
     result->trace = &job->trace;
     result->findings = &job->findings;
+    result->maps = job->maps.count > 0 ? &job->maps : NULL;
     if (id->metric.sets.recorded == 0 && job->use.dofs != 0) {
         result->remedy = survey->gaps > 0
                              ? "the log: record a row every 0.2 s or more often, without gaps"
@@ -167,6 +169,7 @@ static int run(job_t *job)
     for (int i = 0; i < options->trains && refused == 0; ++i) {
         refused = doctor_warn(&job->log[i].csv, &job->findings);
     }
+    refused = refused != 0 ? refused : fit_choose_map(job);
     const fitted_t *fitted = refused == 0 ? fit_choose_model(job) : NULL;
     if (fitted == NULL) {
         return EXIT_LOG_REFUSED;
@@ -196,11 +199,10 @@ int fit(const options_t *options)
         return report_error("fit: not enough memory");
     }
     job->options = options;
-    job->error[0] = job->error[1] = -1.0;
+    fit_forget_models(job);
     int status = run(job);
     fit_close_logs(job);
-    free(job->coupled);
-    free(job->decoupled);
+    fit_forget_models(job);
     report_free_findings(&job->findings);
     free(job);
     return status;

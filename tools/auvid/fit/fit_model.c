@@ -104,7 +104,7 @@ static void set_cells(const job_t *job, double span_us, auvid_identifier_config_
     if (job->cell_us > 0) {
         cfg->recorder.cell_us = job->cell_us;
     }
-    if (job->coupled != NULL) {
+    if (job->coupled != NULL || job->same_cells) {
         cfg->metric.max_cell_us = 0;
     }
 }
@@ -227,6 +227,14 @@ static fitted_t *identify(job_t *job, const auvid_vehicle_t *vehicle)
         job->cell_us = fitted->id.recorder.cell_us;
     } while (fitted->id.metric.result.doublings > 0);
     return fitted;
+}
+
+void fit_forget_models(job_t *job)
+{
+    free(job->coupled);
+    free(job->decoupled);
+    job->coupled = job->decoupled = NULL;
+    job->error[0] = job->error[1] = -1.0;
 }
 
 /* Identifies the selected models. Returns the one to report, or NULL after a message. */

@@ -74,6 +74,7 @@ static int fit_option(reader_t *r, options_t *options)
 {
     static const char *const inputs[] = {"hold", "linear"};
     static const char *const couplings[] = {"auto", "on", "off"};
+    static const char *const maps[] = {"auto", "linear", "signed-square"};
     int choice = 0, status = 0;
     if (option_is(r, "--validate")) {
         return take_value(r, &options->validate);
@@ -95,6 +96,11 @@ static int fit_option(reader_t *r, options_t *options)
     if (option_is(r, "--coupling")) {
         status = take_word(r, couplings, 3, &choice);
         options->coupling = (coupling_t)choice;
+        return status;
+    }
+    if (option_is(r, "--map")) {
+        status = take_word(r, maps, 3, &choice);
+        options->map = (options_map_t)(choice + MAP_AUTO);
         return status;
     }
     if (option_is(r, "--model")) {

@@ -50,6 +50,23 @@ typedef struct {
     int count;
 } report_findings_t;
 
+/** A map from commands to forces that was tried. */
+typedef struct {
+    const char *name;
+    bool judged;                  /**< it predicts the held-out motion at all */
+    double error;                 /**< 1 - R2 of held-out velocity, mean of the DoF */
+    double difference, low, high; /**< from the first one, and its 95 % interval */
+} report_map_t;
+
+/** Comparison of maps. Zero: there was none. */
+enum { REPORT_MAPS = 3 };
+typedef struct {
+    report_map_t map[REPORT_MAPS]; /**< [count], the first one as told */
+    int count, best, used;
+    size_t blocks;  /**< of 10 s, that were compared */
+    bool other_log; /**< held out is another log, not parts of the same */
+} report_maps_t;
+
 /** One identification. */
 typedef struct {
     uint64_t seed;
@@ -60,6 +77,7 @@ typedef struct {
     const estimates_t *estimates; /**< NULL: not listed */
     const trace_t *trace;         /**< of the held-out run; NULL: none */
     report_log_t log, held_out;   /**< identified from, and validated on */
+    const report_maps_t *maps;    /**< NULL: none were compared */
     const report_findings_t *findings; /**< in log; NULL: no log was examined */
     double truth[AUVID_MAX_PARAMETERS];
     auvid_guard_trip_t trip; /**< cause of ABORTED */
