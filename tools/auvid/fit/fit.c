@@ -75,7 +75,23 @@ static void print_inputs(const job_t *job, const auvid_identifier_t *id)
     }
 }
 
-static void print_heading(const job_t *job, const auvid_identifier_t *id)
+/* The current in words, if it is identified. */
+static void print_current(const job_t *job, const result_t *result)
+{
+    int north = result->vehicle->parameters - 2;
+    if (!job->options->current || !report_is_identified(result, north) ||
+        !report_is_identified(result, north + 1)) {
+        return;
+    }
+    const double degrees = 57.29577951308232;
+    double c[2] = {(double)result->estimate.pi[north], (double)result->estimate.pi[north + 1]};
+    printf(
+        "  current  %.3f m/s, flows towards %.0f degrees (+- 95 %%: c_north %.3f, c_east %.3f)\n",
+        hypot(c[0], c[1]), fmod(degrees * atan2(c[1], c[0]) + 360.0, 360.0),
+        HALF_WIDTH * report_sigma(result, north), HALF_WIDTH * report_sigma(result, north + 1));
+}
+
+static void print_heading(const job_t *job, const auvid_identifier_t *id, const result_t *result)
 {
     const survey_t *survey = &job->survey;
     double set_s =
@@ -97,6 +113,7 @@ static void print_heading(const job_t *job, const auvid_identifier_t *id)
                "           relative to the largest input\n",
                sqrt(job->error[0]), sqrt(job->error[1]));
     }
+    print_current(job, result);
     putchar('\n');
 }
 
@@ -186,7 +203,7 @@ static int run(job_t *job)
     if (options->json) {
         report_json(stdout, &result, NULL, NULL, NULL);
     } else {
-        print_heading(job, id);
+        print_heading(job, id, &result);
         report_result(&result, NULL);
     }
     return report_html(options, &result, NULL) == 0 ? status : EXIT_REFUSED;

@@ -5,6 +5,7 @@
 #ifndef PROGRAM_FIT_H
 #define PROGRAM_FIT_H
 
+#include "auvid/current.h"
 #include "../vehicle/decoupled.h"
 #include "literal.h"
 #include "../options/options.h"
@@ -20,6 +21,8 @@ typedef struct {
     replay_inputs_t inputs; /**< if the thrusters are known, or there is a reference */
     literal_t literal;      /**< if chosen */
     decoupled_t six;        /**< the model, if it has six DoF without coupling */
+    auvid_current_t current; /**< the model, with --current */
+    auvid_row_t *rows;       /**< which needs them; NULL: none */
 } fitted_t;
 
 /** A fit: logs, options and models. */

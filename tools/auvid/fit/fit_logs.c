@@ -224,6 +224,9 @@ static int check_columns(const job_t *job, csv_log_t *log)
                             log->path);
     }
     int status = log_has_thrusters(&job->use) ? check_thrusters(job, log) : 0;
+    if (status == 0 && job->options->current && !log->has[CSV_ATTITUDE + 2]) {
+        status = csv_missing(log, CSV_ATTITUDE + 2, ": --current needs the heading");
+    }
     status = status != 0 ? status : check_velocities(job, log);
     status = status != 0 ? status : check_gains(job, log);
     ignore_unused(job, log);

@@ -79,6 +79,7 @@ typedef struct {
     bool linear_input;
     coupling_t coupling;
     options_map_t map;
+    bool current;                        /**< a constant current is identified, too */
     const vehicle_t *thrusters;          /**< of this vehicle; NULL: not known */
     const auvid_vehicle_t *model;        /**< default Girona500 */
     double dry_mass_kg;                  /**< 0: not known */

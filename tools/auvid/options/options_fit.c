@@ -98,6 +98,9 @@ static int fit_option(reader_t *r, options_t *options)
         options->coupling = (coupling_t)choice;
         return status;
     }
+    if (option_is(r, "--current")) {
+        return take_flag(r, &options->current);
+    }
     if (option_is(r, "--map")) {
         status = take_word(r, maps, 3, &choice);
         options->map = (options_map_t)(choice + MAP_AUTO);
@@ -127,6 +130,21 @@ static int fit_option(reader_t *r, options_t *options)
     return report_error("fit: unknown option %s (see auvid --help)", r->name);
 }
 
+static int check_current(const options_t *options)
+{
+    int parameters = options->model->parameters;
+    if (!options->plain) {
+        return report_error("fit: --current needs --plain: with thrusters a current is already "
+                            "estimated, among the errors of the inputs");
+    }
+    return parameters + 2 > AUVID_MAX_PARAMETERS
+               ? report_error(
+                     "fit: --current adds two parameters, but the model %s has %d already, "
+                     "and the program has room for %d",
+                     options->model->name, parameters, AUVID_MAX_PARAMETERS)
+               : 0;
+}
+
 int options_fit(options_t *options, int count, char **argument)
 {
     words_t train = {.room = OPTIONS_LOGS};
@@ -154,5 +172,5 @@ int options_fit(options_t *options, int count, char **argument)
         return report_error("fit: --thrusters and %s cannot be combined",
                             options->plain ? "--plain" : "--literal");
     }
-    return status;
+    return status == 0 && options->current ? check_current(options) : status;
 }

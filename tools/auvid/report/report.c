@@ -115,7 +115,9 @@ static const char *unit_in_commands(const auvid_parameter_t *parameter)
     case AUVID_PARAMETER_INERTIA:
     case AUVID_PARAMETER_OTHER:
     default:
-        return strcmp(parameter->unit, "Nm") == 0 ? "cmd" : "cmd s2";
+        return strcmp(parameter->unit, "Nm") == 0    ? "cmd"
+               : strcmp(parameter->unit, "m/s") == 0 ? parameter->unit
+                                                     : "cmd s2";
     }
 }
 
