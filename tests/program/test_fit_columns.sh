@@ -126,6 +126,18 @@ for i in range(len(r) - 5): r[i][-5:] = r[i + 5][-5:]' <train.csv >late.csv
 check "commands that act 0.1 s later, as the vehicle file says" \
     form 0 plain.json 1e-2 late.csv --vehicle late.ini --plain
 
+change "$commands"'
+add(["thruster_%d" % k for k in range(1, 6)], commands); drop(*WRENCH)
+for y in r: y[h.index("thruster_2")] *= -1' <train.csv >reversed.csv
+check "thrusters are compared with the motion" exits 0 check throttle.csv --vehicle girona500
+check "  a reversed one is named" exits 1 check reversed.csv --vehicle girona500
+check "  with the remedy" grep -q 'error    thruster_2 has the wrong sign: .*: change its sign' out
+check "  by fit, too" sh -c "'$AUVID' fit reversed.csv --vehicle girona500 --json 2>err >reversed.out
+    grep -q '^auvid: reversed.csv: thruster_2 has the wrong sign' err"
+check "  which needs their columns" refuses '--vehicle needs the inputs of each thruster' \
+    check train.csv --vehicle girona500
+check "  and a log" refuses '--vehicle is for a log' check girona500 --vehicle girona500
+
 # ---- which map ----
 sed 's/^map = signed-square/map = linear/' "$ROOT/tools/auvid/vehicles/girona500.ini" >linear.ini
 sed 's/^map = signed-square/map = table\ncommand = -1 -0.5 0 0.5 1\nforce_N = -140 -38 0 38 140/' \

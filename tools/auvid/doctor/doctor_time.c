@@ -86,7 +86,8 @@ static void find_motion(doctor_t *d)
     }
     if (d->inputs < 0 && d->thrusters) {
         doctor_add(d, DOCTOR_NOTE, DOCTOR_MOTION, -1, -1, NULL,
-                   "inputs of single thrusters are not compared with the motion");
+                   "inputs of single thrusters are compared with the motion only if their vehicle "
+                   "is known: --vehicle");
     } else if (d->inputs < 0) {
         doctor_add(d, DOCTOR_ERROR, DOCTOR_MISSING, CSV_WRENCH, -1, NULL,
                    "no input column (X_N .. or cmd_surge ..): add forces, moments or commands");

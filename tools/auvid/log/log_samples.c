@@ -16,6 +16,18 @@ bool log_has_thrusters(const log_use_t *use)
     return use->kind == INPUT_THRUST || use->kind == INPUT_THRUSTER_COMMAND;
 }
 
+bool log_use_thrusters(log_use_t *use, const vehicle_t *vehicle, const bool has[CSV_COLUMNS])
+{
+    bool all = auvid_allocation_init(&use->allocation, vehicle->allocation) == AUVID_OK;
+    use->vehicle = vehicle;
+    use->kind = has[CSV_THRUSTER_N] ? INPUT_THRUST : INPUT_THRUSTER_COMMAND;
+    for (int k = 0; all && k < log_inputs(use); ++k) {
+        all = has[log_input(use, k)];
+    }
+    (void)log_use_map(use, THRUST_MAP_NEWTON);
+    return all;
+}
+
 bool log_use_map(log_use_t *use, thrust_map_kind_t kind)
 {
     bool any = false;

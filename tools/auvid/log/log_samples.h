@@ -82,6 +82,10 @@ typedef struct {
 /** Are the inputs those of thrusters? */
 bool log_has_thrusters(const log_use_t *use);
 
+/** Takes a vehicle's thrusters as inputs: their forces, or else their commands or speeds. Returns
+ * false if the columns of one of them are missing, or its allocation cannot be used. */
+bool log_use_thrusters(log_use_t *use, const vehicle_t *vehicle, const bool has[CSV_COLUMNS]);
+
 /** Chooses the map from commands to forces: linear or signed-square; THRUST_MAP_NEWTON: as told,
  * which is the vehicle's for thrusters, linear for axes. Needs kind and vehicle. Returns false if
  * no map is replaced, because the inputs are forces already. */
