@@ -42,7 +42,7 @@ PROGRAM := $(if $(filter %/tick.c,$(PORT)),$(PROGRAM),\
 RECORDED = $(foreach test,$(UNIT:tests/%.c=release/tests/%) $(VEHICLES:tests/%.c=wide/tests/%),\
     build/$(test))
 # What of the program tests run as well: the demo's world.
-WORLD := $(wildcard $(addprefix tools/auvid/,base/*.c vehicle/*.c log/c*.c)) \
+WORLD := $(wildcard $(addprefix tools/auvid/,base/*.c vehicle/*.c log/c*.c log/log_*.c)) \
     $(filter-out %/doctor_report.c,$(wildcard tools/auvid/doctor/*.c)) \
     $(addprefix tools/auvid/,bus/frames.c bus/world.c field/field_run.c field/field_table.c \
     report/report.c report/statistics.c) $(MEMORY)

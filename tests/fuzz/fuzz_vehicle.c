@@ -31,7 +31,8 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
         REQUIRE(auvid_allocation_init(&allocation, v->allocation) == AUVID_OK);
         REQUIRE(auvid_guard_init(&guard, &v->guard) == AUVID_OK);
         for (int i = 0; i < v->allocation->thrusters; ++i) {
-            double force = vehicle_file_thrust(v, i, v->map[v->thruster[i].map].full_command, 0);
+            double full = v->map[v->thruster[i].map].full_command;
+            double force = vehicle_file_thrust(v, v->map, i, full, 0);
             REQUIRE(force >= -1e7 && force <= 1e7);
         }
     }

@@ -27,7 +27,7 @@ assert list(d) == ["version", "status", "seed", "model", "parameters",
                    "wrong_inputs", "missing", "not_modelled", "assumed", "drag",
                    "delay_s", "r2_force", "r2_validation", "r2_interval",
                    "change_test", "cell_s", "evaluations", "budget", "log", "held_out_log",
-                   "velocity"], list(d)
+                   "log_findings", "velocity"], list(d)
 assert all(set(p) == {"name", "unit", "dof", "kind", "estimate", "sigma", "half_width",
                       "sigma_told", "thrust_error", "dvl_error", "identifiable", "note"}
            for p in d["parameters"])

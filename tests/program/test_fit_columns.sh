@@ -126,6 +126,55 @@ for i in range(len(r) - 5): r[i][-5:] = r[i + 5][-5:]' <train.csv >late.csv
 check "commands that act 0.1 s later, as the vehicle file says" \
     form 0 plain.json 1e-2 late.csv --vehicle late.ini --plain
 
+change "$commands"'
+add(["thruster_%d" % k for k in range(1, 6)], commands); drop(*WRENCH)
+for y in r: y[h.index("thruster_2")] *= -1' <train.csv >reversed.csv
+check "thrusters are compared with the motion" exits 0 check throttle.csv --vehicle girona500
+check "  a reversed one is named" exits 1 check reversed.csv --vehicle girona500
+check "  with the remedy" grep -q 'error    thruster_2 has the wrong sign: .*: change its sign' out
+check "  by fit, too" sh -c "'$AUVID' fit reversed.csv --vehicle girona500 --json 2>err >reversed.out
+    grep -q '^auvid: reversed.csv: thruster_2 has the wrong sign' err"
+check "  which needs their columns" refuses '--vehicle needs the inputs of each thruster' \
+    check train.csv --vehicle girona500
+check "  and a log" refuses '--vehicle is for a log' check girona500 --vehicle girona500
+
+# ---- which map ----
+sed 's/^map = signed-square/map = linear/' "$ROOT/tools/auvid/vehicles/girona500.ini" >linear.ini
+sed 's/^map = signed-square/map = table\ncommand = -1 -0.5 0 0.5 1\nforce_N = -140 -38 0 38 140/' \
+    "$ROOT/tools/auvid/vehicles/girona500.ini" >table.ini
+check "a vehicle file with a wrong map: --map auto takes the right one" \
+    form 0 plain.json 1e-3 throttle.csv --vehicle linear.ini --plain --map auto
+check "  and says so, with the differences and their intervals" is out '
+m = d["map"]
+assert (m["as_told"], m["best"], m["used"]) == ("linear", "signed-square", "signed-square"), m
+told, other = m["tried"]
+assert told["interval"] == [0, 0] and other["interval"][1] < 0 and m["held_out"] == "parts"
+assert other["error"] < 0.02 < told["error"] and m["blocks"] >= 8, m
+assert abs(other["error"] - told["error"] - other["difference"]) < 1e-6'
+check "  in words" sh -c "'$AUVID' fit throttle.csv --vehicle linear.ini --plain --map auto |
+    grep -A 4 '  map  ' >words; grep -q 'signed-square instead of linear (as told)' words &&
+    grep -q 'difference -.*, 95 % interval -.* to -' words"
+check "a right one is kept" exits 0 fit throttle.csv --vehicle girona500 --plain --map auto --json
+check "  and better than the other" is out 'm = d["map"]
+assert m["used"] == m["best"] == m["as_told"] == "signed-square", m
+assert m["tried"][1]["interval"][0] > 0, m'
+check "three maps, judged on another log" exits 0 fit throttle.csv --vehicle table.ini --plain \
+    --map auto --json --validate throttle.csv
+check "  a table that is nearly right" is out 'm = d["map"]; e = [t["error"] for t in m["tried"]]
+assert m["held_out"] == "log" and e[0] < 0.02 < e[1] and e[2] < 0.02, m
+assert [t["map"] for t in m["tried"]] == ["table", "linear", "signed-square"]'
+change "$commands"'
+r = [y for y in r if y[0] < 40]
+add(["thruster_%d" % k for k in range(1, 6)], commands); drop(*WRENCH)' <train.csv >short.csv
+"$AUVID" fit short.csv --vehicle linear.ini --plain --map auto >short.out 2>&1
+check "too short a log: as told, and it says so" grep -q 'linear, as told: .*' short.out
+check "--map names one" form 0 plain.json 1e-3 throttle.csv --vehicle linear.ini --plain \
+    --map signed-square
+check "a map of forces" rejects 'train.csv: --map needs commands .*, but the log has forces' \
+    fit train.csv --map auto
+check "a map of thrusters in newtons" rejects 'newtons' fit newtons.csv --vehicle girona500 \
+    --map linear
+
 # ---- commands of the axes ----
 change '
 names = dict(X_N="cmd_surge", Y_N="cmd_sway", Z_N="cmd_heave", K_Nm="cmd_roll", M_Nm="cmd_pitch",

@@ -95,14 +95,22 @@ check "the page of demo" same 0 demo --sets 2 --report page.html
 check "  has the truth" page page.html 'assert all("truth" in p for p in d["parameters"])'
 exits 0 node --bus memory --excite --sets 2 --log dive.log
 check "the page of a CAN dive" same 0 replay dive.log --sets 2
+check "  says that nothing is wrong with it" page page.html 'assert d["log_findings"] == []'
 check "  names the log" page page.html '
 assert d["log"]["paths"] == ["dive.log"]
 assert abs(d["log"]["duration_s"] / (d["log"]["rows"] - 1) - 0.02) < 1e-4'
 check "several logs are one page" same 0 fit good.csv 2.csv --thrusters girona500
 check "  names both" page page.html 'assert d["log"]["paths"] == ["good.csv", "2.csv"]'
+check "a log with a wrong sign and one without" same 3 fit good.csv sign.csv --thrusters girona500
+check "  the page says which, and what" page page.html '
+one, = d["log_findings"]
+assert (one["log"], one["severity"], one["code"]) == ("sign.csv", "error", "input_sign"), one
+assert one["sentence"].startswith("Y_N has the wrong sign") and one["sentence"] in text'
+check "every model" same 0 fit good.csv --model fossen --plain
 check "a log that is too slow: exit 3, and a page" same 3 fit slow.csv
 check "  the only advice is to record faster" page page.html '
 assert d["missing"] == ["the log: record a row every 0.2 s or more often, without gaps"]
+assert d["log_findings"][0]["code"] == "slow" and d["log_findings"][0]["severity"] == "error"
 assert d["status"] == "not_excited" and "0 of 13 parameters are identifiable" in text'
 hostile=$'a</script><b>&"\'\\ \xff.csv'
 mkdir 'a<' && cp good.csv "$hostile"
@@ -161,15 +169,19 @@ assert "%.0f±%.0f kg" % (d["parameters"][0]["estimate"], d["parameters"][0]["ha
     in answers[1].replace(" ±", "±").replace("± ", "±"), answers[1]
 assert "%+.2f m/s" % d["drag"]["X"][2]["speed"] in answers[1]
 assert "No error of thrust" in answers[2] and "up to the thrust scale" in answers[3]
+assert d["log_findings"] == [] and "Doubtful" not in plain
 assert dom.count("<figure>") == 8 and "dashed" in text'
 check "an input of wrong sign: it says first that nothing can be trusted, and why" shows sign '
 assert "None of the 13 parameters is identifiable" in plain.split("1. How")[0]
+error = d["log_findings"][0]
+assert error["code"] == "input_sign" and "Y_N has the wrong sign" in error["sentence"], error
+assert error["sentence"] in plain.split("1. How")[0] and error["sentence"] in answers[2]
 wrong = d["wrong_inputs"][0]
 assert wrong in answers[2] or wrong[0].upper() + wrong[1:] in answers[2]
 assert "First remove what is wrong" in answers[3]'
 check "a log that is too slow: so does it" shows slow '
-assert "Nothing was identified from these data. The log is too slow: its rows are 1 s apart" in \
-    plain.split("1. How")[0]
+assert "Nothing was identified from these data. The rows are about 0.9" in plain.split("1. How")[0]
+assert "more than the 0.5 s that fit bridges: log at 5 Hz or faster" in answers[2]
 assert "no parameter was identified" in answers[1] and "record a row every 0.2 s" in answers[3]'
 if [ "${REPORT_FIGURE:-}" = write ]; then
     browse --window-size=1280,690 --screenshot=report.png "file://$PWD/good.html"

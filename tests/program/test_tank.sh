@@ -41,6 +41,15 @@ for k in "uvw":
     assert max(r2) - min(r2) < 1e-3, r2
 END
 }
+for test in run_a:run_b run_b:run_a; do
+    "$AUVID" fit "$data/${test%:*}.csv" --validate "$data/${test#*:}.csv" --bias --plain \
+        --map auto --json >"${test%:*}.map" 2>/dev/null
+done
+check "its commands give their force linearly: --map auto keeps it" python3 -c '
+import json
+for run in "run_a.map", "run_b.map":
+    m = json.load(open(run))["map"]
+    assert m["used"] == m["best"] == "linear" and m["tried"][1]["interval"][0] > 0, m'
 check "run a predicts run b within 0.03 of least squares, 20 seeds" within run_a run_b \
     "0.956 0.946 0.908"
 check "run b predicts run a within 0.03 of least squares, 20 seeds" within run_b run_a \

@@ -13,7 +13,7 @@ enum { STREAM = 5000 }; /* of the random numbers of this file */
 const char *const slip_name[SLIPS] = {"angles in degrees", "rates in degrees", "angle reversed",
                                       "velocity reversed", "axes exchanged",   "ENU or FLU",
                                       "shifted in time",   "input reversed",   "inputs exchanged",
-                                      "held, zero, PWM"};
+                                      "held, zero, PWM",   "accelerometer"};
 
 /* ---- the vehicle ---- */
 
@@ -71,7 +71,7 @@ static void excite(excitation_t *e, const field_t *field, double t_s, double thr
 
 /* Samples of the instruments, each at its time. */
 typedef struct {
-    double t_s[TICKS], value[TICKS][6];
+    double t_s[TICKS], value[TICKS][9];
     int count;
 } series_t;
 
@@ -101,14 +101,43 @@ static bool interpolate(const series_t *s, int *at, double t_s, int n, double *o
 
 static series_t imu, dvl, depth, wrench;
 
+/* Specific force where the accelerometer is: acceleration less gravity, with bias and noise, in the
+ * axes of the instrument. The water does not accelerate. */
+static void specific_force(const field_t *field, sim_rng_t *rng, double out[3])
+{
+    static const double arm_m[3] = {0.1, 0.05, -0.05}, bias[3] = {0.05, -0.05, 0.1};
+    const field_truth_t *t = &field->truth;
+    const double *nu = t->nu, *rate = t->nu + 3, *turn = t->nu_dot + 3;
+    const double down[3] = {-sin(t->euler[1]), cos(t->euler[1]) * sin(t->euler[0]),
+                            cos(t->euler[1]) * cos(t->euler[0])};
+    double spin[3], body[3];
+    for (int i = 0; i < 3; ++i) {
+        int j = (i + 1) % 3, k = (i + 2) % 3;
+        spin[i] = rate[j] * arm_m[k] - rate[k] * arm_m[j];
+    }
+    for (int i = 0; i < 3; ++i) {
+        int j = (i + 1) % 3, k = (i + 2) % 3;
+        body[i] = t->nu_dot[i] + rate[j] * nu[k] - rate[k] * nu[j] + turn[j] * arm_m[k] -
+                  turn[k] * arm_m[j] + rate[j] * spin[k] - rate[k] * spin[j] - 9.81 * down[i];
+    }
+    for (int i = 0; i < 3; ++i) {
+        out[i] = bias[i] + 0.05 * sim_rng_gauss(rng);
+        for (int j = 0; j < 3; ++j) {
+            out[i] += field->sensing.imu_mount[j][i] * body[j];
+        }
+    }
+}
+
 static void record(field_t *field, const dive_config_t *cfg, sim_rng_t *rng)
 {
     double thruster_N[SIM_THRUSTERS], amplitude[6];
     excitation_t e = {.rng = *rng};
+    sim_rng_t noise;
     field_amplitude(cfg->field.vehicle, amplitude);
     for (int i = 0; i < 4; ++i) {
         e.amplitude[i] = amplitude[i < 3 ? i : 5] * (0.4 + 0.6 * sim_rng_uniform(&e.rng));
     }
+    sim_rng_seed(&noise, cfg->field.seed, STREAM - 1);
     imu.count = dvl.count = depth.count = wrench.count = 0;
     for (long k = 0; k < lround(cfg->field.length_s * 50.0) && k < TICKS; ++k) {
         field_output_t out;
@@ -116,7 +145,10 @@ static void record(field_t *field, const dive_config_t *cfg, sim_rng_t *rng)
         field_step(field, thruster_N, &out);
         const sim_measurement_t *m = out.sensor;
         if (m[SIM_IMU].has) {
-            append(&imu, 1e-6 * (double)m[SIM_IMU].t_us, m[SIM_IMU].value, 6);
+            double value[9];
+            memcpy(value, m[SIM_IMU].value, 6 * sizeof *value);
+            specific_force(field, &noise, value + 6);
+            append(&imu, 1e-6 * (double)m[SIM_IMU].t_us, value, 9);
         }
         if (m[SIM_DVL].has && m[SIM_DVL].axes == 7) {
             append(&dvl, 1e-6 * (double)m[SIM_DVL].t_us, m[SIM_DVL].value, 3);
@@ -149,6 +181,7 @@ static void write_rows(dive_t *dive, const dive_config_t *cfg, sim_rng_t *rng)
         row->value[CSV_T] = t;
         memcpy(&row->value[CSV_ATTITUDE], imu.value[k], 3 * sizeof(double));
         memcpy(&row->value[CSV_NU + 3], imu.value[k] + 3, 3 * sizeof(double));
+        memcpy(&row->value[CSV_SPECIFIC_FORCE], imu.value[k] + 6, 3 * sizeof(double));
         memcpy(&row->value[CSV_WRENCH], wrench.value[at_wrench], 6 * sizeof(double));
         if (interpolate(&dvl, &at_dvl, t, 3, &row->value[CSV_NU]) &&
             interpolate(&depth, &at_depth, t, 1, &row->value[CSV_POSITION + 2])) {
@@ -166,6 +199,9 @@ bool dive_simulate(dive_t *dive, const dive_config_t *cfg)
     memset(dive->has, 0, sizeof dive->has);
     for (int c = CSV_T; c < CSV_COMMAND; ++c) {
         dive->has[c] = true;
+    }
+    for (int i = 0; i < 3; ++i) {
+        dive->has[CSV_SPECIFIC_FORCE + i] = true;
     }
     dive->has[CSV_POSITION + 2] = cfg->depth;
     if (!field_init(&dive->field, &cfg->field)) {
@@ -244,9 +280,36 @@ static void name_columns(slip_t *s)
     case SLIP_LOGGING:
         s->column = s->which % 3 == 0 ? CSV_NU : s->which % 3 == 1 ? CSV_NU + 1 : CSV_COMMAND;
         break;
+    case SLIP_ACCELEROMETER:
+        s->column = CSV_SPECIFIC_FORCE;
+        break;
     case SLIP_FRAME:
     case SLIPS:
     default:
+        break;
+    }
+}
+
+/* The accelerometer in g, without gravity, in FLU axes, with one axis reversed, axes exchanged. */
+static void change_force(const slip_t *s, csv_row_t *row)
+{
+    double *f = &row->value[CSV_SPECIFIC_FORCE];
+    int i = s->which == 4 ? 0 : 1;
+    switch (s->which) {
+    case 0:
+        f[0] /= 9.81, f[1] /= 9.81, f[2] /= 9.81;
+        break;
+    case 1:
+        f[2] += 9.81;
+        break;
+    case 2:
+        f[1] = -f[1], f[2] = -f[2];
+        break;
+    case 3:
+        f[2] = -f[2];
+        break;
+    default: /* x or y with z */
+        exchange(row, CSV_SPECIFIC_FORCE + i, CSV_SPECIFIC_FORCE + 2);
         break;
     }
 }
@@ -285,6 +348,9 @@ static void change_row(const slip_t *s, csv_row_t *row)
             negate(row, CSV_NU + 4);
             negate(row, CSV_NU + 5);
         }
+        break;
+    case SLIP_ACCELEROMETER:
+        change_force(s, row);
         break;
     case SLIP_SHIFT:
     case SLIP_LOGGING:

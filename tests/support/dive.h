@@ -44,6 +44,7 @@ typedef enum {
     SLIP_INPUT_SIGN,
     SLIP_INPUT_EXCHANGED,
     SLIP_LOGGING, /* held velocities, a velocity that is always zero, pulse widths */
+    SLIP_ACCELEROMETER,
     SLIPS
 } slip_kind_t;
 

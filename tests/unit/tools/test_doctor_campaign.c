@@ -1,6 +1,6 @@
 /*
  * How often the log doctor is right, on logs of random vehicles with noise and mismatches (dive.h):
- * ten slips at three severities, clean logs, two slips at once. Short: few vehicles, rows at 5 to
+ * eleven slips at three severities, clean logs, two slips at once. Short: few vehicles, rows at 5 to
  * 10 Hz. AUVID_TEST_LONG: the whole campaign, with tables; AUVID_TEST_SEED its first seed.
  */
 #include <stdio.h>
@@ -65,6 +65,24 @@ static bool reversed(int column)
            found(DOCTOR_EITHER_SIGN, column - CSV_NU + CSV_WRENCH);
 }
 
+/* The sentence of a slip of the accelerometer. Where it hardly tilts, only fz shows the axes. */
+static bool accelerometer(int which)
+{
+    bool upside = found(DOCTOR_FORCE_SIGN, CSV_SPECIFIC_FORCE + 2);
+    switch (which) {
+    case 0:
+        return found_anywhere(DOCTOR_FORCE_UNIT);
+    case 1:
+        return found_anywhere(DOCTOR_NO_GRAVITY);
+    case 2:
+        return found(DOCTOR_FRAME, CSV_SPECIFIC_FORCE + 1) || upside;
+    case 3:
+        return upside;
+    default:
+        return found_anywhere(DOCTOR_FORCE_EXCHANGED);
+    }
+}
+
 /* Is the slip among the findings? */
 static bool is_named(const slip_t *s)
 {
@@ -94,6 +112,8 @@ static bool is_named(const slip_t *s)
     case SLIP_LOGGING:
         return found(DOCTOR_HELD, s->column) || found(DOCTOR_STUCK, s->column) ||
                found(DOCTOR_SCALE, s->column);
+    case SLIP_ACCELEROMETER:
+        return accelerometer(s->which);
     case SLIPS:
     default:
         return false;

@@ -90,7 +90,7 @@ static void test_a_thruster_has_the_map_of_its_group(void)
 {
     const vehicle_t *v = vehicle_default();
     TEST_ASSERT_NOT_NULL(v);
-    TEST_ASSERT_DOUBLE_WITHIN(1e-9, -0.25 * 153.8, vehicle_file_thrust(v, 4, -0.5, 0));
+    TEST_ASSERT_DOUBLE_WITHIN(1e-9, -0.25 * 153.8, vehicle_file_thrust(v, v->map, 4, -0.5, 0));
 }
 
 /* ---- texts ---- */

@@ -1,6 +1,7 @@
 /*
  * auvid replay: runs a log of the bus through a node and compares its estimates with those logged.
  */
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -9,6 +10,7 @@
 #include "bus_link.h"
 #include "../commands.h"
 #include "../base/report_error.h"
+#include "../doctor/doctor_report.h"
 #include "../log/csv.h"
 #include "../report/html.h"
 #include "../report/report.h"
@@ -28,6 +30,9 @@ typedef struct {
     auvid_prior_t prior;
     bus_candump_t log;
     csv_writer_t csv;
+    doctor_t doctor;    /* of the rows, as of a log */
+    double velocity[3]; /* of the last row */
+    report_findings_t findings;
     uint64_t start_us;               /* time of the first tick */
     auvid_can_frame_t sent[WAITING]; /* a ring buffer */
     uint32_t first, count;
@@ -66,15 +71,36 @@ static void keep(run_t *run, const auvid_can_frame_t *frame, int count)
     }
 }
 
-/* Writes the motion at the last tick and the thrust that acts after it. */
-static void write_row(run_t *run)
+/* Starts the doctor: it sees the columns of write_row. */
+static void begin_doctor(run_t *run)
+{
+    bool has[CSV_COLUMNS] = {false};
+    for (int c = CSV_T; c < CSV_COMMAND; ++c) {
+        has[c] = true;
+    }
+    doctor_init(&run->doctor, has);
+}
+
+/* A velocity that stands still between samples of the DVL is no new sample. */
+static void examine(run_t *run, csv_row_t row)
+{
+    double *velocity = &row.value[CSV_NU];
+    bool repeats = memcmp(velocity, run->velocity, sizeof run->velocity) == 0;
+    memcpy(run->velocity, velocity, sizeof run->velocity);
+    for (int i = 0; i < 3 && repeats; ++i) {
+        velocity[i] = NAN;
+    }
+    doctor_feed(&run->doctor, &row);
+}
+
+/* Takes the motion at the last tick and the thrust that acts after it as a row of a log. */
+static void take_row(run_t *run)
 {
     auvid_nav_state_t state;
     const auvid_node_t *node = &run->node;
     const auvid_allocation_config_t *cfg = &node->allocation.cfg;
     auvid_real_t force_N[AUVID_MAX_THRUSTERS] = {0}, wrench[AUVID_DOF_COUNT];
-    if (run->options->csv == NULL || !node->feedback ||
-        auvid_nav_state(&node->id.nav, &state) != AUVID_OK) {
+    if (!node->feedback || auvid_nav_state(&node->id.nav, &state) != AUVID_OK) {
         return;
     }
     for (int i = 0; i < cfg->thrusters; ++i) {
@@ -91,7 +117,10 @@ static void write_row(run_t *run)
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
         row.value[CSV_WRENCH + j] = (double)wrench[j];
     }
-    csv_write_row(&run->csv, &row);
+    if (run->options->csv != NULL) {
+        csv_write_row(&run->csv, &row);
+    }
+    examine(run, row);
 }
 
 static void take(run_t *run, const auvid_can_frame_t *frame)
@@ -111,7 +140,7 @@ static void take(run_t *run, const auvid_can_frame_t *frame)
         ++run->refused[-(int)status];
     } else if (status == AUVID_TICK) {
         run->start_us = run->start_us > 0 ? run->start_us : run->node.t_us;
-        write_row(run);
+        take_row(run);
         (void)auvid_node_step(&run->node, NULL, out, &count);
         (void)auvid_node_work(&run->node, AUVID_DEFAULT_BUDGET);
         (void)auvid_node_report(&run->node, 0, out, &count);
@@ -152,6 +181,7 @@ static int begin(run_t *run)
     world_identifier(&identifier, &world);
     options_uncertainty(o, &identifier.uncertainty);
     identifier.exact_inputs = o->plain;
+    begin_doctor(run);
     auvid_node_defaults(&cfg);
     auvid_status_t status = auvid_node_init(&run->node, &cfg, o->vehicle->allocation, &identifier);
     if (status < 0) {
@@ -196,10 +226,15 @@ static void warn_left_out(const run_t *run)
     }
 }
 
-static int report(const run_t *run)
+static int report(run_t *run)
 {
     static result_t result;
     report_gather(&result, &run->node.id, run->options->seed);
+    doctor_finish(&run->doctor);
+    if (doctor_tell(&run->doctor, run->options->log, &run->findings) != 0) {
+        return EXIT_REFUSED;
+    }
+    result.findings = &run->findings;
     result.log = (report_log_t){.path = &run->options->log,
                                 .paths = 1,
                                 .rows = run->node.counters.ticks,
@@ -246,6 +281,7 @@ int bus_replay(const options_t *options)
         }
         (void)run->log.bus.close(&run->log.bus);
     }
+    report_free_findings(&run->findings);
     free(run);
     return status;
 }

@@ -39,6 +39,9 @@ int check(const options_t *options)
 {
     const char *file = options->file;
     if (ends_in(file, ".ini") || vehicle_named(file) != NULL) {
+        if (options->whole) {
+            return report_error("check: --vehicle is for a log, but %s is a vehicle", file);
+        }
         return check_vehicle(file, options);
     }
     if (options->header) {

@@ -89,7 +89,7 @@ static void watch_velocity(doctor_t *d, const csv_row_t *row)
 
 void doctor_feed(doctor_t *d, const csv_row_t *row)
 {
-    double t = row->value[CSV_T], value[CELL_SIGNALS];
+    double t = row->value[CSV_T], value[CELL_SIGNALS], force_N[AUVID_MAX_THRUSTERS] = {0};
     if (d->rows < 1.0) {
         d->start_s = d->last_s = d->still_since_s = t;
     } else if (!(t > d->last_s)) {
@@ -102,17 +102,24 @@ void doctor_feed(doctor_t *d, const csv_row_t *row)
     watch_velocity(d, row);
     d->rows += 1.0;
     d->last_s = t;
+    csv_row_t with_wrench = *row;
+    if (d->use != NULL) {
+        doctor_thrusters_row(d, &with_wrench, force_N);
+        row = &with_wrench;
+    }
     for (int c = CSV_ATTITUDE; c < CSV_COLUMNS; ++c) {
         if (d->has[c]) {
             doctor_column_add(d, c, t - d->start_s, row->value[c]);
         }
     }
-    for (int i = 0; i < CELL_SIGNALS; ++i) {
+    memcpy(value + CELL_THRUST, force_N, sizeof force_N);
+    for (int i = 0; i < CELL_THRUST; ++i) {
         int column = i < CELL_DEGREE     ? CSV_ATTITUDE + i
                      : i < CELL_NU       ? CSV_ATTITUDE + i - CELL_DEGREE
                      : i < CELL_INPUT    ? CSV_NU + i - CELL_NU
                      : i < CELL_POSITION ? (d->inputs < 0 ? -1 : d->inputs + i - CELL_INPUT)
-                                         : CSV_POSITION + i - CELL_POSITION;
+                     : i < CELL_FORCE    ? CSV_POSITION + i - CELL_POSITION
+                                         : CSV_SPECIFIC_FORCE + i - CELL_FORCE;
         value[i] = column >= 0 && d->has[column] ? row->value[column] : 0.0;
     }
     doctor_cells_add(d, t - d->start_s, value);
@@ -216,7 +223,11 @@ void doctor_finish(doctor_t *d)
     doctor_inputs_scan(d);
     doctor_time(d);
     doctor_columns(d);
+    int before = d->findings;
     doctor_attitude(d);
+    if (d->findings == before) {
+        doctor_force(d);
+    }
     doctor_inputs(d);
     doctor_travel(d);
     sort_findings(d);

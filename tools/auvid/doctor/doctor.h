@@ -7,13 +7,14 @@
  *
  *   the rate of the attitude, turned into body axes, is p, q, r         (Fossen 2011, Eq. 2.26)
  *   the rate of depth and position is the velocity, turned into NED     (Fossen 2011, Eq. 2.17)
+ *   the specific force of an accelerometer is acceleration less gravity (Farrell 2008, 11.1)
  *   the acceleration follows its own input, with its sign, a little later.
  *
  * The last one is a regression with drag and coupling terms. Which of several explanations holds is
  * decided by the ratio of their likelihoods. A sentence names a cause only if these tests determine
  * it; otherwise it names all columns that the contradiction involves.
  *
- * Memory: sizeof(doctor_t), about 0.6 MB, for a log of any length. Cost: some 5 us a row at 50 Hz.
+ * Memory: sizeof(doctor_t), about 0.8 MB, for a log of any length. Cost: some 5 us a row at 50 Hz.
  */
 #ifndef PROGRAM_DOCTOR_H
 #define PROGRAM_DOCTOR_H
@@ -21,6 +22,7 @@
 #include <stdint.h>
 
 #include "../log/csv.h"
+#include "../log/log_samples.h"
 
 /** How bad it is. */
 typedef enum {
@@ -47,22 +49,27 @@ typedef enum {
     DOCTOR_EITHER_EXCHANGED,   /**< two inputs, or their velocities, are exchanged */
     DOCTOR_INPUT_SHIFT,        /**< motion is late (value > 0) against an input [s] */
     DOCTOR_INPUT_WITHOUT_EFFECT,
-    DOCTOR_DEPTH_SIGN, /**< depth and heave velocity have opposite signs */
-    DOCTOR_DEPTH,      /**< depth and velocity contradict each other, unexplained */
-    DOCTOR_POSITION,   /**< position and velocity contradict each other */
-    DOCTOR_SCALE,      /**< commands that are not in -1 .. 1: pulse widths */
-    DOCTOR_HELD,       /**< velocities repeat their value */
-    DOCTOR_OUTAGE,     /**< velocities stand still: no samples */
-    DOCTOR_STUCK,      /**< a column never changes */
-    DOCTOR_MISSING,    /**< a column is missing, and counts as zero */
-    DOCTOR_QUANTISED,  /**< a column has few different values */
-    DOCTOR_SATURATED,  /**< an input stays at its largest value */
-    DOCTOR_VOLTAGE,    /**< the supply voltage sags */
-    DOCTOR_TIME,       /**< time goes back or stands still */
-    DOCTOR_GAPS,       /**< rows are missing */
-    DOCTOR_SLOW,       /**< rows are too far apart for this vehicle */
-    DOCTOR_SHORT,      /**< too little data */
-    DOCTOR_MOTION,     /**< seconds of usable motion of each DoF */
+    DOCTOR_DEPTH_SIGN,      /**< depth and heave velocity have opposite signs */
+    DOCTOR_DEPTH,           /**< depth and velocity contradict each other, unexplained */
+    DOCTOR_POSITION,        /**< position and velocity contradict each other */
+    DOCTOR_FORCE_UNIT,      /**< specific force in multiples of g */
+    DOCTOR_FORCE_SIGN,      /**< an axis of the accelerometer has the wrong sign */
+    DOCTOR_FORCE_EXCHANGED, /**< two axes of the accelerometer are exchanged */
+    DOCTOR_NO_GRAVITY,      /**< specific force without gravity */
+    DOCTOR_THRUSTER_SIGN,   /**< a thruster has the wrong sign */
+    DOCTOR_SCALE,           /**< commands that are not in -1 .. 1: pulse widths */
+    DOCTOR_HELD,            /**< velocities repeat their value */
+    DOCTOR_OUTAGE,          /**< velocities stand still: no samples */
+    DOCTOR_STUCK,           /**< a column never changes */
+    DOCTOR_MISSING,         /**< a column is missing, and counts as zero */
+    DOCTOR_QUANTISED,       /**< a column has few different values */
+    DOCTOR_SATURATED,       /**< an input stays at its largest value */
+    DOCTOR_VOLTAGE,         /**< the supply voltage sags */
+    DOCTOR_TIME,            /**< time goes back or stands still */
+    DOCTOR_GAPS,            /**< rows are missing */
+    DOCTOR_SLOW,            /**< rows are too far apart for this vehicle */
+    DOCTOR_SHORT,           /**< too little data */
+    DOCTOR_MOTION,          /**< seconds of usable motion of each DoF */
     DOCTOR_CODES
 } doctor_code_t;
 
@@ -82,6 +89,10 @@ enum { DOCTOR_FINDINGS = 48 };
 
 /** Starts. has: which columns the log has. */
 void doctor_init(doctor_t *doctor, const bool has[CSV_COLUMNS]);
+
+/** Takes the thrusters of the log as its inputs, before the first row. use: log_use_thrusters; it
+ * must outlive the doctor. */
+void doctor_use(doctor_t *doctor, const log_use_t *use);
 
 /** Takes a row. A value that is not a number is absent: no new sample. A time that is not after the
  * one before is reported, and the row skipped. */

@@ -48,7 +48,7 @@ static void emit_cell(doctor_t *d)
 /* Adds the time from one sample of a signal to the next. */
 static void cover(doctor_cells_t *c, int signal, double from_s, double to_s, double from, double to)
 {
-    bool held = signal >= CELL_INPUT && signal < CELL_INPUT + 6;
+    bool held = (signal >= CELL_INPUT && signal < CELL_INPUT + 6) || signal >= CELL_THRUST;
     double slope = held ? 0.0 : (to - from) / (to_s - from_s);
     for (int64_t k = (int64_t)(from_s / DOCTOR_CELL_S); (double)k * DOCTOR_CELL_S < to_s; ++k) {
         double begin = fmax(from_s, (double)k * DOCTOR_CELL_S);

@@ -26,23 +26,21 @@
 enum { INPUT, SPEED, QUADRATIC, COUPLING };
 enum { ACCELERATION = GAIN_TERMS - 1 };
 
-/* A regression. */
-typedef struct {
-    double without, with; /* sums of squares, without and with the input */
-    double b;
-    double drag; /* share of the velocity that is lost per second: positive dissipates */
-    double coefficient[GAIN_TERMS], t[GAIN_TERMS];
-} gain_t;
+typedef doctor_gain_t gain_t;
 
 static const char *const axis_name[6] = {"surge", "sway", "heave", "roll", "pitch", "yaw"};
 
 static const char *input_name(const doctor_t *d, int j)
 {
-    return csv_name[d->inputs + j];
+    static const char *const of_thrusters[6] = {
+        "the surge force of the thrusters",  "the sway force of the thrusters",
+        "the heave force of the thrusters",  "the roll moment of the thrusters",
+        "the pitch moment of the thrusters", "the yaw moment of the thrusters"};
+    return d->use != NULL ? of_thrusters[j] : csv_name[d->inputs + j];
 }
 
-/* products: of the input with each term. */
-static void regress(const doctor_sums_t *s, int j, const double products[GAIN_TERMS], gain_t *out)
+void doctor_regress(const doctor_sums_t *s, int j, const double products[GAIN_TERMS],
+                    doctor_gain_t *out)
 {
     double m[GAIN_TERMS][GAIN_TERMS], diagonal[GAIN_TERMS];
     bool swept[GAIN_TERMS] = {false};
@@ -89,7 +87,7 @@ static void usual(const doctor_sums_t *s, int j, double *clean, double *against,
     *clean = *against = HUGE_VAL;
     best->with = HUGE_VAL;
     for (int k = FIRST_LAG; k <= LAST_LAG; ++k) {
-        regress(s, j, s->own[j][k], &g);
+        doctor_regress(s, j, s->own[j][k], &g);
         *clean = fmin(*clean, g.b > 0.0 ? g.with : g.without);
         *against = fmin(*against, g.b < 0.0 && g.drag > 0.0 ? g.with : g.without);
         if (g.with < best->with) {
@@ -121,7 +119,7 @@ static double shift_score(const doctor_t *d, const doctor_sums_t *s, int unused,
         }
         usual(s, j, &clean, &against, &g);
         for (int k = 0; k <= DOCTOR_EARLY + DOCTOR_LATE; ++k) {
-            regress(s, j, s->own[j][k], &g);
+            doctor_regress(s, j, s->own[j][k], &g);
             score[k] += ratio(s, j, clean, g.b > 0.0 && g.drag > 0.0 ? g.with : g.without);
         }
     }
@@ -146,7 +144,7 @@ static double exchange_score(const doctor_t *d, const doctor_sums_t *s, int pair
         double clean, against;
         gain_t g;
         usual(s, j, &clean, &against, &g);
-        regress(s, j, s->cross[j][axis[1 - k]], &g);
+        doctor_regress(s, j, s->cross[j][axis[1 - k]], &g);
         each[k] = ratio(s, j, fmin(clean, against), g.b > 0.0 ? g.with : g.without);
     }
     return each[0] > MIN_EACH && each[1] > MIN_EACH ? each[0] + each[1] : 0.0;
@@ -185,8 +183,9 @@ static double coupling(const doctor_t *d, const doctor_range_t *r, const int col
     doctor_sum(d, r->first, r->last, &sum);
     for (int j = 0; j < 2; ++j) {
         gain_t g;
-        regress(&sum, j, column[j] == j ? sum.own[j][DOCTOR_EARLY + 2] : sum.cross[j][column[j]],
-                &g);
+        doctor_regress(
+            &sum, j,
+            column[j] == j ? sum.own[j][DOCTOR_EARLY + DOCTOR_USUAL] : sum.cross[j][column[j]], &g);
         total += j == 0 ? g.t[COUPLING] : -g.t[COUPLING];
     }
     return total;
@@ -321,6 +320,9 @@ static bool rate_is_wrong(const doctor_t *d, int j)
 void doctor_inputs(doctor_t *d)
 {
     double sign_llr = 0.0;
+    if (d->use != NULL && doctor_thrusters(d)) {
+        return; /* which explains what is wrong in each DoF */
+    }
     for (int j = 0; j < 6; ++j) {
         sign_llr += d->pushed[j].llr;
     }

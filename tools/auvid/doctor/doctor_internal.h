@@ -9,6 +9,7 @@
 
 /** Cells of 0.1 s. A rate is the difference over a window of five cells. */
 #define DOCTOR_CELL_S 0.1
+#define DOCTOR_GRAVITY 9.81 /* [m/s2] */
 enum {
     DOCTOR_WINDOW = 5,
     DOCTOR_RING = 16,        /* cells that are being filled */
@@ -17,6 +18,7 @@ enum {
     DOCTOR_LAGS = 15,        /* of attitude against rates: each way, in cells */
     DOCTOR_EARLY = 10,       /* of an input against acceleration: cells that motion may lead .. */
     DOCTOR_LATE = 20,        /* .. or trail */
+    DOCTOR_USUAL = 2,        /* cells by which motion usually trails */
     DOCTOR_DISTINCT = 48,    /* distinct values that are remembered of a column */
     DOCTOR_MIN_WINDOWS = 30, /* independent ones, for a decision */
     DOCTOR_INTERVALS = 64    /* classes of row intervals */
@@ -29,7 +31,9 @@ enum {
     CELL_NU = CELL_DEGREE + 3,
     CELL_INPUT = CELL_NU + 6,
     CELL_POSITION = CELL_INPUT + 6,
-    CELL_SIGNALS = CELL_POSITION + 3
+    CELL_FORCE = CELL_POSITION + 3, /* specific force */
+    CELL_THRUST = CELL_FORCE + 3,   /* forces of the thrusters */
+    CELL_SIGNALS = CELL_THRUST + AUVID_MAX_THRUSTERS
 };
 
 /** Averages over a cell; NaN: not covered by samples. */
@@ -53,6 +57,9 @@ typedef struct {
     double angle[3];            /* [rad] */
     double depth_rate, sink[3]; /* parts of the depth rate from u, v, w */
     double over_ground[2][2];   /* position rate in body axes: psi as it is, psi reversed */
+    double force[3];            /* specific force .. */
+    double expected[3];         /* .. and what attitude and velocity say of it */
+    double thrust[AUVID_MAX_THRUSTERS];
 } doctor_window_t;
 
 /** Sums of products of two signals. */
@@ -69,7 +76,10 @@ typedef struct {
     double fixed[6][GAIN_TERMS][GAIN_TERMS];   /* products of all terms but the input */
     double own[6][DOCTOR_EARLY + DOCTOR_LATE + 1][GAIN_TERMS]; /* own input at a lag, times each */
     double cross[6][6][GAIN_TERMS];                            /* another input */
+    double thrust[6][AUVID_MAX_THRUSTERS][GAIN_TERMS];         /* a thruster, likewise .. */
+    double both[6][AUVID_MAX_THRUSTERS][AUVID_MAX_THRUSTERS];  /* .. and times another one */
     double count[6];                                           /* of windows */
+    doctor_pair_t force[3][3];                                 /* expected axis, measured axis */
     double depth[6][6];            /* 1, sink from u, v, w, depth rate, sum of sinks */
     doctor_pair_t ground[2][2][2]; /* psi, body axis of position, velocity */
     double moving[6];              /* cells with usable motion */
@@ -131,6 +141,9 @@ typedef struct {
     doctor_range_t sunk;      /* depth and heave velocity have opposite signs there */
     doctor_range_t gone[2];   /* position and velocity, of surge and sway, likewise */
     bool answers[6];          /* a velocity follows its input */
+    const log_use_t *use;     /* the inputs are these thrusters; NULL: those of the log */
+    double thruster[AUVID_MAX_THRUSTERS], voltage_V; /* last inputs of the thrusters; NaN: none */
+    double unit;                                     /* specific force of one m/s2 */
     double usable_s[6], time_constant_s[6];
     /* results */
     bool usable;
@@ -144,6 +157,18 @@ void doctor_cells_init(doctor_t *d);
 /** Adds the samples of a row at t seconds after the first row. */
 void doctor_cells_add(doctor_t *d, double t, const double value[CELL_SIGNALS]);
 void doctor_cells_flush(doctor_t *d);
+
+/* doctor_inputs.c */
+/** A regression of the acceleration of DoF j on its input and other terms. */
+typedef struct {
+    double without, with; /* sums of squares, without and with the input */
+    double b;
+    double drag; /* share of the velocity that is lost per second: positive dissipates */
+    double coefficient[GAIN_TERMS], t[GAIN_TERMS];
+} doctor_gain_t;
+/** products: of the input with each term. */
+void doctor_regress(const doctor_sums_t *s, int j, const double products[GAIN_TERMS],
+                    doctor_gain_t *out);
 
 /* doctor_window.c: the sums */
 void doctor_window_add(doctor_t *d, const doctor_cell_t *cell);
@@ -176,6 +201,11 @@ void doctor_travel(doctor_t *d);
 void doctor_column_add(doctor_t *d, int column, double t, double value); /* doctor_columns.c */
 void doctor_columns(doctor_t *d);
 void doctor_time(doctor_t *d); /* doctor_time.c */
+void doctor_force(doctor_t *d); /* doctor_force.c: needs a sound attitude */
+/** The forces of the thrusters in a row, and their wrench, which it writes into the row. */
+void doctor_thrusters_row(doctor_t *d, csv_row_t *row, double force_N[AUVID_MAX_THRUSTERS]);
+/** Finds a thruster with the wrong sign. Returns whether there is one. */
+bool doctor_thrusters(doctor_t *d); /* doctor_thrusters.c */
 
 /* doctor.c */
 /** Adds a finding; range NULL: the whole log. Returns it. */

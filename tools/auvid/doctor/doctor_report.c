@@ -32,6 +32,11 @@ static const char *const code_name[DOCTOR_CODES] = {
     [DOCTOR_DEPTH_SIGN] = "depth_sign",
     [DOCTOR_DEPTH] = "depth",
     [DOCTOR_POSITION] = "position",
+    [DOCTOR_FORCE_UNIT] = "force_unit",
+    [DOCTOR_FORCE_SIGN] = "force_sign",
+    [DOCTOR_FORCE_EXCHANGED] = "force_exchanged",
+    [DOCTOR_NO_GRAVITY] = "no_gravity",
+    [DOCTOR_THRUSTER_SIGN] = "thruster_sign",
     [DOCTOR_SCALE] = "scale",
     [DOCTOR_HELD] = "held",
     [DOCTOR_OUTAGE] = "outage",
@@ -48,7 +53,7 @@ static const char *const code_name[DOCTOR_CODES] = {
 };
 
 /* Reads a whole open log. Returns 0, or EXIT_REFUSED after one line on stderr. */
-static int examine(doctor_t *doctor, csv_log_t *log)
+static int examine(doctor_t *doctor, csv_log_t *log, const log_use_t *use)
 {
     csv_row_t row;
     int status = csv_rewind(log);
@@ -56,6 +61,9 @@ static int examine(doctor_t *doctor, csv_log_t *log)
         return status;
     }
     doctor_init(doctor, log->has);
+    if (use != NULL) {
+        doctor_use(doctor, use);
+    }
     while ((status = csv_next(log, &row)) == 0) {
         doctor_feed(doctor, &row);
     }
@@ -132,12 +140,20 @@ static void print_text(const doctor_t *d, const csv_log_t *log)
 int doctor_check(const char *file, const options_t *options)
 {
     csv_log_t log = {0};
+    log_use_t use = {0};
     doctor_t *doctor = malloc(sizeof *doctor);
     if (doctor == NULL) {
         return report_error("check: not enough memory");
     }
     int status = csv_open(&log, file);
-    status = status != 0 ? status : examine(doctor, &log);
+    bool thrusters =
+        status == 0 && options->whole && log_use_thrusters(&use, options->vehicle, log.has);
+    if (status == 0 && options->whole && !thrusters) {
+        status = report_error("%s:1:1: --vehicle needs the inputs of each thruster of %s "
+                              "(thruster_1 .. or thruster_1_N ..)",
+                              file, options->vehicle->word);
+    }
+    status = status != 0 ? status : examine(doctor, &log, thrusters ? &use : NULL);
     if (status == 0) {
         csv_notes(&log);
         (options->json ? print_json : print_text)(doctor, &log);
@@ -148,21 +164,32 @@ int doctor_check(const char *file, const options_t *options)
     return status;
 }
 
-int doctor_warn(csv_log_t *log)
+int doctor_tell(const doctor_t *doctor, const char *path, report_findings_t *findings)
+{
+    int status = 0;
+    for (int i = 0; status == 0 && i < doctor->findings; ++i) {
+        const doctor_finding_t *f = &doctor->finding[i];
+        bool error = f->severity == DOCTOR_ERROR;
+        if (error) {
+            report_error_line("%s: %s", path, f->text);
+        } else if (f->severity == DOCTOR_WARNING) {
+            report_warning("%s: %s", path, f->text);
+        } else {
+            continue;
+        }
+        status = report_add_finding(findings, path, code_name[f->code], error, f->text);
+    }
+    return status;
+}
+
+int doctor_warn(csv_log_t *log, const log_use_t *use, report_findings_t *findings)
 {
     doctor_t *doctor = malloc(sizeof *doctor);
     if (doctor == NULL) {
         return report_error("%s: not enough memory", log->path);
     }
-    int status = examine(doctor, log);
-    for (int i = 0; status == 0 && i < doctor->findings; ++i) {
-        const doctor_finding_t *f = &doctor->finding[i];
-        if (f->severity == DOCTOR_ERROR) {
-            report_error_line("%s: %s", log->path, f->text);
-        } else if (f->severity == DOCTOR_WARNING) {
-            report_warning("%s: %s", log->path, f->text);
-        }
-    }
+    int status = examine(doctor, log, use);
+    status = status != 0 ? status : doctor_tell(doctor, log->path, findings);
     free(doctor);
     return status;
 }

@@ -7,13 +7,18 @@
 
 #include "../log/csv.h"
 #include "../options/options.h"
+#include "../report/report.h"
+#include "doctor.h"
 
 /** auvid check LOG.csv: prints all findings and the verdict. Returns 0: usable; 1: not usable;
  * EXIT_REFUSED after one line on stderr. */
 int doctor_check(const char *file, const options_t *options);
 
-/** Reads an open log from its beginning and prints errors and warnings on stderr, a line each.
- * Returns 0, or EXIT_REFUSED if the log cannot be read. */
-int doctor_warn(csv_log_t *log);
+/** Prints errors and warnings of a finished doctor on stderr, a line each, and adds them to
+ * *findings. path: the log. Returns 0, or EXIT_REFUSED after one line on stderr. */
+int doctor_tell(const doctor_t *doctor, const char *path, report_findings_t *findings);
+
+/** The same for an open log, which is read from its beginning. use: see doctor_use, or NULL. */
+int doctor_warn(csv_log_t *log, const log_use_t *use, report_findings_t *findings);
 
 #endif

@@ -49,7 +49,7 @@ static void find_gaps(doctor_t *d)
                    "record",
                    d->gaps, d->gaps > 1.0 ? "s" : "", d->longest_gap_s, d->gap_at_s);
     }
-    for (int j = 0; j < 6; ++j) {
+    for (int j = 0; j < 6 && median <= GAP_S; ++j) {
         double constant = d->time_constant_s[j];
         if (constant > 0.0 && median > SLOW * constant) {
             doctor_add(d, DOCTOR_WARNING, DOCTOR_SLOW, CSV_T, CSV_NU + j, NULL,
@@ -86,7 +86,8 @@ static void find_motion(doctor_t *d)
     }
     if (d->inputs < 0 && d->thrusters) {
         doctor_add(d, DOCTOR_NOTE, DOCTOR_MOTION, -1, -1, NULL,
-                   "inputs of single thrusters are not compared with the motion");
+                   "inputs of single thrusters are compared with the motion only if their vehicle "
+                   "is known: --vehicle");
     } else if (d->inputs < 0) {
         doctor_add(d, DOCTOR_ERROR, DOCTOR_MISSING, CSV_WRENCH, -1, NULL,
                    "no input column (X_N .. or cmd_surge ..): add forces, moments or commands");

@@ -67,6 +67,20 @@ static void travel(const doctor_t *d, doctor_window_t *w)
     }
 }
 
+/* Specific force: acceleration in inertial axes less gravity. Without velocity, of a vehicle that
+ * does not accelerate. */
+static void specific_force(const doctor_t *d, doctor_window_t *w)
+{
+    const double *v = w->nu, *rate = w->nu + 3, *a = w->angle;
+    const double down[3] = {-sin(a[1]), cos(a[1]) * sin(a[0]), cos(a[1]) * cos(a[0])};
+    for (int i = 0; i < 3; ++i) {
+        int j = (i + 1) % 3, k = (i + 2) % 3;
+        double inertial = w->acceleration[i] + rate[j] * v[k] - rate[k] * v[j];
+        w->force[i] = average(d, CELL_FORCE + i);
+        w->expected[i] = (isfinite(inertial) ? inertial : 0.0) - DOCTOR_GRAVITY * down[i];
+    }
+}
+
 static void make_window(const doctor_t *d, doctor_window_t *w)
 {
     turn_rates(d, CELL_ANGLE, 1.0, w->body_rate[0]);
@@ -86,7 +100,11 @@ static void make_window(const doctor_t *d, doctor_window_t *w)
                                  {v[0] * v[4], v[1] * v[3]},      {sin(w->angle[0]), v[1] * v[2]},
                                  {sin(w->angle[1]), v[0] * v[2]}, {v[0] * v[1], v[0] * v[3]}};
     memcpy(w->couple, couple, sizeof couple);
+    for (int k = 0; k < AUVID_MAX_THRUSTERS; ++k) {
+        w->thrust[k] = average(d, CELL_THRUST + k);
+    }
     travel(d, w);
+    specific_force(d, w);
 }
 
 static void add_pair(doctor_pair_t *p, double a, double b)
@@ -112,6 +130,30 @@ static void add_attitude(const doctor_t *d, doctor_sums_t *s)
         }
         for (int k = 0; k <= 2 * DOCTOR_LAGS; ++k) { /* the rate k - DOCTOR_LAGS cells earlier */
             add_pair(&s->lag[k][i], now->body_rate[0][i], window_before(d, k)->nu[3 + i]);
+        }
+    }
+}
+
+static void add_force(const doctor_t *d, doctor_sums_t *s)
+{
+    const doctor_window_t *now = window_before(d, 0);
+    for (int i = 0; i < 3; ++i) {
+        for (int j = 0; j < 3; ++j) {
+            add_pair(&s->force[i][j], now->expected[i], now->force[j]);
+        }
+    }
+}
+
+/* Products of the force of each thruster with the terms of DoF j. */
+static void add_thrusters(const doctor_t *d, doctor_sums_t *s, int j, const double x[GAIN_TERMS])
+{
+    const double *thrust = window_before(d, DOCTOR_EARLY + DOCTOR_USUAL)->thrust;
+    for (int k = 0; k < AUVID_MAX_THRUSTERS; ++k) {
+        for (int a = 1; a < GAIN_TERMS; ++a) {
+            s->thrust[j][k][a] += thrust[k] * x[a];
+        }
+        for (int i = 0; i < AUVID_MAX_THRUSTERS; ++i) {
+            s->both[j][k][i] += thrust[k] * thrust[i];
         }
     }
 }
@@ -146,8 +188,11 @@ static void add_input(const doctor_t *d, doctor_sums_t *s, int j)
             s->own[j][k][a] += lagged[k] * x[a];
         }
     }
+    if (d->use != NULL && isfinite(window_before(d, DOCTOR_EARLY + DOCTOR_USUAL)->thrust[0])) {
+        add_thrusters(d, s, j, x);
+    }
     for (int i = 0; i < 6; ++i) {
-        double other = window_before(d, DOCTOR_EARLY + 2)->input[i];
+        double other = window_before(d, DOCTOR_EARLY + DOCTOR_USUAL)->input[i];
         for (int a = 1; a < GAIN_TERMS && isfinite(other); ++a) {
             s->cross[j][i][a] += other * x[a];
         }
@@ -222,6 +267,7 @@ void doctor_window_add(doctor_t *d, const doctor_cell_t *cell)
     doctor_sums_t *s = &present_block(d)->sums;
     if (d->windows > HISTORY) {
         add_attitude(d, s);
+        add_force(d, s);
         for (int j = 0; j < 6; ++j) {
             add_input(d, s, j);
         }

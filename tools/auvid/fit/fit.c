@@ -69,12 +69,29 @@ static void print_inputs(const job_t *job, const auvid_identifier_t *id)
             printf("           Coupling terms assume the same unit in all degrees of freedom.\n");
         }
     }
+    fit_print_maps(&job->maps);
     if (!id->exact_inputs && id->attached.uncertain == NULL) {
         printf("           Their errors are not examined: see --thrusters, --plain\n");
     }
 }
 
-static void print_heading(const job_t *job, const auvid_identifier_t *id)
+/* The current in words, if it is identified. */
+static void print_current(const job_t *job, const result_t *result)
+{
+    int north = result->vehicle->parameters - 2;
+    if (!job->options->current || !report_is_identified(result, north) ||
+        !report_is_identified(result, north + 1)) {
+        return;
+    }
+    const double degrees = 57.29577951308232;
+    double c[2] = {(double)result->estimate.pi[north], (double)result->estimate.pi[north + 1]};
+    printf(
+        "  current  %.3f m/s, flows towards %.0f degrees (+- 95 %%: c_north %.3f, c_east %.3f)\n",
+        hypot(c[0], c[1]), fmod(degrees * atan2(c[1], c[0]) + 360.0, 360.0),
+        HALF_WIDTH * report_sigma(result, north), HALF_WIDTH * report_sigma(result, north + 1));
+}
+
+static void print_heading(const job_t *job, const auvid_identifier_t *id, const result_t *result)
 {
     const survey_t *survey = &job->survey;
     double set_s =
@@ -96,6 +113,7 @@ static void print_heading(const job_t *job, const auvid_identifier_t *id)
                "           relative to the largest input\n",
                sqrt(job->error[0]), sqrt(job->error[1]));
     }
+    print_current(job, result);
     putchar('\n');
 }
 
@@ -132,6 +150,8 @@ static void gather_logs(const job_t *job, const auvid_identifier_t *id, result_t
                                           .duration_s = test->last_s - test->first_s};
     }
     result->trace = &job->trace;
+    result->findings = &job->findings;
+    result->maps = job->maps.count > 0 ? &job->maps : NULL;
     if (id->metric.sets.recorded == 0 && job->use.dofs != 0) {
         result->remedy = survey->gaps > 0
                              ? "the log: record a row every 0.2 s or more often, without gaps"
@@ -164,8 +184,10 @@ static int run(job_t *job)
     }
     int refused = fit_read_logs(job);
     for (int i = 0; i < options->trains && refused == 0; ++i) {
-        refused = doctor_warn(&job->log[i].csv);
+        refused = doctor_warn(&job->log[i].csv, log_has_thrusters(&job->use) ? &job->use : NULL,
+                              &job->findings);
     }
+    refused = refused != 0 ? refused : fit_choose_map(job);
     const fitted_t *fitted = refused == 0 ? fit_choose_model(job) : NULL;
     if (fitted == NULL) {
         return EXIT_LOG_REFUSED;
@@ -182,7 +204,7 @@ static int run(job_t *job)
     if (options->json) {
         report_json(stdout, &result, NULL, NULL, NULL);
     } else {
-        print_heading(job, id);
+        print_heading(job, id, &result);
         report_result(&result, NULL);
     }
     return report_html(options, &result, NULL) == 0 ? status : EXIT_REFUSED;
@@ -195,11 +217,11 @@ int fit(const options_t *options)
         return report_error("fit: not enough memory");
     }
     job->options = options;
-    job->error[0] = job->error[1] = -1.0;
+    fit_forget_models(job);
     int status = run(job);
     fit_close_logs(job);
-    free(job->coupled);
-    free(job->decoupled);
+    fit_forget_models(job);
+    report_free_findings(&job->findings);
     free(job);
     return status;
 }

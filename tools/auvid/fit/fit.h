@@ -5,12 +5,13 @@
 #ifndef PROGRAM_FIT_H
 #define PROGRAM_FIT_H
 
+#include "auvid/current.h"
 #include "../vehicle/decoupled.h"
 #include "literal.h"
 #include "../options/options.h"
 #include "replay.h"
 #include "../log/survey.h"
-#include "../report/trace.h"
+#include "../report/report.h"
 
 /** A model identified from the logs. */
 typedef struct {
@@ -20,6 +21,8 @@ typedef struct {
     replay_inputs_t inputs; /**< if the thrusters are known, or there is a reference */
     literal_t literal;      /**< if chosen */
     decoupled_t six;        /**< the model, if it has six DoF without coupling */
+    auvid_current_t current; /**< the model, with --current */
+    auvid_row_t *rows;       /**< which needs them; NULL: none */
 } fitted_t;
 
 /** A fit: logs, options and models. */
@@ -31,11 +34,14 @@ typedef struct {
     log_use_t use;
     auvid_real_t tau_max[AUVID_DOF_COUNT];
     uint32_t cell_us;                         /**< length of the cells; 0: not chosen yet */
+    bool same_cells;                          /**< it is not changed, so that errors compare */
     uint32_t free;                            /**< bit i: parameter i is identified */
     auvid_real_t fixed[AUVID_MAX_PARAMETERS]; /**< values of the other parameters */
     const char *why[AUVID_DOF_COUNT];         /**< why a DoF cannot be identified, or NULL */
     fitted_t *coupled, *decoupled;            /**< NULL: not fitted */
     trace_t trace;                            /**< of the held-out log */
+    report_maps_t maps;                       /**< the comparison of --map auto */
+    report_findings_t findings;               /**< what is wrong with the training logs */
     double error[2];                          /**< cross-validation errors of the two; < 0: none */
 } job_t;
 
@@ -50,10 +56,22 @@ static inline bool fit_in_commands(const job_t *job)
 int fit_read_logs(job_t *job);
 void fit_close_logs(job_t *job);
 
+/** Takes another map from commands to forces (log_use_map). Returns 0, or EXIT_REFUSED after one
+ * line on stderr. */
+int fit_use_map(job_t *job, thrust_map_kind_t kind);
+
+/** Applies --map: the one that is named, or by comparison (map_choice.c). Returns 0, or EXIT_REFUSED
+ * after one line on stderr. */
+int fit_choose_map(job_t *job);
+/** Prints the comparison of the maps, if there was one. */
+void fit_print_maps(const report_maps_t *maps);
+
 /** Applies --fix, --free and --bias. Returns 0, or EXIT_REFUSED after one line on stderr. */
 int fit_choose_free(job_t *job);
 
 /** Identifies the selected models. Returns the one to report, or NULL after a message. */
 const fitted_t *fit_choose_model(job_t *job);
+/** Forgets them. */
+void fit_forget_models(job_t *job);
 
 #endif

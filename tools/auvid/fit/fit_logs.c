@@ -224,6 +224,9 @@ static int check_columns(const job_t *job, csv_log_t *log)
                             log->path);
     }
     int status = log_has_thrusters(&job->use) ? check_thrusters(job, log) : 0;
+    if (status == 0 && job->options->current && !log->has[CSV_ATTITUDE + 2]) {
+        status = csv_missing(log, CSV_ATTITUDE + 2, ": --current needs the heading");
+    }
     status = status != 0 ? status : check_velocities(job, log);
     status = status != 0 ? status : check_gains(job, log);
     ignore_unused(job, log);
@@ -270,6 +273,8 @@ static void find_excited(job_t *job)
 {
     const double *largest = job->survey.largest;
     double max_input = 0.0;
+    memset(job->why, 0, sizeof job->why);
+    job->use.dofs = 0;
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
         max_input = fmax(max_input, largest[j]);
     }
@@ -311,12 +316,13 @@ static int survey_all(job_t *job)
 int fit_read_logs(job_t *job)
 {
     const options_t *options = job->options;
-    job->train = (log_set_t){job->log, options->trains};
-    job->test = (log_set_t){&job->test_log, options->validate != NULL};
+    job->train = (log_set_t){.log = job->log, .logs = options->trains};
+    job->test = (log_set_t){.log = &job->test_log, .logs = options->validate != NULL};
     memcpy(job->use.gain, options->gain, sizeof job->use.gain);
     int status = csv_open(&job->log[0].csv, options->train[0]);
     status = status != 0 ? status : find_inputs(job);
     status = status != 0 ? status : check_columns(job, &job->log[0].csv);
+    (void)log_use_map(&job->use, THRUST_MAP_NEWTON);
     for (int i = 1; i < options->trains && status == 0; ++i) {
         status = open_further(job, &job->log[i], options->train[i]);
     }
@@ -327,6 +333,18 @@ int fit_read_logs(job_t *job)
     if (status == 0) {
         find_excited(job);
     }
+    return status;
+}
+
+int fit_use_map(job_t *job, thrust_map_kind_t kind)
+{
+    int status = 0;
+    (void)log_use_map(&job->use, kind);
+    memset(job->survey.largest, 0, sizeof job->survey.largest);
+    for (int i = 0; i < job->train.logs && status == 0; ++i) {
+        status = survey_inputs(&job->survey, &job->log[i], &job->use);
+    }
+    find_excited(job);
     return status;
 }
 

@@ -14,6 +14,8 @@
 #define SHORTEST_SET 20
 /* Capacity of the ring in rows (metric_config.h). */
 #define MAX_ROWS 60000u
+/* Largest component of a current [m/s]. */
+#define MAX_CURRENT AUVID_C(1.5)
 
 /* ---- parameters to identify ---- */
 
@@ -104,9 +106,28 @@ static void set_cells(const job_t *job, double span_us, auvid_identifier_config_
     if (job->cell_us > 0) {
         cfg->recorder.cell_us = job->cell_us;
     }
-    if (job->coupled != NULL) {
+    if (job->coupled != NULL || job->same_cells) {
         cfg->metric.max_cell_us = 0;
     }
+}
+
+/* Puts the hull into a current. Its rows are means over row_cells. Returns the library's status. */
+static auvid_status_t add_current(fitted_t *fitted, auvid_identifier_config_t *cfg)
+{
+    auvid_metric_config_t *metric = &cfg->metric;
+    size_t rows = ((size_t)metric->sets + 1) * metric->set_rows;
+    auvid_status_t status = auvid_current_init(&fitted->current, cfg->vehicle, false);
+    free(fitted->rows);
+    fitted->rows = status == AUVID_OK ? calloc(rows, sizeof *fitted->rows) : NULL;
+    if (status != AUVID_OK) {
+        return status;
+    }
+    int hull = cfg->vehicle->parameters;
+    cfg->vehicle = metric->vehicle = &fitted->current.vehicle;
+    metric->free |= UINT32_C(3) << hull;
+    metric->rows = fitted->rows;
+    return auvid_current_bounds(&fitted->current, MAX_CURRENT, cfg->search.lower,
+                                cfg->search.upper);
 }
 
 static void configure(const job_t *job, const auvid_vehicle_t *vehicle, decoupled_t *six,
@@ -116,7 +137,7 @@ static void configure(const job_t *job, const auvid_vehicle_t *vehicle, decouple
     double span_us = (double)(job->survey.end_us - job->log[0].start_us);
     auvid_identifier_defaults(cfg, vehicle);
     set_cells(job, span_us, cfg);
-    vehicle_use_averaged_model(cfg);
+    vehicle_use_averaged_model(cfg, options->current);
     if (job->options->coupling == COUPLING_OFF && decoupled_exists(vehicle)) {
         decoupled_init(six, cfg->vehicle, vehicle);
         cfg->vehicle = cfg->metric.vehicle = &six->vehicle;
@@ -180,12 +201,15 @@ static bool record(const job_t *job, const auvid_vehicle_t *vehicle, fitted_t *f
     bool literal = job->options->literal;
     auvid_status_t status = AUVID_OK;
     configure(job, vehicle, &fitted->six, &cfg);
-    if (literal) {
+    if (job->options->current) {
+        status = add_current(fitted, &cfg);
+    }
+    if (literal && status == AUVID_OK) {
         status = literal_identifier(&fitted->literal, &cfg);
         literal_attach(&fitted->literal, &fitted->id.metric);
     }
     if (status < 0) {
-        (void)report_error("fit: %s", auvid_status_str(status));
+        (void)report_error("fit: %s: %s", vehicle->name, auvid_status_str(status));
         return false;
     }
     status = auvid_identifier_init(&fitted->id, &cfg);
@@ -204,20 +228,28 @@ static bool record(const job_t *job, const auvid_vehicle_t *vehicle, fitted_t *f
                     : replay_identify(&job->train, &job->use, &fitted->inputs, &fitted->id)) == 0;
 }
 
+static void forget(fitted_t *fitted)
+{
+    if (fitted != NULL) {
+        free(fitted->rows);
+        free(fitted);
+    }
+}
+
 /* Replays the logs with a model and searches. If the metric asks for longer cells, the logs are
  * replayed again. Returns NULL after a message. */
 static fitted_t *identify(job_t *job, const auvid_vehicle_t *vehicle)
 {
     bool literal = job->options->literal;
     auvid_status_t status;
-    fitted_t *fitted = malloc(sizeof *fitted);
+    fitted_t *fitted = calloc(1, sizeof *fitted);
     if (fitted == NULL) {
         (void)report_error("fit: not enough memory");
         return NULL;
     }
     do {
         if (!record(job, vehicle, fitted)) {
-            free(fitted);
+            forget(fitted);
             return NULL;
         }
         do {
@@ -229,11 +261,20 @@ static fitted_t *identify(job_t *job, const auvid_vehicle_t *vehicle)
     return fitted;
 }
 
+void fit_forget_models(job_t *job)
+{
+    forget(job->coupled);
+    forget(job->decoupled);
+    job->coupled = job->decoupled = NULL;
+    job->error[0] = job->error[1] = -1.0;
+}
+
 /* Identifies the selected models. Returns the one to report, or NULL after a message. */
 const fitted_t *fit_choose_model(job_t *job)
 {
     coupling_t coupling = job->options->coupling;
-    bool alternative = job->options->model == &auvid_girona500 && coupling != COUPLING_ON;
+    bool alternative = job->options->model == &auvid_girona500 && coupling != COUPLING_ON &&
+                       !job->options->current; /* cross-validation needs a linear model */
     if (coupling != COUPLING_OFF) {
         job->coupled = identify(job, job->options->model);
         if (job->coupled == NULL || !alternative) {

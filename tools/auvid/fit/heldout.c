@@ -10,9 +10,8 @@
 #include "../report/statistics.h"
 
 /* Shortest length of the bootstrap blocks, because residuals of neighbouring cells are correlated.
- * When a log has more than BLOCKS of them, they become twice as long. */
+ * When a log has more than HELDOUT_BLOCKS of them, they become twice as long. */
 #define BLOCK_S 10.0
-enum { BLOCKS = 8192 };
 
 /* ---- cross-validation ---- */
 
@@ -74,18 +73,15 @@ double heldout_cross_validation(const auvid_metric_t *metric)
 
 /* ---- R2 of simulated velocity ---- */
 
-/* Sums over a block, for one DoF. */
-typedef struct {
-    double count, y, yy, ee;
-} block_t;
+typedef heldout_sums_t sums_t;
 
-static double r2_of(const block_t *b)
+static double r2_of(const sums_t *b)
 {
     double about_mean = b->yy - b->y * b->y / b->count;
     return about_mean > 0.0 ? 1.0 - b->ee / about_mean : 0.0;
 }
 
-static void add(block_t *to, const block_t *from)
+static void add(sums_t *to, const sums_t *from)
 {
     to->count += from->count;
     to->y += from->y;
@@ -94,18 +90,18 @@ static void add(block_t *to, const block_t *from)
 }
 
 /* R2 over all blocks, and its 95 % interval by bootstrap over the blocks. */
-static void interval(const block_t *block, size_t blocks, sim_rng_t *rng, result_t *result, int j)
+static void interval(const heldout_blocks_t *b, sim_rng_t *rng, result_t *result, int j)
 {
     double r2[RESAMPLES];
-    block_t all = {0};
-    for (size_t i = 0; i < blocks; ++i) {
-        add(&all, &block[i]);
+    sums_t all = {0};
+    for (size_t i = 0; i < b->used; ++i) {
+        add(&all, &b->block[i][j]);
     }
     result->r2[j] = r2_of(&all);
     for (int k = 0; k < RESAMPLES; ++k) {
-        block_t drawn = {0};
-        for (size_t i = 0; i < blocks; ++i) {
-            add(&drawn, &block[(size_t)(sim_rng_uniform(rng) * (double)blocks)]);
+        sums_t drawn = {0};
+        for (size_t i = 0; i < b->used; ++i) {
+            add(&drawn, &b->block[(size_t)(sim_rng_uniform(rng) * (double)b->used)][j]);
         }
         r2[k] = r2_of(&drawn);
     }
@@ -116,17 +112,14 @@ static void interval(const block_t *block, size_t blocks, sim_rng_t *rng, result
 /* Simulates cells and sums errors. */
 typedef struct {
     auvid_validation_t validation;
-    block_t block[BLOCKS][AUVID_DOF_COUNT];
-    block_t one[BLOCKS]; /* blocks of one DoF */
-    size_t used;         /* number of blocks */
-    double began_us;     /* start of the last one */
-    double block_us;     /* their length */
-    trace_t *trace;
-    bool after_gap; /* since the cell that was compared last */
-} blocks_t;
+    heldout_blocks_t *blocks;
+    double began_us; /* start of the last block */
+    trace_t *trace;  /* NULL: none is wanted */
+    bool after_gap;  /* since the cell that was compared last */
+} simulation_t;
 
 /* Makes room by blocks of twice the length. */
-static void merge_blocks(blocks_t *b)
+static void merge_blocks(heldout_blocks_t *b)
 {
     for (size_t i = 0; i < b->used / 2; ++i) {
         for (size_t j = 0; j < AUVID_DOF_COUNT; ++j) {
@@ -136,70 +129,83 @@ static void merge_blocks(blocks_t *b)
     }
     b->used /= 2;
     b->block_us *= 2.0;
-    memset(b->block[b->used], 0, (BLOCKS - b->used) * sizeof b->block[0]);
+    memset(b->block[b->used], 0, (HELDOUT_BLOCKS - b->used) * sizeof b->block[0]);
 }
 
 static void take_cell(void *context, const auvid_sample_t *cell, bool after_gap)
 {
-    blocks_t *b = context;
-    uint32_t before = b->validation.cells;
+    simulation_t *s = context;
+    heldout_blocks_t *b = s->blocks;
+    uint32_t before = s->validation.cells;
     if (after_gap) {
-        auvid_validation_gap(&b->validation);
-        b->after_gap = true;
+        auvid_validation_gap(&s->validation);
+        s->after_gap = true;
     }
-    if (auvid_validation_add(&b->validation, cell) != AUVID_OK || b->validation.cells == before) {
+    if (auvid_validation_add(&s->validation, cell) != AUVID_OK || s->validation.cells == before) {
         return;
     }
-    trace_add(b->trace, &b->validation, cell, b->after_gap);
-    b->after_gap = false;
-    if ((double)cell->t_us - b->began_us >= b->block_us) {
-        if (b->used == BLOCKS) {
+    if (s->trace != NULL) {
+        trace_add(s->trace, &s->validation, cell, s->after_gap);
+    }
+    s->after_gap = false;
+    if ((double)cell->t_us - s->began_us >= b->block_us) {
+        if (b->used == HELDOUT_BLOCKS) {
             merge_blocks(b);
         }
-        b->began_us = (double)cell->t_us;
+        s->began_us = (double)cell->t_us;
         ++b->used;
     }
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
-        double y = (double)cell->nu[j], e = y - (double)b->validation.predicted[j];
-        const block_t one = {.count = 1.0, .y = y, .yy = y * y, .ee = e * e};
+        double y = (double)cell->nu[j], e = y - (double)s->validation.predicted[j];
+        const sums_t one = {.count = 1.0, .y = y, .yy = y * y, .ee = e * e};
         add(&b->block[b->used - 1][j], &one);
     }
 }
 
-static void intervals(blocks_t *b, uint64_t seed, result_t *result)
+heldout_blocks_t *heldout_blocks(void)
 {
-    sim_rng_t rng;
-    sim_rng_seed(&rng, seed, 0);
-    for (size_t j = 0; j < AUVID_DOF_COUNT && b->used > 0; ++j) {
-        for (size_t i = 0; i < b->used; ++i) {
-            b->one[i] = b->block[i][j];
-        }
-        interval(b->one, b->used, &rng, result, (int)j);
+    heldout_blocks_t *b = calloc(1, sizeof *b);
+    if (b == NULL) {
+        (void)report_error("fit: not enough memory");
+    } else {
+        b->block_us = 1e6 * BLOCK_S;
     }
-    result->validated = b->used > 0 ? result->estimate.excited : 0u;
-    result->has_interval = true;
+    return b;
+}
+
+int heldout_simulate(const log_set_t *logs, const log_use_t *use,
+                     const auvid_recorder_config_t *recorder, const auvid_vehicle_t *vehicle,
+                     const auvid_estimate_t *e, trace_t *trace, heldout_blocks_t *blocks)
+{
+    simulation_t s = {.blocks = blocks, .began_us = -1e18, .trace = trace};
+    auvid_real_t cell_s = AUVID_C(1e-6) * (auvid_real_t)recorder->cell_us;
+    blocks->impossible = blocks->impossible ||
+                         auvid_validation_init(&s.validation, vehicle, e->pi, e->excited,
+                                               e->delay_s, e->first_order_lag, cell_s) != AUVID_OK;
+    return blocks->impossible ? 0 : replay_cells(logs, use, recorder, take_cell, &s);
 }
 
 int heldout_r2(const log_set_t *logs, const log_use_t *use, const auvid_recorder_config_t *recorder,
                uint64_t seed, trace_t *trace, result_t *result)
 {
-    const auvid_estimate_t *e = &result->estimate;
-    auvid_real_t cell_s = AUVID_C(1e-6) * (auvid_real_t)recorder->cell_us;
-    blocks_t *b = calloc(1, sizeof *b);
+    double cell_s = 1e-6 * (double)recorder->cell_us;
+    heldout_blocks_t *b = heldout_blocks();
     if (b == NULL) {
-        return report_error("%s: not enough memory", logs->log[0].csv.path);
+        return EXIT_REFUSED;
     }
-    b->began_us = -1e18;
-    b->block_us = 1e6 * BLOCK_S;
-    b->trace = trace;
     const csv_log_t *csv = &logs->log[0].csv;
-    trace_begin(trace, (size_t)((csv->last_s - csv->first_s) / (double)cell_s), (double)cell_s);
+    trace_begin(trace, (size_t)((csv->last_s - csv->first_s) / cell_s), cell_s);
     result->has_validation = true;
-    int status = 0;
-    if (auvid_validation_init(&b->validation, result->vehicle, e->pi, e->excited, e->delay_s,
-                              e->first_order_lag, cell_s) == AUVID_OK) {
-        status = replay_cells(logs, use, recorder, take_cell, b);
-        intervals(b, seed, result);
+    int status =
+        heldout_simulate(logs, use, recorder, result->vehicle, &result->estimate, trace, b);
+    if (!b->impossible) {
+        sim_rng_t rng;
+        sim_rng_seed(&rng, seed, 0);
+        for (int j = 0; j < AUVID_DOF_COUNT && b->used > 0; ++j) {
+            interval(b, &rng, result, j);
+        }
+        result->validated = b->used > 0 ? result->estimate.excited : 0u;
+        result->has_interval = true;
     }
     free(b);
     return status;

@@ -78,7 +78,9 @@ int replay_identify(const log_set_t *logs, const log_use_t *use, replay_inputs_t
         log_sample_t now;
         status = log_reader_begin(&reader, &logs->log[i], use);
         while (status == 0 && (status = log_reader_next(&reader, &now)) == 0) {
-            feed(use, &now, inputs, id);
+            if (log_set_has(logs, now.t_us)) {
+                feed(use, &now, inputs, id);
+            }
         }
         status = status == CSV_END ? 0 : status;
     }
@@ -124,7 +126,9 @@ int replay_cells(const log_set_t *logs, const log_use_t *use, const auvid_record
         log_sample_t now;
         status = log_reader_begin(&reader, &logs->log[i], use);
         while (status == 0 && (status = log_reader_next(&reader, &now)) == 0) {
-            gap = record(&recorder, &now, take, context, gap);
+            if (log_set_has(logs, now.t_us)) {
+                gap = record(&recorder, &now, take, context, gap);
+            }
         }
         status = status == CSV_END ? 0 : status;
     }

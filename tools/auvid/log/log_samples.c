@@ -16,6 +16,33 @@ bool log_has_thrusters(const log_use_t *use)
     return use->kind == INPUT_THRUST || use->kind == INPUT_THRUSTER_COMMAND;
 }
 
+bool log_use_thrusters(log_use_t *use, const vehicle_t *vehicle, const bool has[CSV_COLUMNS])
+{
+    bool all = auvid_allocation_init(&use->allocation, vehicle->allocation) == AUVID_OK;
+    use->vehicle = vehicle;
+    use->kind = has[CSV_THRUSTER_N] ? INPUT_THRUST : INPUT_THRUSTER_COMMAND;
+    for (int k = 0; all && k < log_inputs(use); ++k) {
+        all = has[log_input(use, k)];
+    }
+    (void)log_use_map(use, THRUST_MAP_NEWTON);
+    return all;
+}
+
+bool log_use_map(log_use_t *use, thrust_map_kind_t kind)
+{
+    bool any = false;
+    use->square = use->kind == INPUT_COMMAND && kind == THRUST_MAP_SIGNED_SQUARE;
+    if (use->vehicle != NULL) {
+        memcpy(use->map, use->vehicle->map, sizeof use->map);
+    }
+    for (int i = 0; i < AUVID_MAX_THRUSTERS && use->kind == INPUT_THRUSTER_COMMAND; ++i) {
+        any = (i < use->vehicle->maps && kind != THRUST_MAP_NEWTON &&
+               thrust_map_replace(&use->map[i], kind)) ||
+              any;
+    }
+    return any || use->kind == INPUT_COMMAND;
+}
+
 int log_inputs(const log_use_t *use)
 {
     return log_has_thrusters(use) ? use->allocation.cfg.thrusters : AUVID_DOF_COUNT;
@@ -35,16 +62,17 @@ void log_wrench(const log_use_t *use, const double *input, double voltage_V,
     auvid_real_t total[AUVID_DOF_COUNT] = {0};
     for (int k = 0; k < log_inputs(use) && log_has_thrusters(use); ++k) {
         force_N[k] =
-            (auvid_real_t)(use->kind == INPUT_THRUST
-                               ? input[k]
-                               : vehicle_file_thrust(use->vehicle, k, input[k], voltage_V));
+            (auvid_real_t)(use->kind == INPUT_THRUST ? input[k]
+                                                     : vehicle_file_thrust(use->vehicle, use->map,
+                                                                           k, input[k], voltage_V));
     }
     if (log_has_thrusters(use)) {
         (void)auvid_allocation_wrench(&use->allocation, force_N, total);
     }
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
         double gain = use->kind == INPUT_COMMAND && use->gain[j] > 0.0 ? use->gain[j] : 1.0;
-        wrench[j] = log_has_thrusters(use) ? (double)total[j] : gain * input[j];
+        double force = use->square ? fabs(input[j]) * input[j] : input[j];
+        wrench[j] = log_has_thrusters(use) ? (double)total[j] : gain * force;
     }
 }
 

@@ -28,6 +28,8 @@ typedef struct {
     auvid_allocation_t allocation; /**< of its thrusters */
     uint32_t delay_us;             /**< known time from its commands to their forces */
     double gain[AUVID_DOF_COUNT];  /**< of the commands: newtons per unit; 0: not known */
+    thrust_map_t map[AUVID_MAX_THRUSTERS]; /**< of the thrusters' groups: log_use_map */
+    bool square; /**< the force of an axis is the signed square of its command: log_use_map */
 } log_use_t;
 
 /** A log, and how it was found to be. */
@@ -37,11 +39,19 @@ typedef struct {
     double held_s;     /**< time for which a velocity is held in the rows; 0: it is not held */
 } log_t;
 
-/** Logs, each a record of its own. */
+/** Logs, each a record of its own, or a part of them. */
 typedef struct {
     log_t *log;
     int logs;
+    uint64_t from_us, to_us; /**< a part, by time in the replay; both 0: there is none */
+    bool only;               /**< only the part is read; else it is left out */
 } log_set_t;
+
+/** Is a time within what is read? */
+static inline bool log_set_has(const log_set_t *set, uint64_t t_us)
+{
+    return set->to_us == 0 || (t_us >= set->from_us && t_us < set->to_us) == set->only;
+}
 
 /** The samples of a row. */
 typedef struct {
@@ -71,6 +81,15 @@ typedef struct {
 
 /** Are the inputs those of thrusters? */
 bool log_has_thrusters(const log_use_t *use);
+
+/** Takes a vehicle's thrusters as inputs: their forces, or else their commands or speeds. Returns
+ * false if the columns of one of them are missing, or its allocation cannot be used. */
+bool log_use_thrusters(log_use_t *use, const vehicle_t *vehicle, const bool has[CSV_COLUMNS]);
+
+/** Chooses the map from commands to forces: linear or signed-square; THRUST_MAP_NEWTON: as told,
+ * which is the vehicle's for thrusters, linear for axes. Needs kind and vehicle. Returns false if
+ * no map is replaced, because the inputs are forces already. */
+bool log_use_map(log_use_t *use, thrust_map_kind_t kind);
 
 /** Number of inputs, and the column of each. */
 int log_inputs(const log_use_t *use);

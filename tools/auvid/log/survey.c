@@ -143,6 +143,17 @@ static void take_inputs(survey_t *survey, const csv_row_t *row, const log_use_t 
     }
 }
 
+int survey_inputs(survey_t *survey, log_t *log, const log_use_t *use)
+{
+    csv_row_t row;
+    inputs_t last = {{0}, 0.0};
+    int status = csv_rewind(&log->csv);
+    while (status == 0 && (status = csv_next(&log->csv, &row)) == 0) {
+        take_inputs(survey, &row, use, &last);
+    }
+    return status == CSV_END ? 0 : status;
+}
+
 static int read_rows(survey_t *survey, log_t *log, const log_use_t *use, held_t *held)
 {
     csv_row_t row;

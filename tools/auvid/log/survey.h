@@ -26,6 +26,10 @@ int survey_begin(survey_t *survey, double gap_s);
  * EXIT_REFUSED after one line on stderr. */
 int survey_read(survey_t *survey, log_t *log, const log_use_t *use);
 
+/** Finds the largest inputs of a log again, for another map. Returns 0, or EXIT_REFUSED after one
+ * line on stderr. */
+int survey_inputs(survey_t *survey, log_t *log, const log_use_t *use);
+
 /** Median time between velocities [us], up to a second. */
 double survey_velocity_us(const survey_t *survey);
 

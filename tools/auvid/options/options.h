@@ -14,6 +14,9 @@
 /** Are the terms between degrees of freedom part of the model? */
 typedef enum { COUPLING_AUTO, COUPLING_ON, COUPLING_OFF } coupling_t;
 
+/** The map from commands to forces: as told by vehicle or log, chosen by comparison, or this one. */
+typedef enum { MAP_AS_TOLD, MAP_AUTO, MAP_LINEAR, MAP_SIGNED_SQUARE } options_map_t;
+
 /** Largest number of --fix and --free options. */
 enum { OPTIONS_CHOICES = 64 };
 /** Largest number of training logs. */
@@ -75,6 +78,8 @@ typedef struct {
     bool whole;    /**< --vehicle was given: model, thrusters, all else */
     bool linear_input;
     coupling_t coupling;
+    options_map_t map;
+    bool current;                        /**< a constant current is identified, too */
     const vehicle_t *thrusters;          /**< of this vehicle; NULL: not known */
     const auvid_vehicle_t *model;        /**< default Girona500 */
     double dry_mass_kg;                  /**< 0: not known */

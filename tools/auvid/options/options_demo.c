@@ -89,6 +89,10 @@ static int check_option(reader_t *r, options_t *options)
     if (option_is(r, "--header")) {
         return take_flag(r, &options->header);
     }
+    if (option_is(r, "--vehicle")) {
+        options->whole = true;
+        return take_vehicle(r, options, false);
+    }
     return report_error("check: unknown option %s (see auvid --help)", r->name);
 }
 

@@ -74,6 +74,7 @@ static int fit_option(reader_t *r, options_t *options)
 {
     static const char *const inputs[] = {"hold", "linear"};
     static const char *const couplings[] = {"auto", "on", "off"};
+    static const char *const maps[] = {"auto", "linear", "signed-square"};
     int choice = 0, status = 0;
     if (option_is(r, "--validate")) {
         return take_value(r, &options->validate);
@@ -95,6 +96,14 @@ static int fit_option(reader_t *r, options_t *options)
     if (option_is(r, "--coupling")) {
         status = take_word(r, couplings, 3, &choice);
         options->coupling = (coupling_t)choice;
+        return status;
+    }
+    if (option_is(r, "--current")) {
+        return take_flag(r, &options->current);
+    }
+    if (option_is(r, "--map")) {
+        status = take_word(r, maps, 3, &choice);
+        options->map = (options_map_t)(choice + MAP_AUTO);
         return status;
     }
     if (option_is(r, "--model")) {
@@ -119,6 +128,21 @@ static int fit_option(reader_t *r, options_t *options)
         return take_choice(r, options);
     }
     return report_error("fit: unknown option %s (see auvid --help)", r->name);
+}
+
+static int check_current(const options_t *options)
+{
+    int parameters = options->model->parameters;
+    if (!options->plain) {
+        return report_error("fit: --current needs --plain: with thrusters a current is already "
+                            "estimated, among the errors of the inputs");
+    }
+    return parameters + 2 > AUVID_MAX_PARAMETERS
+               ? report_error(
+                     "fit: --current adds two parameters, but the model %s has %d already, "
+                     "and the program has room for %d",
+                     options->model->name, parameters, AUVID_MAX_PARAMETERS)
+               : 0;
 }
 
 int options_fit(options_t *options, int count, char **argument)
@@ -148,5 +172,5 @@ int options_fit(options_t *options, int count, char **argument)
         return report_error("fit: --thrusters and %s cannot be combined",
                             options->plain ? "--plain" : "--literal");
     }
-    return status;
+    return status == 0 && options->current ? check_current(options) : status;
 }

@@ -88,6 +88,24 @@ static void write_sentences(FILE *out, const result_t *result,
     fputs(k == 0 ? "  nothing was found\n" : "", out);
 }
 
+/* What is wrong with the logs. */
+static void write_findings(FILE *out, const report_findings_t *findings)
+{
+    if (findings == NULL) {
+        return;
+    }
+    fputs("What is wrong with the log?\n", out);
+    for (int i = 0; i < findings->count; ++i) {
+        const report_finding_t *f = &findings->at[i];
+        fprintf(out, "  %s: ", f->error ? "error" : "warning");
+        escaped(out, f->log);
+        fputs(": ", out);
+        escaped(out, f->sentence);
+        fputc('\n', out);
+    }
+    fputs(findings->count == 0 ? "  nothing was found\n" : "", out);
+}
+
 /* The four questions, answered in text. */
 static void write_text(FILE *out, const result_t *result)
 {
@@ -112,6 +130,7 @@ static void write_text(FILE *out, const result_t *result)
             write_parameter(out, result, i);
         }
     }
+    write_findings(out, result->findings);
     fputs("What is wrong with the inputs?\n", out);
     write_sentences(out, result, report_cause);
     fputs("What is missing?\n", out);

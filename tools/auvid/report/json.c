@@ -378,6 +378,59 @@ static void json_log(FILE *out, const char *key, const report_log_t *log)
     fprintf(out, "}");
 }
 
+/* What is wrong with the logs, errors first. Nothing: no log was examined. */
+static void json_findings(FILE *out, const report_findings_t *findings)
+{
+    const char *separator = "";
+    if (findings == NULL) {
+        return;
+    }
+    fprintf(out, ",\n  \"log_findings\": [");
+    for (int warnings = 0; warnings < 2; ++warnings) {
+        for (int i = 0; i < findings->count; ++i) {
+            const report_finding_t *f = &findings->at[i];
+            if (f->error == (warnings != 0)) {
+                continue;
+            }
+            fprintf(out, "%s\n    {\"log\": ", separator);
+            json_string(out, f->log);
+            fprintf(out, ", \"severity\": \"%s\", \"code\": \"%s\", \"sentence\": ",
+                    f->error ? "error" : "warning", f->code);
+            json_string(out, f->sentence);
+            fprintf(out, "}");
+            separator = ",";
+        }
+    }
+    fprintf(out, "]");
+}
+
+/* The comparison of maps from commands to forces. */
+static void json_maps(FILE *out, const report_maps_t *maps)
+{
+    if (maps == NULL) {
+        return;
+    }
+    fprintf(out,
+            ",\n  \"map\": {\"used\": \"%s\", \"as_told\": \"%s\", \"best\": \"%s\", "
+            "\"held_out\": \"%s\", \"blocks\": %zu, \"tried\": [",
+            maps->map[maps->used].name, maps->map[0].name, maps->map[maps->best].name,
+            maps->other_log ? "log" : "parts", maps->blocks);
+    for (int i = 0; i < maps->count; ++i) {
+        const report_map_t *map = &maps->map[i];
+        bool known = map->judged && maps->map[0].judged;
+        fprintf(out, "%s\n    {\"map\": \"%s\", \"error\": ", i > 0 ? "," : "", map->name);
+        json_number(out, map->judged ? map->error : NAN);
+        fprintf(out, ", \"difference\": ");
+        json_number(out, known ? map->difference : NAN);
+        fprintf(out, ", \"interval\": [");
+        json_number(out, known ? map->low : NAN);
+        fprintf(out, ", ");
+        json_number(out, known ? map->high : NAN);
+        fprintf(out, "]}");
+    }
+    fprintf(out, "]}");
+}
+
 /* Four digits are enough for a plot. null interrupts the line: not measured, or a gap. */
 static void json_plot(FILE *out, const trace_t *trace, int j, bool predicted)
 {
@@ -468,6 +521,8 @@ void report_json(FILE *out, const result_t *result, const campaign_t *campaign,
     }
     json_log(out, "log", &result->log);
     json_log(out, "held_out_log", &result->held_out);
+    json_findings(out, result->findings);
+    json_maps(out, result->maps);
     json_trace(out, result);
     if (events != NULL) {
         json_event_log(out, events);

@@ -3,6 +3,7 @@
 #include <errno.h>
 #include <math.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "../base/report_error.h"
@@ -114,7 +115,9 @@ static const char *unit_in_commands(const auvid_parameter_t *parameter)
     case AUVID_PARAMETER_INERTIA:
     case AUVID_PARAMETER_OTHER:
     default:
-        return strcmp(parameter->unit, "Nm") == 0 ? "cmd" : "cmd s2";
+        return strcmp(parameter->unit, "Nm") == 0    ? "cmd"
+               : strcmp(parameter->unit, "m/s") == 0 ? parameter->unit
+                                                     : "cmd s2";
     }
 }
 
@@ -230,6 +233,27 @@ const char *report_cause_unit(auvid_guard_cause_t cause)
         [AUVID_GUARD_RUN_TIME] = "s",       [AUVID_GUARD_SATURATION] = "s"};
     const char *found = (unsigned)cause < AUVID_GUARD_CAUSE_COUNT ? unit[cause] : NULL;
     return found == NULL ? "" : found;
+}
+
+int report_add_finding(report_findings_t *findings, const char *log, const char *code, bool error,
+                       const char *sentence)
+{
+    size_t count = (size_t)findings->count + 1;
+    report_finding_t *at = realloc(findings->at, count * sizeof *at);
+    if (at == NULL) {
+        return report_error("%s: not enough memory", log);
+    }
+    findings->at = at;
+    at += findings->count++;
+    *at = (report_finding_t){.log = log, .code = code, .error = error};
+    (void)snprintf(at->sentence, sizeof at->sentence, "%s", sentence);
+    return 0;
+}
+
+void report_free_findings(report_findings_t *findings)
+{
+    free(findings->at);
+    *findings = (report_findings_t){0};
 }
 
 int report_finish(int status)

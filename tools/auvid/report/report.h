@@ -36,6 +36,37 @@ typedef struct {
     double gap_s;
 } report_log_t;
 
+/** What is wrong with a log (doctor.h). */
+typedef struct {
+    const char *log;    /**< its path */
+    const char *code;   /**< one word, for programs */
+    bool error;         /**< else a warning */
+    char sentence[360]; /**< what is wrong, where, what to do */
+} report_finding_t;
+
+/** What is wrong with all logs. Zero: nothing yet. report_free_findings releases it. */
+typedef struct {
+    report_finding_t *at; /**< [count] */
+    int count;
+} report_findings_t;
+
+/** A map from commands to forces that was tried. */
+typedef struct {
+    const char *name;
+    bool judged;                  /**< it predicts the held-out motion at all */
+    double error;                 /**< 1 - R2 of held-out velocity, mean of the DoF */
+    double difference, low, high; /**< from the first one, and its 95 % interval */
+} report_map_t;
+
+/** Comparison of maps. Zero: there was none. */
+enum { REPORT_MAPS = 3 };
+typedef struct {
+    report_map_t map[REPORT_MAPS]; /**< [count], the first one as told */
+    int count, best, used;
+    size_t blocks;  /**< of 10 s, that were compared */
+    bool other_log; /**< held out is another log, not parts of the same */
+} report_maps_t;
+
 /** One identification. */
 typedef struct {
     uint64_t seed;
@@ -46,6 +77,8 @@ typedef struct {
     const estimates_t *estimates; /**< NULL: not listed */
     const trace_t *trace;         /**< of the held-out run; NULL: none */
     report_log_t log, held_out;   /**< identified from, and validated on */
+    const report_maps_t *maps;    /**< NULL: none were compared */
+    const report_findings_t *findings; /**< in log; NULL: no log was examined */
     double truth[AUVID_MAX_PARAMETERS];
     auvid_guard_trip_t trip; /**< cause of ABORTED */
     auvid_estimate_t estimate;
@@ -160,6 +193,11 @@ void report_campaign(const result_t *first, const campaign_t *campaign, const ca
 /** Writes the JSON object. campaign, second and events may be NULL. */
 void report_json(FILE *out, const result_t *result, const campaign_t *campaign,
                  const second_result_t *second, const event_log_t *events);
+
+/** Adds a finding. Returns 0, or EXIT_REFUSED after one line on stderr: no memory. */
+int report_add_finding(report_findings_t *findings, const char *log, const char *code, bool error,
+                       const char *sentence);
+void report_free_findings(report_findings_t *findings);
 
 /** Flushes stdout. Returns status, or EXIT_REFUSED after one line on stderr if it cannot. */
 int report_finish(int status);

@@ -2,6 +2,35 @@
 
 #include <math.h>
 
+const char *const thrust_map_name[THRUST_MAPS] = {"newton", "linear", "signed-square", "rpm",
+                                                  "table"};
+
+/* Finds the scale of commands in a table: its zero and its end. */
+static bool scale_of_table(thrust_map_t *map)
+{
+    const double *command = map->command, *force_N = map->force_N;
+    for (int k = 1; k < map->commands; ++k) {
+        double step = force_N[k] - force_N[k - 1];
+        if (force_N[k - 1] * step < 0.0 && force_N[k] * step >= 0.0) {
+            double part = -force_N[k - 1] / step;
+            int end = step > 0.0 ? map->commands - 1 : 0;
+            map->zero_command = command[k - 1] + part * (command[k] - command[k - 1]);
+            map->full_command = command[end];
+            return fabs(map->full_command - map->zero_command) > 0.0;
+        }
+    }
+    return false;
+}
+
+bool thrust_map_replace(thrust_map_t *map, thrust_map_kind_t kind)
+{
+    if (map->kind == THRUST_MAP_NEWTON || (map->kind == THRUST_MAP_TABLE && !scale_of_table(map))) {
+        return false;
+    }
+    map->kind = (int)kind;
+    return true;
+}
+
 /* The force at a command, from the table. */
 static double interpolate(const thrust_map_t *map, double command)
 {

@@ -5,6 +5,8 @@
 #ifndef PROGRAM_THRUST_MAP_H
 #define PROGRAM_THRUST_MAP_H
 
+#include <stdbool.h>
+
 /** How a command becomes a force. In all but `newton` and `table` a command n counts from
  * zero_command, less the dead zone, relative to full_command: n = 1 is full. */
 typedef enum {
@@ -15,6 +17,9 @@ typedef enum {
     THRUST_MAP_TABLE,         /**< interpolated linearly; constant beyond both ends */
     THRUST_MAPS
 } thrust_map_kind_t;
+
+/** Their names in a vehicle file. */
+extern const char *const thrust_map_name[THRUST_MAPS];
 
 /** Largest number of points in a table. */
 enum { THRUST_MAP_POINTS = 32 };
@@ -32,6 +37,11 @@ typedef struct {
     double force_N[THRUST_MAP_POINTS]; /**< table: their forces */
     int commands, forces;              /**< table: points */
 } thrust_map_t;
+
+/** Replaces a map by a linear one, or by one of the signed square, with the same largest forces. A
+ * table's are where it ends; its command without force is where it crosses zero.
+ * @return false, and nothing changes: the map is `newton`, or a table that does not cross zero */
+bool thrust_map_replace(thrust_map_t *map, thrust_map_kind_t kind);
 
 /** The force of a thruster [N]. Commands beyond full_command are extrapolated.
  * @param forward_N, backward_N its largest forces, both > 0

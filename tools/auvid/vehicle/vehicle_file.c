@@ -273,8 +273,9 @@ vehicle_t *vehicle_file_read(const char *path)
     return v;
 }
 
-double vehicle_file_thrust(const vehicle_t *vehicle, int i, double command, double voltage_V)
+double vehicle_file_thrust(const vehicle_t *vehicle, const thrust_map_t *map, int i, double command,
+                           double voltage_V)
 {
     const vehicle_thruster_t *t = &vehicle->thruster[i];
-    return thrust_map_force(&vehicle->map[t->map], t->forward_N, t->backward_N, command, voltage_V);
+    return thrust_map_force(&map[t->map], t->forward_N, t->backward_N, command, voltage_V);
 }

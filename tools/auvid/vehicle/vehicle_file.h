@@ -75,7 +75,9 @@ vehicle_t *vehicle_file_parse(const char *path, const char *text, size_t length,
                               size_t size);
 
 /** The force of thruster i, counted from 0 [N], by the map of its group.
+ * @param map of the groups: vehicle->map, or others in their place
  * @param voltage_V of the supply now; not above 0: as in the map */
-double vehicle_file_thrust(const vehicle_t *vehicle, int i, double command, double voltage_V);
+double vehicle_file_thrust(const vehicle_t *vehicle, const thrust_map_t *map, int i, double command,
+                           double voltage_V);
 
 #endif

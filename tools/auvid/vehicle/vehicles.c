@@ -131,21 +131,22 @@ static bool is_fast(const vehicle_t *const *vehicle, int count, const auvid_vehi
     return false;
 }
 
-static void average(auvid_identifier_config_t *cfg)
+static void average(auvid_identifier_config_t *cfg, uint32_t mean_us)
 {
     static auvid_averaged_t averaged; /* of the vehicle that is identified */
-    if (auvid_averaged_init(&averaged, cfg->vehicle, cfg->recorder.cell_us, DVL_US) == AUVID_OK) {
+    if (auvid_averaged_init(&averaged, cfg->vehicle, mean_us, DVL_US) == AUVID_OK) {
         cfg->vehicle = cfg->metric.vehicle = &averaged.vehicle;
         cfg->metric.half_width[1] = 4;
         cfg->metric.max_cell_us = 0; /* the average is over cells of this length */
     }
 }
 
-void vehicle_use_averaged_model(auvid_identifier_config_t *cfg)
+void vehicle_use_averaged_model(auvid_identifier_config_t *cfg, bool residual)
 {
     if (is_fast((const vehicle_t *const *)vehicle_ready, READY, cfg->vehicle) ||
         is_fast((const vehicle_t *const *)vehicle_of_file, FILES, cfg->vehicle)) {
-        average(cfg);
+        cfg->metric.row_cells = residual ? 2 : cfg->metric.row_cells;
+        average(cfg, (residual ? 2u : 1u) * cfg->recorder.cell_us);
     }
 }
 
@@ -176,7 +177,7 @@ void vehicle_identifier(const vehicle_t *vehicle, uint64_t seed, auvid_identifie
         }
     }
     if (vehicle->fast) {
-        average(cfg);
+        average(cfg, cfg->recorder.cell_us);
     }
 }
 

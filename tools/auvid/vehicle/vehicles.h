@@ -29,8 +29,10 @@ const char *vehicle_words(void);
 const auvid_vehicle_t *vehicle_model(const char *who, const char *word);
 
 /** For the model of a fast vehicle: selects averaged rows, for a DVL at 5 Hz, and
- * shorter filters of the moments. */
-void vehicle_use_averaged_model(auvid_identifier_config_t *cfg);
+ * shorter filters of the moments.
+ * @param residual the model will be wrapped by one that is not linear (current.h): then rows are
+ * means over two cells */
+void vehicle_use_averaged_model(auvid_identifier_config_t *cfg, bool residual);
 
 /** Selects faster steps and sines of the moments, for a vehicle that oscillates within seconds. */
 void vehicle_use_fast_excitation(auvid_excitation_config_t *excitation);

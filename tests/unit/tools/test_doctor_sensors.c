@@ -1,0 +1,216 @@
+/* The log doctor on a simulated vehicle without noise: accelerometers, and inputs of single
+ * thrusters. */
+#include "doctor_log.h"
+#include "vehicle/vehicles.h"
+
+static log_use_t use;
+
+void setUp(void)
+{
+    make_log();
+}
+
+void tearDown(void)
+{
+}
+
+/* ---- accelerometers ---- */
+
+static void scale_force(double x, double y, double z)
+{
+    scale(CSV_SPECIFIC_FORCE, x);
+    scale(CSV_SPECIFIC_FORCE + 1, y);
+    scale(CSV_SPECIFIC_FORCE + 2, z);
+}
+
+/* Only this warning; the log is usable, because fit needs no accelerometer. */
+static void assert_warning(doctor_code_t code, int column, const char *words)
+{
+    examine();
+    const doctor_finding_t *f = finding(code);
+    TEST_ASSERT_NOT_NULL_MESSAGE(f, words);
+    TEST_ASSERT_EQUAL_MESSAGE(DOCTOR_WARNING, f->severity, f->text);
+    TEST_ASSERT_EQUAL_MESSAGE(column, f->column, f->text);
+    TEST_ASSERT_NOT_NULL_MESSAGE(strstr(f->text, words), f->text);
+    TEST_ASSERT_EQUAL_MESSAGE(1, count(DOCTOR_WARNING), doctor.finding[1].text);
+    TEST_ASSERT_EQUAL(0, count(DOCTOR_ERROR));
+    TEST_ASSERT_TRUE(doctor.usable);
+}
+
+static void test_multiples_of_g_are_named(void)
+{
+    scale_force(1 / 9.81, 1 / 9.81, 1 / 9.81);
+    assert_warning(DOCTOR_FORCE_UNIT, CSV_SPECIFIC_FORCE + 2,
+                   "look like multiples of g, not m/s2: multiply them by 9.81");
+    scale_force(1000, 1000, 1000);
+    assert_warning(DOCTOR_FORCE_UNIT, CSV_SPECIFIC_FORCE + 2, "look like thousandths of g");
+}
+
+static void test_a_force_without_gravity_is_named(void)
+{
+    for (int k = 0; k < ROWS; ++k) {
+        rows[k].value[CSV_SPECIFIC_FORCE + 2] += 9.81;
+    }
+    assert_warning(DOCTOR_NO_GRAVITY, CSV_SPECIFIC_FORCE + 2, "fz_mps2 has no gravity");
+}
+
+static void test_an_accelerometer_in_flu_axes_is_named(void)
+{
+    scale_force(1, -1, -1);
+    assert_warning(DOCTOR_FRAME, CSV_SPECIFIC_FORCE + 1,
+                   "fy_mps2 and fz_mps2 are reversed, as in FLU axes");
+}
+
+static void test_gravity_instead_of_specific_force_is_named(void)
+{
+    scale_force(-1, -1, -1);
+    assert_warning(DOCTOR_FORCE_SIGN, CSV_SPECIFIC_FORCE,
+                   "fx_mps2, fy_mps2 and fz_mps2 are reversed, as if they were gravity");
+}
+
+static void test_each_reversed_axis_is_named(void)
+{
+    scale_force(-1, 1, 1);
+    assert_warning(DOCTOR_FORCE_SIGN, CSV_SPECIFIC_FORCE, "fx_mps2 has the wrong sign");
+    scale_force(-1, -1, 1);
+    assert_warning(DOCTOR_FORCE_SIGN, CSV_SPECIFIC_FORCE + 1, "fy_mps2 has the wrong sign");
+    scale_force(1, -1, -1);
+    assert_warning(DOCTOR_FORCE_SIGN, CSV_SPECIFIC_FORCE + 2, "fz_mps2 is positive at rest");
+}
+
+static void test_each_pair_of_exchanged_axes_is_named(void)
+{
+    exchange(CSV_SPECIFIC_FORCE, CSV_SPECIFIC_FORCE + 1);
+    assert_warning(DOCTOR_FORCE_EXCHANGED, CSV_SPECIFIC_FORCE, "fy_mps2 as fx_mps2");
+    exchange(CSV_SPECIFIC_FORCE, CSV_SPECIFIC_FORCE + 1);
+    exchange(CSV_SPECIFIC_FORCE, CSV_SPECIFIC_FORCE + 2);
+    assert_warning(DOCTOR_FORCE_EXCHANGED, CSV_SPECIFIC_FORCE,
+                   "fx_mps2 has the gravity that fz_mps2 should have");
+}
+
+static void test_a_slip_of_the_accelerometer_in_a_part_is_told_with_its_time(void)
+{
+    for (int k = ROWS / 2; k < ROWS; ++k) {
+        rows[k].value[CSV_SPECIFIC_FORCE + 2] *= -1.0;
+    }
+    examine();
+    TEST_ASSERT_NOT_NULL(finding(DOCTOR_FORCE_SIGN));
+    TEST_ASSERT_DOUBLE_WITHIN(12.0, 160.0, finding(DOCTOR_FORCE_SIGN)->from_s);
+}
+
+static void test_a_wrong_attitude_is_not_blamed_on_the_accelerometer(void)
+{
+    scale(CSV_ATTITUDE + 1, -1.0);
+    examine();
+    TEST_ASSERT_NOT_NULL(finding(DOCTOR_ANGLE_SIGN));
+    TEST_ASSERT_NULL(finding(DOCTOR_FORCE_SIGN));
+}
+
+/* ---- thrusters ---- */
+
+/* The wrench as thrust of the Girona500, in newtons. */
+static void to_thrusters(void)
+{
+    const vehicle_t *girona500 = vehicle_default();
+    auvid_allocation_t allocation;
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_allocation_init(&allocation, girona500->allocation));
+    for (int j = 0; j < 6; ++j) {
+        has[CSV_WRENCH + j] = false;
+    }
+    for (int k = 0; k < ROWS; ++k) {
+        auvid_real_t wrench[AUVID_DOF_COUNT];
+        auvid_allocation_result_t result;
+        for (int j = 0; j < 6; ++j) {
+            wrench[j] = (auvid_real_t)rows[k].value[CSV_WRENCH + j];
+            rows[k].value[CSV_WRENCH + j] = 0.0;
+        }
+        (void)auvid_allocation_solve(&allocation, wrench, &result);
+        for (int i = 0; i < allocation.cfg.thrusters; ++i) {
+            rows[k].value[CSV_THRUSTER_N + i] = (double)result.force_N[i];
+            has[CSV_THRUSTER_N + i] = true;
+        }
+    }
+    TEST_ASSERT_TRUE(log_use_thrusters(&use, girona500, has));
+}
+
+static void examine_thrusters(void)
+{
+    doctor_init(&doctor, has);
+    doctor_use(&doctor, &use);
+    for (int k = 0; k < ROWS; ++k) {
+        doctor_feed(&doctor, &rows[k]);
+    }
+    doctor_finish(&doctor);
+}
+
+static void test_thrusters_are_compared_with_the_motion(void)
+{
+    to_thrusters();
+    examine_thrusters();
+    TEST_ASSERT_EQUAL_MESSAGE(0, count(DOCTOR_ERROR), doctor.finding[0].text);
+    TEST_ASSERT_TRUE(doctor.answers[0] && doctor.answers[1] && doctor.answers[2]);
+    TEST_ASSERT_TRUE(doctor.answers[5] && doctor.usable);
+}
+
+static void test_without_their_vehicle_they_are_not(void)
+{
+    to_thrusters();
+    examine();
+    TEST_ASSERT_TRUE(doctor.usable);
+    TEST_ASSERT_NOT_NULL(strstr(finding(DOCTOR_MOTION)->text, "--vehicle"));
+}
+
+static void test_a_reversed_thruster_is_named(void)
+{
+    static const char *const names[4] = {"thruster_1_N has", "thruster_2_N has", "thruster_3_N",
+                                         "thruster_4_N"};
+    to_thrusters();
+    for (int i = 0; i < 4; ++i) {
+        scale(CSV_THRUSTER_N + i, -1.0);
+        examine_thrusters();
+        TEST_ASSERT_NOT_NULL_MESSAGE(finding(DOCTOR_THRUSTER_SIGN), names[i]);
+        assert_error(DOCTOR_THRUSTER_SIGN, finding(DOCTOR_THRUSTER_SIGN)->column, names[i]);
+        TEST_ASSERT_EQUAL_MESSAGE(1, count(DOCTOR_ERROR), doctor.finding[1].text);
+        scale(CSV_THRUSTER_N + i, -1.0);
+    }
+}
+
+/* Sway has one thruster: the coupling tells that not the velocity is wrong. */
+static void test_a_reversed_thruster_that_is_alone_is_told_as_the_force_of_its_axis(void)
+{
+    to_thrusters();
+    has[CSV_POSITION] = has[CSV_POSITION + 1] = false;
+    scale(CSV_THRUSTER_N + 4, -1.0);
+    examine_thrusters();
+    assert_error(DOCTOR_INPUT_SIGN, CSV_WRENCH + 1,
+                 "the sway force of the thrusters has the wrong");
+}
+
+static void test_a_reversed_degree_of_freedom_is_told_as_force_of_the_thrusters(void)
+{
+    to_thrusters();
+    scale(CSV_NU + 5, -1.0);
+    scale(CSV_ATTITUDE + 2, -1.0);
+    examine_thrusters();
+    assert_error(DOCTOR_INPUT_SIGN, CSV_WRENCH + 5,
+                 "the yaw moment of the thrusters has the wrong");
+}
+
+int main(void)
+{
+    UNITY_BEGIN();
+    RUN_TEST(test_multiples_of_g_are_named);
+    RUN_TEST(test_a_force_without_gravity_is_named);
+    RUN_TEST(test_an_accelerometer_in_flu_axes_is_named);
+    RUN_TEST(test_gravity_instead_of_specific_force_is_named);
+    RUN_TEST(test_each_reversed_axis_is_named);
+    RUN_TEST(test_each_pair_of_exchanged_axes_is_named);
+    RUN_TEST(test_a_slip_of_the_accelerometer_in_a_part_is_told_with_its_time);
+    RUN_TEST(test_a_wrong_attitude_is_not_blamed_on_the_accelerometer);
+    RUN_TEST(test_thrusters_are_compared_with_the_motion);
+    RUN_TEST(test_without_their_vehicle_they_are_not);
+    RUN_TEST(test_a_reversed_thruster_is_named);
+    RUN_TEST(test_a_reversed_thruster_that_is_alone_is_told_as_the_force_of_its_axis);
+    RUN_TEST(test_a_reversed_degree_of_freedom_is_told_as_force_of_the_thrusters);
+    return UNITY_END();
+}
