@@ -450,7 +450,8 @@ build/validation/%.so: $(VALIDATION) Makefile \
 	@mkdir -p $(@D); echo "  $@"
 	$(Q)$(INCLUDE_LIBRARY) | $(CC) -std=c11 -O2 -g -fno-var-tracking -fPIC -shared \
 	    $(VALIDATION_$*) -ffp-contract=off -Ilib/include -Ilib/src -Itools/simulator \
-	    -Itests/support -I. $(CFLAGS) -o $@ $(WHOLE_LIBRARY) $(filter-out $(LIB),$(VALIDATION)) -lm
+	    -Itests/support -I. $(CFLAGS) -o $@ $(WHOLE_LIBRARY) \
+	    $(filter-out $(LIB),$(VALIDATION)) -lm
 
 .IGNORE: $(TEST_PROGRAMS_LONG) $(VCAN_PROGRAMS) $(VALIDATION_LIBRARIES)
 .IGNORE: $(IMAGES) $(IMAGES_LONG) $(UNIT_IMAGES_LONG) $(FIRMWARE_HOSTS_LONG) $(COUNTED_IMAGES)
