@@ -163,10 +163,12 @@ images = $(foreach board,$(1),$(patsubst %,build/firmware/$(board)-Os/%.elf,\
 IMAGES := $(call images,$(BOARDS))
 IMAGES_SHORT := $(call images,$(shell $(BOARD) short))
 IMAGES_LONG := $(BOARDS:%=build/firmware/%-O2/example.elf)
-# Unit tests there: see tests/firmware/unit.txt.
+# Unit tests there: see tests/firmware/unit.txt. At the levels of other images, whose objects are
+# compiled for these anyway.
+UNIT_BOARDS := m4f-O2 m0plus-Os
 unit_listed = $(addprefix %/,$(shell awk '$$2 ~ /$(1)/ { print $$1 ".c" }' tests/firmware/unit.txt))
-UNIT_IMAGES_LONG := $(foreach board,m4f m0plus,\
-    $(patsubst %.c,build/firmware/$(board)-O2/%.elf,$(filter-out $(call unit_listed,host),$(UNIT))))
+UNIT_IMAGES_LONG := $(foreach board,$(UNIT_BOARDS),\
+    $(patsubst %.c,build/firmware/$(board)/%.elf,$(filter-out $(call unit_listed,host),$(UNIT))))
 # Images whose instructions are counted, BOARD-LEVEL each. m3_20k is m3, with other sizes.
 COUNTED := m4f-O2 $(patsubst %,%-Os,$(filter-out m3_20k,$(BOARDS)))
 counted_images = $(foreach name,$(1),$(addprefix build/firmware/$(name)/,counted.elf rows.elf))
@@ -181,8 +183,8 @@ SOFT_FLOAT_IMAGES := $(addprefix build/firmware/m0plus-Os/,soft_float.elf soft_f
 GOLDEN_IMAGE := build/firmware/m4f-O2/tests/golden/test_core.elf
 # Its bytes are compared, see tests/firmware/test_checkpoint.sh; as a unit test it is left to the
 # long form.
-CHECKPOINT_IMAGES := $(foreach board,m4f m0plus,\
-    build/firmware/$(board)-O2/tests/unit/identifier/test_checkpoint.elf)
+CHECKPOINT_IMAGES := $(foreach board,$(UNIT_BOARDS),\
+    build/firmware/$(board)/tests/unit/identifier/test_checkpoint.elf)
 FIRMWARE_FLAGS := -std=c11 $(FLAGS) -ffunction-sections -fdata-sections -fcallgraph-info=su
 FIRMWARE_HOSTS := $(addprefix build/firmware/host/,gcc-O0 gcc-O3 gcc-O2-ours clang-O2-ours \
     gcc-O2-ours-20k)
@@ -331,11 +333,11 @@ build/$(1)/tests/port/%: tests/port/%.c tests/port/fake_system.c $(call objects,
 endef
 $(foreach way,$(WAYS),$(eval $(call rules,$(way))))
 
-# $(1) is the way, $(2) the folder.
+# $(1) is the way, $(2) the folder. Only what is tested need be fast.
 define test_rules
 build/$(1)/tests/$(2)/%: tests/$(2)/%.c build/$(1)/tested.a
 	@mkdir -p $$(@D); rm -f $$@; echo "  $$@"
-	$$(Q)$$(CC) -std=c11 $(WAY_$(1)) $$(FLAGS) $$(FLAGS_tests) $$(STATUSES) $$(CFLAGS) \
+	$$(Q)$$(CC) -std=c11 $(WAY_$(1)) -O1 $$(FLAGS) $$(FLAGS_tests) $$(STATUSES) $$(CFLAGS) \
 	    -MF $$@.d -MT $$@ -o $$@ $$< build/$(1)/tested.a -lm
 endef
 $(foreach way,$(WAYS),$(foreach folder,unit vehicles golden,\
@@ -458,7 +460,8 @@ build/validation/%.so: $(VALIDATION) Makefile \
 	@mkdir -p $(@D); echo "  $@"
 	$(Q)$(INCLUDE_LIBRARY) | $(CC) -std=c11 -O2 -g -fno-var-tracking -fPIC -shared \
 	    $(VALIDATION_$*) -ffp-contract=off -Ilib/include -Ilib/src -Itools/simulator \
-	    -Itests/support -I. $(CFLAGS) -o $@ $(WHOLE_LIBRARY) $(filter-out $(LIB),$(VALIDATION)) -lm
+	    -Itests/support -I. $(CFLAGS) -o $@ $(WHOLE_LIBRARY) \
+	    $(filter-out $(LIB),$(VALIDATION)) -lm
 
 .IGNORE: $(TEST_PROGRAMS_LONG) $(VCAN_PROGRAMS) $(VALIDATION_LIBRARIES)
 .IGNORE: $(IMAGES) $(IMAGES_LONG) $(UNIT_IMAGES_LONG) $(FIRMWARE_HOSTS_LONG) $(COUNTED_IMAGES)

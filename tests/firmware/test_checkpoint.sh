@@ -5,8 +5,8 @@ cd "$(dirname "$0")/../.."
 program=build/release/tests/unit/identifier/test_checkpoint
 [ -x $program ] || make -s $program >/dev/null
 host=$($program | grep checksum)
-for board in m4f m0plus; do
-    image=build/firmware/$board-O2/tests/unit/identifier/test_checkpoint.elf
+for built in m4f-O2 m0plus-Os; do
+    board=${built%-*} image=build/firmware/$built/tests/unit/identifier/test_checkpoint.elf
     # The first test prints it; the others run there in the long form (test_unit.sh).
     exec 3< <(exec timeout 1200 port/cortex_m/board.sh "$board" run "$image" 2>&1)
     emulator=$!

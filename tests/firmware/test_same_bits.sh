@@ -6,8 +6,9 @@
 # frames it sent; only its load (in health) and its answers to ticks depend on the machine. For the
 # board with 20 KiB of RAM the reference is the host with the same sizes.
 #
-# The log has eight sets. In the short form the emulators have its first 100 s, with three sets. The
-# board with 20 KiB has the whole log: its sets are longer, and its estimate is judged.
+# The log has eight sets. In the short form the emulators have its first 100 s, with three sets, and
+# two cores are left out (board.sh short). The board with 20 KiB has the whole log: its sets are
+# longer, and its estimate is judged.
 set -euo pipefail
 cd "$(dirname "$0")/../.."
 top=$PWD

@@ -6,7 +6,8 @@ cd "$(dirname "$0")/../.."
 left_out='host|long'
 [ -z "${AUVID_TEST_LONG:-}" ] || left_out=host
 
-for board in m4f m0plus; do
+for built in m4f-O2 m0plus-Os; do
+    board=${built%-*}
     for test in tests/unit/*/test_*.c; do
         name=$(basename "$test" .c)
         why=$(awk -v name="$name" '$1 == name { $1 = ""; print }' tests/firmware/unit.txt)
@@ -14,7 +15,7 @@ for board in m4f m0plus; do
             echo "not here: $board $name:$why"
             continue
         fi
-        image=build/firmware/$board-O2/${test%.c}.elf
+        image=build/firmware/$built/${test%.c}.elf
         echo "$board $name"
         # Unity prints the failures and the number of tests.
         status=0

@@ -12,7 +12,7 @@ export SECONDS_EACH=$(($1 / ($# - 1)))
 shift
 export OUT=build/fuzz
 sanitize="-fsanitize=address,undefined,float-cast-overflow -fno-sanitize-recover=all"
-export COMPILE="clang -std=c11 -O2 -g $sanitize ${CFLAGS:-} -Ilib/include -Ilib/src \
+export COMPILE="clang -std=c11 -O1 -g1 $sanitize ${CFLAGS:-} -Ilib/include -Ilib/src \
 -Iport/linux_socketcan -Itools/auvid -Itools/simulator"
 sources=(lib/src/*/*.c port/linux_socketcan/bus.c port/linux_socketcan/bus_candump.c
     tools/auvid/base/{ini,report_error}.c

@@ -77,14 +77,10 @@ check_matrix() {
 # Of gcc's objects those that check_matrix leaves. The call graph is taken without optimisation:
 # inlining and tail calls hide recursion.
 check_objects() {
-    local status=0
     compile clang "$PLAIN -O2" objects-clang || return 1
     compile gcc "$PLAIN -O0 -fcallgraph-info" objects-graph || return 1
-    tests/lint/objects.py --float "$OUT"/gcc-FLOAT-default/*.o || status=1
-    tests/lint/objects.py --float "$OUT"/objects-clang/*.o || status=1
-    tests/lint/objects.py "$OUT"/gcc-DOUBLE-default/*.o || status=1
-    tests/lint/objects.py --float "$OUT"/objects-graph/*.o || status=1
-    return "$status"
+    each "tests/lint/objects.py {}/*.o" "--float $OUT/gcc-FLOAT-default" \
+        "--float $OUT/objects-clang" "$OUT/gcc-DOUBLE-default" "--float $OUT/objects-graph"
 }
 
 check_headers() {
@@ -132,14 +128,22 @@ check_cppcheck() {
         "${lib[@]}" "${tools[@]}"
 }
 
-step "the rules below can fail" tests/lint/selftest.sh
-step "bits that no longer fit do not compile" tests/lint/packed_bits.sh
-step "text: includes, rooms, circles, columns, lengths, version" tests/lint/sources.py
+# Each of these takes one core: beside the others.
+single() {
+    step "the rules below can fail" tests/lint/selftest.sh
+    step "bits that no longer fit do not compile" tests/lint/packed_bits.sh
+    step "text: includes, rooms, circles, columns, lengths, version" tests/lint/sources.py
+    step "the library as one translation unit: unique names" check_unity
+    return "$broken"
+}
+
+single >"$OUT/single.txt" 2>&1 &
 step "the library, gcc and clang, float and double, three sizes, no warning" check_matrix
 step "objects: no statics, heap, libm, double, recursion" check_objects
-step "the library as one translation unit: unique names" check_unity
 step "each header alone, C11 and C++14, float and double" check_headers
 step "tools, gcc and clang, no warning" check_tools
 step "clang-tidy" check_tidy
 step "cppcheck" check_cppcheck
+wait $! || broken=1
+cat "$OUT/single.txt"
 exit "$broken"

@@ -55,14 +55,12 @@ END
         nm "$scratch/$1" >"$scratch/$1.nm"
 }
 
-# library NAME FLAGS
 library() {
-    mkdir "$scratch/$1"
-    # shellcheck disable=SC2086
+    mkdir "$scratch/lib"
     printf '%s\0' lib/src/*/*.c | xargs -0 -P 2 -I {} sh -c \
-        "gcc -std=c11 -Os -ffunction-sections -fdata-sections -ffp-contract=off -Ilib/include $2 \
-        -c -o $scratch/$1/\$(basename {} .c).o {}" &&
-        ar rcs "$scratch/$1.a" "$scratch/$1"/*.o
+        "gcc -std=c11 -Os -ffunction-sections -fdata-sections -ffp-contract=off -Ilib/include \
+        -c -o $scratch/lib/\$(basename {} .c).o {}" &&
+        ar rcs "$scratch/lib.a" "$scratch/lib"/*.o
 }
 
 only_regressor='metric_add_equations|metric_take_row|metric_evaluate_factor|auvid_path_regressor'
@@ -80,7 +78,7 @@ holds() {
     [ "$(grep -cE " ($2)(_|\$)" "$scratch/$1.nm")" = "$3" ]
 }
 
-library lib ""
+library
 report "the library is built"
 program linear '.path = &auvid_path_regressor,' '.regressor = regressor'
 report "a linear model links"
@@ -113,7 +111,10 @@ report "without a path nothing of either is linked"
 "$scratch/none"
 [ $? = 16 ]
 report "  and the model is refused (AUVID_ERR_MODEL)"
-library lib0 -DAUVID_MAX_COMMANDS=0
+# In this one nothing is dropped: one translation unit takes a tenth of the time.
+printf '#include "%s"\n' lib/src/*/*.c |
+    gcc -std=c11 -ffp-contract=off -DAUVID_MAX_COMMANDS=0 -Ilib/include -I. \
+        -c -o "$scratch/lib0.o" -xc - && ar rcs "$scratch/lib0.a" "$scratch/lib0.o"
 program small '.path = &auvid_path_residual,' '.residual = residual' -DAUVID_MAX_COMMANDS=0
 "$scratch/small"
 [ $? = 10 ]

@@ -149,12 +149,12 @@ static void check(uint32_t sets, uint32_t runs, double max_rms)
 
 static void test_two_sets_are_identified_within_twice_the_error_of_the_demo(void)
 {
-    check(2, campaign_is_long() ? 400 : 40, 2.0 * 2.59);
+    check(2, campaign_is_long() ? 400 : campaign_runs(40), 2.0 * 2.59);
 }
 
 static void test_eight_sets_are_identified_within_twice_the_error_of_the_demo(void)
 {
-    check(8, campaign_is_long() ? 200 : 10, 2.0 * 1.09);
+    check(8, campaign_is_long() ? 200 : campaign_runs(10), 2.0 * 1.09);
 }
 
 int main(void)

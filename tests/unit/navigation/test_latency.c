@@ -67,19 +67,27 @@ static double first_step(double last_s)
     return getenv("AUVID_TEST_LONG") != NULL ? 0.05 : 0.5 * last_s;
 }
 
+/* That of samples in time. */
+static double prompt(void)
+{
+    static double rms = 0;
+    rms = rms > 0 ? rms : campaign(0, 0);
+    return rms;
+}
+
 static void test_a_dvl_up_to_200_ms_late_and_off_its_origin_costs_no_accuracy(void)
 {
-    double prompt = campaign(0, 0), step = first_step(0.2);
+    double step = first_step(0.2);
     for (int k = 1; k * step < 0.2 + 1e-9; ++k) {
-        TEST_ASSERT_TRUE(campaign(k * step, 0) <= 1.2 * prompt);
+        TEST_ASSERT_TRUE(campaign(k * step, 0) <= 1.2 * prompt());
     }
 }
 
 static void test_an_imu_up_to_100_ms_late_identifies_like_a_punctual_one(void)
 {
-    double prompt = campaign(0, 0), step = first_step(0.1);
+    double step = first_step(0.1);
     for (int k = 1; k * step < 0.1 + 1e-9; ++k) {
-        TEST_ASSERT_TRUE(campaign(0, k * step) <= 1.2 * prompt);
+        TEST_ASSERT_TRUE(campaign(0, k * step) <= 1.2 * prompt());
     }
 }
 
