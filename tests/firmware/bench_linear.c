@@ -52,7 +52,8 @@ static const auvid_vehicle_t vehicle = {
 #define FREE auvid_girona500.free
 #else
 #define VEHICLE auvid_fossen
-#define FREE (AUVID_MAX_PARAMETERS == 22 ? AUVID_FOSSEN_FREE : UINT32_MAX >> (32 - AUVID_MAX_PARAMETERS))
+#define ALL (UINT32_MAX >> (32 - AUVID_MAX_PARAMETERS))
+#define FREE (AUVID_MAX_PARAMETERS == 22 ? AUVID_FOSSEN_FREE : ALL)
 #endif
 
 /* Masses of 100, drags of -50, other forces of 10: in the bounds, and all different from zero. */
@@ -73,7 +74,7 @@ static void make_tick(uint32_t tick, auvid_real_t *attitude, auvid_sample_t *s)
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
         s->nu[j] = s->nu_dot[j] = 0;
         for (int k = 0; k < 2; ++k) {
-            auvid_real_t w = AUVID_C(0.15) + AUVID_C(0.043) * (auvid_real_t)(j + 7 * k), sine, cosine;
+            auvid_real_t sine, cosine, w = (auvid_real_t)(150 + 43 * (j + 7 * k)) / 1000;
             auvid_sincos(w * t, &sine, &cosine);
             s->nu[j] += AUVID_C(0.4) * sine;
             s->nu_dot[j] += AUVID_C(0.4) * w * cosine;

@@ -15,8 +15,8 @@ top=$PWD here=build/firmware/linear
 [ $# -gt 0 ] || set -- 4 7 13 22 26 32
 rm -rf "$here"
 mkdir -p "$here"
-compile="$(port/cortex_m/board.sh m4f compile) -Os -std=c11 -ffp-contract=off -Ilib/include -Ilib/src \
-    -Iport/cortex_m -ffunction-sections -fdata-sections -DAUVID_MAX_COMMANDS=0"
+compile="$(port/cortex_m/board.sh m4f compile) -Os -std=c11 -ffp-contract=off -Ilib/include \
+    -Ilib/src -Iport/cortex_m -ffunction-sections -fdata-sections -DAUVID_MAX_COMMANDS=0"
 # A room is one unit of translation: it takes seconds, and calls between rooms remain calls.
 for room in base models navigation metric search excitation identifier; do
     printf '#include "%s"\n' "$top"/lib/src/$room/*.c >"$here/$room.c"

@@ -9,7 +9,7 @@ import re
 
 number = {row[0]: float(row[1]) for row in csv.reader(open("tests/firmware/instructions.csv"))
           if row[0] != "key"}
-cores = re.findall(r'= \{"(\w+)", (\d+), (\d+),', open("lib/src/base/auvid_budget.c").read())
+cores = re.findall(r'= \{"(\w+)", (\d+), (\d+),', open("lib/src/identifier/auvid_budget.c").read())
 for core, *cost in cores:
     step, report, take, work = (
         number[f"{core}-Os auvid_{name} most"]

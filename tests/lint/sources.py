@@ -44,7 +44,7 @@ ROOMS["can"] = "base"
 ROOMS["node"] = " ".join(ROOMS)
 # Headers of lib/include/auvid, and of detail/ in it; auvid.h is above all.
 PUBLIC = {
-    "base": "budget config types smoother",
+    "base": "config types smoother",
     "models": "vehicle fossen current thrusters",
     "navigation": "nav recorder",
     "metric": "metric_config metric confidence estimate validation",

@@ -93,7 +93,8 @@ int main(void)
 }
 END_C
 printf '#include "%s"\n' "$PWD"/lib/src/{base,navigation,metric,search}/*.c \
-    "$PWD"/lib/src/identifier/auvid_{identifier*,input}.c "$PWD"/lib/src/models/auvid_vehicle.c "$scratch/small.c" |
+    "$PWD"/lib/src/identifier/auvid_{identifier*,input}.c "$PWD"/lib/src/models/auvid_vehicle.c \
+    "$scratch/small.c" |
     grep -v auvid_crs.c >"$scratch/unity.c"
 gcc -std=c11 -ffp-contract=off -O1 -Wall -Wextra -Werror -Ilib/include -DAUVID_MAX_POPULATION=0 \
     -DAUVID_MAX_COMMANDS=0 -ffunction-sections -Wl,--gc-sections -o "$scratch/small" \

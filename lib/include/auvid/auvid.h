@@ -37,7 +37,6 @@
 #include "auvid/prior.h"
 
 /* useful alone */
-#include "auvid/budget.h"
 #include "auvid/smoother.h"
 #include "auvid/validation.h"
 

@@ -468,6 +468,46 @@ auvid_status_t auvid_identifier_attach_change_test(auvid_identifier_t *id,
  * in the stored sets; the search ends, the last estimate stays). */
 auvid_status_t auvid_identifier_work(auvid_identifier_t *id, uint32_t budget);
 
+/** Costs of a core, in instructions of the full example of port/cortex_m (-Os): a node on a CAN
+ * bus, 13 parameters, excitation, guard, change test, simulation of velocity. For another core or
+ * firmware fill it from `make bench-firmware`. */
+typedef struct {
+    const char *name; /**< as in port/cortex_m/boards.txt, e.g. "m4f"; not read by auvid_budget */
+    uint32_t tick;    /**< reserved: most of a tick without work, > 0. The sum of what step, report
+                           and 16 received frames take at most, although these do not coincide. A
+                           passive identifier takes less, uncertain inputs a third more (m4f) */
+    uint32_t unit;    /**< most of a unit of work, > 0: of the largest call at a budget of 150 */
+    auvid_real_t cycles; /**< of an instruction, > 0. Assumed, not measured: 1.33 on ARMv6-M, else
+                              1.5; flash without wait states */
+} auvid_core_t;
+
+/** The cores of `auvid_cores`. */
+typedef enum {
+    AUVID_CORE_M0PLUS,  /**< Cortex-M0+ */
+    AUVID_CORE_M3,      /**< Cortex-M3 */
+    AUVID_CORE_M4F,     /**< Cortex-M4 with FPU of single precision, likewise M7 and M33 */
+    AUVID_CORE_M7,      /**< Cortex-M7 */
+    AUVID_CORE_M33,     /**< Cortex-M33 */
+    AUVID_CORE_RV32IMC, /**< RISC-V without floating point */
+    AUVID_CORE_COUNT
+} auvid_core_number_t;
+
+#define auvid_cores AUVID_SIZED0(auvid_cores)
+extern const auvid_core_t auvid_cores[AUVID_CORE_COUNT];
+
+/** Largest budget that auvid_budget returns. */
+#define AUVID_BUDGET_LARGEST 1000000u
+
+#define auvid_budget AUVID_SIZED0(auvid_budget)
+/** Returns the largest budget of work with which no tick takes longer than time_s, as far as `core`
+ * tells: (frequency_hz time_s / cycles - tick) / unit. Write the number into the firmware: a log
+ * replays bit for bit only with the same budget.
+ * @param frequency_hz of the core [Hz]
+ * @param time_s what auvid may take of each tick [s]
+ * @return 1..AUVID_BUDGET_LARGEST. 0: not one unit fits, and the tick may be too short even without
+ * work; or core is NULL, or a member or an argument is not finite or not above 0. */
+uint32_t auvid_budget(const auvid_core_t *core, auvid_real_t frequency_hz, auvid_real_t time_s);
+
 #ifdef __cplusplus
 }
 #endif

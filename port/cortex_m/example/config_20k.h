@@ -1,7 +1,7 @@
 /**
  * @file config_20k.h
  * Sizes of auvid (auvid/config.h) for 20 KiB of RAM. They suffice for the 13 parameters and six
- * thrusters of Girona500, with three sets of 80 s instead of eight of 30 s, and without Algorithm 1.
+ * thrusters of Girona500, with three sets of 80 s instead of eight of 30 s, and no Algorithm 1.
  */
 #define AUVID_MAX_COMMANDS 0
 #define AUVID_MAX_PARAMETERS 13

@@ -4,7 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "auvid/budget.h"
+#include "auvid/identifier.h"
 #include "options_reader.h"
 #include "../base/report_error.h"
 

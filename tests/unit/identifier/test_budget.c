@@ -1,9 +1,8 @@
 /*
- * Units of work that fit into a tick: auvid/budget.h.
+ * Units of work that fit into a tick.
  */
 #include <math.h>
 
-#include "auvid/budget.h"
 #include "auvid/identifier.h"
 #include "unity.h"
 

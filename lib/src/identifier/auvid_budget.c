@@ -6,11 +6,11 @@
  * The costs follow from tests/firmware/instructions.csv, BOARD-Os, rounded up to three digits:
  *     tick = most of auvid_node_step + most of auvid_node_report + 16 most of auvid_node_take
  *     unit = most of auvid_identifier_work / 150
- * tests/firmware/test_budget.sh compares them. Cycles of an instruction: 1.33 on ARMv6-M, else 1.5.
+ * tests/firmware/test_budget.sh compares them.
  */
-#include "auvid/budget.h"
+#include "auvid/identifier.h"
 
-#include "auvid_math_internal.h"
+#include "../base/auvid_math_internal.h"
 
 const auvid_core_t auvid_cores[AUVID_CORE_COUNT] = {
     [AUVID_CORE_M0PLUS] = {"m0plus", 865000, 6830, AUVID_C(1.33)},
