@@ -133,8 +133,10 @@ typedef struct {
     bool ignores_inputs;
 
     /** Residual path: true if `residual` has no kinks in the parameters that matter beside the
-     * noise. Then a search ends once a poll confirms the end of the Gauss-Newton steps. Default
-     * false: these are only a known good point, and both algorithms run. */
+     * noise. Then a search ends once a poll confirms the end of the Gauss-Newton steps. A wrong true
+     * may give a wrong estimate without any sign: the poll is along each parameter, and no step
+     * along one parameter may lead out of a kink. If in doubt, leave it false, the default: the
+     * steps' end is only a known good point then, and both algorithms run. */
     bool smooth;
 
     /** Residual path: cost of one call of `regressor` in the same units; default (zero): as work.

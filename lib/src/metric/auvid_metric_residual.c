@@ -205,10 +205,16 @@ static auvid_real_t metric_smoothed_residual(const auvid_metric_t *m, int j)
 static auvid_real_t metric_prior_cost(const auvid_metric_t *m, int j)
 {
     const auvid_metric_evaluator_t *ev = &m->evaluator;
-    return m->prior_squares == NULL || !auvid_metric_is_excited(m, j)
-               ? AUVID_C(0.0)
-               : ev->weight[j] * ev->band_sse[0][j] * m->prior_squares(m, j) /
-                     auvid_metric_merged_rows(m, j);
+    auvid_real_t squares = AUVID_C(0.0), mean;
+    if (m->prior_weight == NULL || !auvid_metric_is_excited(m, j)) {
+        return AUVID_C(0.0);
+    }
+    for (int i = 0; i < m->cfg.vehicle->parameters; ++i) {
+        auvid_real_t weight = m->prior_weight(m, j, i, &mean);
+        auvid_real_t off = weight > AUVID_C(0.0) ? weight * (ev->pi[i] - mean) : AUVID_C(0.0);
+        squares += off * off;
+    }
+    return ev->weight[j] * ev->band_sse[0][j] * squares / auvid_metric_merged_rows(m, j);
 }
 
 /* J = sum over stored rows, oldest set first. The sum is compensated because it contains the

@@ -872,6 +872,7 @@ static void test_a_sharp_prior_fixes_a_parameter_and_one_that_the_data_contradic
     auvid_real_t sigma = id.estimate.confidence.sigma[LAG];
     use_sheet(1.02, 1e-4);
     identify(1, 1.0, 30, 5, 0);
+    TEST_ASSERT_EQUAL_UINT32(2 * 6 + 1, id.estimate.evaluations_line); /* the steps end there */
     TEST_ASSERT_DOUBLE_WITHIN(2e-4, 1.02 * truth[LAG], (double)id.estimate.pi[LAG]);
     TEST_ASSERT_TRUE(id.estimate.confidence.sigma[LAG] < sigma / 2);
     TEST_ASSERT_EQUAL_HEX32(15u << HULL, prior.known);
