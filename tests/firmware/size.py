@@ -72,7 +72,7 @@ POINTERS = PATHS | {
     r"part->check\(": NOTHING,
     r"uncertain(_functions)?->(rotate|begin|solve|publish|estimate|judge)\(": NOTHING,
     r"m->add_rows\(": r"auvid_prior_rows\.c:auvid_prior_add_rows",
-    r"m->prior_squares\(": r"auvid_prior_rows\.c:auvid_prior_squares",
+    r"m->prior_weight\(": r"auvid_prior_rows\.c:auvid_prior_weight",
     r"listener->command\(": r"auvid_thrusters\.c:thrusters_listen$",
     r"listener->set\(": r"auvid_thrusters\.c:thrusters_drop_lost_sets$",
     r"listener->lead_us\(": r"auvid_thrusters\.c:thrusters_lead_us$",

@@ -14,11 +14,14 @@ static inline void finish_turn(uint32_t *turns, uint32_t max_turns)
     TEST_ASSERT_TRUE_MESSAGE((*turns)++ < max_turns, "timeout: the awaited state does not come");
 }
 
+/** Calls that the last finish_work took. */
+static uint32_t finish_calls;
+
 /** Work until nothing is left, `budget` units a call; checks that no call uses more. */
 static inline void finish_work(auvid_identifier_t *id, uint32_t budget)
 {
-    for (uint32_t calls = 0; auvid_identifier_work(id, budget) == AUVID_PENDING;) {
-        finish_turn(&calls, 1000000);
+    for (finish_calls = 0; auvid_identifier_work(id, budget) == AUVID_PENDING;) {
+        finish_turn(&finish_calls, 1000000);
         TEST_ASSERT_TRUE(id->work.last_units <= budget);
     }
 }

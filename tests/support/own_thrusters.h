@@ -146,7 +146,7 @@ static inline void identify(uint64_t seed)
         }
     }
     TEST_ASSERT_EQUAL_UINT32(SETS, id.metric.sets.recorded);
-    finish_work(&id, UINT32_MAX);
+    finish_work(&id, AUVID_DEFAULT_BUDGET);
 }
 
 #endif

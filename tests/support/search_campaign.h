@@ -1,7 +1,12 @@
 /**
  * @file search_campaign.h
  * Searches of the residual path, seed by seed: how far the result is from the optimum and from the
- * truth, and what it took. One test program includes it once.
+ * truth, and what it took. A test program includes it once, and runs
+ *
+ *     campaign_options, then campaign_run with a function that identifies with one seed and ends
+ *     with campaign_take. At each step it calls campaign_step.
+ *
+ * Long form (AUVID_TEST_LONG): 100 seeds; or COUNT and FIRST as arguments.
  */
 #ifndef SEARCH_CAMPAIGN_H
 #define SEARCH_CAMPAIGN_H
@@ -104,16 +109,34 @@ static inline double campaign_excess(const auvid_identifier_t *id, const double 
     return cost / best - 1.0;
 }
 
-/** Take the result of a search that took `units`. @param wanted bit i: truth[i] counts */
-static inline void campaign_take(campaign_t *c, const auvid_identifier_t *id, const double *truth,
-                                 uint32_t wanted, double delay_s, uint32_t units)
+/** Set after which the first of two searches runs; 0: one search, of all sets. */
+static uint32_t campaign_early;
+
+/** The earlier search. */
+static inline void campaign_step(auvid_identifier_t *id)
 {
+    if (campaign_early > 0 && id->metric.sets.recorded == campaign_early &&
+        id->estimate.number == 0) {
+        finish_work(id, UINT32_MAX);
+    }
+}
+
+static campaign_t campaign_first, campaign_later;
+
+/** Take the result of the last search, which ended with finish_work at the default budget.
+ * @param wanted bit i: truth[i] counts */
+static inline void campaign_take(const auvid_identifier_t *id, const double *truth,
+                                 uint32_t wanted, double delay_s)
+{
+    campaign_t *c = campaign_early > 0 ? &campaign_later : &campaign_first;
     int k = c->count++;
+    TEST_ASSERT_EQUAL_UINT32(campaign_early > 0 ? 2 : 1, id->estimate.number);
+    TEST_ASSERT_FALSE(id->estimate.not_converged);
     double squares = 0.0;
     int values = 0;
     TEST_ASSERT_TRUE(c->count <= CAMPAIGN_MAX);
     c->evaluations[k] = id->estimate.evaluations_crs + id->estimate.evaluations_line;
-    c->seconds[k] = units / (50.0 * AUVID_DEFAULT_BUDGET);
+    c->seconds[k] = 0.02 * (finish_calls + 1.0); /* the work begins in a call of its own */
     c->excess[k] = campaign_excess(id, truth, delay_s);
     for (int i = 0; i < AUVID_MAX_PARAMETERS; ++i) {
         if ((wanted >> i & 1u) != 0) {
@@ -176,6 +199,24 @@ static inline void campaign_options(int argc, char **argv, uint32_t few)
     if (argc > 2) {
         campaign_seeds.first = strtoull(argv[2], NULL, 10);
     }
+}
+
+/** Identify with each seed: one search of all `sets` sets, then one after a search of all but one.
+ * All must end at the optimum. */
+static inline void campaign_run(void (*identify_seed)(uint64_t seed), uint32_t sets,
+                                const char *name)
+{
+    char of[64];
+    for (uint64_t k = 0; k < campaign_seeds.count; ++k) {
+        campaign_early = 0;
+        identify_seed(campaign_seeds.first + k);
+        campaign_early = sets - 1;
+        identify_seed(campaign_seeds.first + k);
+    }
+    (void)snprintf(of, sizeof of, "%s, first search", name);
+    TEST_ASSERT_EQUAL_INT(0, campaign_report(&campaign_first, of));
+    (void)snprintf(of, sizeof of, "%s, later search", name);
+    TEST_ASSERT_EQUAL_INT(0, campaign_report(&campaign_later, of));
 }
 
 #endif

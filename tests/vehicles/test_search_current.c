@@ -1,6 +1,6 @@
 /*
  * The search of a Girona500 in a current, 15 parameters and the delay: how near the optimum it
- * ends, and what it takes. Long form (AUVID_TEST_LONG): 100 seeds; or COUNT and FIRST as arguments.
+ * ends, and what it takes (search_campaign.h).
  */
 #include "auvid/current.h"
 #include "search_campaign.h"
@@ -12,7 +12,6 @@ static auvid_row_t store[(SETS + 1) * SET_ROWS];
 static auvid_current_t current;
 static world_t world;
 static double truth[AUVID_G500_COUNT + 2];
-static campaign_t first, later;
 
 void setUp(void)
 {
@@ -44,31 +43,23 @@ static void begin(uint64_t seed)
     truth[AUVID_G500_COUNT + 1] = config.current[1];
 }
 
-static void run(uint64_t seed, uint32_t after, campaign_t *campaign)
+static void identify_seed(uint64_t seed)
 {
     auvid_identifier_t *id = &world.node[1].id;
     begin(seed);
     while (id->metric.sets.recorded < SETS && world_time_s(&world) < 600.0) {
         world_tick(&world);
         (void)world_work(&world, 0);
-        if (after > 0 && id->metric.sets.recorded == after && id->estimate.number == 0) {
-            finish_work(id, UINT32_MAX);
-        }
+        campaign_step(id);
     }
-    finish_work(id, UINT32_MAX);
+    finish_work(id, AUVID_DEFAULT_BUDGET);
     TEST_ASSERT_EQUAL_UINT32(SETS, id->estimate.sets);
-    TEST_ASSERT_FALSE(id->estimate.not_converged);
-    campaign_take(campaign, id, truth, WANTED, 0.0, id->work.last_units);
+    campaign_take(id, truth, WANTED, 0.0);
 }
 
 static void test_first_and_later_searches_end_at_the_optimum(void)
 {
-    for (uint64_t k = 0; k < campaign_seeds.count; ++k) {
-        run(campaign_seeds.first + k, 0, &first);
-        run(campaign_seeds.first + k, SETS - 1, &later);
-    }
-    TEST_ASSERT_EQUAL(0, campaign_report(&first, "current, first search"));
-    TEST_ASSERT_EQUAL(0, campaign_report(&later, "current, later search"));
+    campaign_run(identify_seed, SETS, "current");
 }
 
 int main(int argc, char **argv)

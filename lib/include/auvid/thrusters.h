@@ -43,22 +43,24 @@
  * Cost:
  * - Of a tick: 155 instructions of a Cortex-M4F for one thruster, 320 for five; 10k in the first
  *   tick after a gap in the commands.
- * - Of a row of 0.5 s for one candidate: 6.6k for one thruster, 18k for five; half of that with
- *   slots of 40 ms. Most of it follows the lag from three times `lag_max_s` before the row.
+ * - Of a row of 0.5 s for one candidate, with slots of 20 ms: 4.7k for one thruster, 9.2k for five;
+ *   with slots of 40 ms 3.4k and 5.9k; 1.2k if only parameters of the hull have changed. The lag
+ *   continues from row to row; the first row of a pass, or after a gap, follows it from three times
+ *   `lag_max_s` before it.
  * - Work: auvid_identifier_work accounts for the full cost (vehicle.work) and computes a row in one
  *   piece. If a row costs more than a tick's budget, auvid adds up the budgets of several ticks.
  *   The last of them then takes longer than its budget. With eight thrusters, a lag up to 2 s and
- *   slots of 1 ms, a row is 4500 units at once, a million instructions; with slots of 20 ms it is
- *   230 units.
+ *   slots of 1 ms, a row is 800 units at once, and the first one of a pass 13000, three million
+ *   instructions; with slots of 20 ms these are 50 and 660 units.
  * - Of a search, for the 16 parameters of a Girona500 and its five thrusters: Gauss-Newton steps
  *   find a minimum; 97 evaluations confirm it in the first search, 33 in each further one. With
- *   slots of 40 ms and AUVID_DEFAULT_BUDGET a first result from eight sets takes 300 s, a
- *   further one 110 s (tests/vehicles/test_search_thrusters.c): longer than a set.
+ *   slots of 40 ms and AUVID_DEFAULT_BUDGET a first result from eight sets takes 140 s, a
+ *   further one 34 s (tests/vehicles/test_search_thrusters.c).
  *
  * When the next set is full, auvid drops rows and commands until the search has ended. The commands
  * before the next rows may then displace the oldest set; 3 s more of slots for each set prevent it.
  *
- * Memory: sizeof(auvid_thrusters_t), 0.8 KiB, and the log, two bytes for each thruster and slot:
+ * Memory: sizeof(auvid_thrusters_t), 1.2 KiB, and the log, two bytes for each thruster and slot:
  * 3000 bytes for one thruster and a set of 30 s at 50 Hz. In addition, each row takes 240 bytes.
  * Unused code is not linked. Not available with AUVID_MAX_COMMANDS 0.
  */
@@ -153,6 +155,18 @@ typedef struct {
     uint64_t long_us; /* its length */
 } auvid_thrusters_pause_t;
 
+/** What the last row leaves to the next one of the same candidate: each thruster's force, and its
+ * derivatives, at the begin of a slot. So a pass over the rows follows the lag only once. Private.
+ */
+typedef struct {
+    uint64_t t_us[2]; /* middle of the next row; [0] of the forces, [1] of their derivatives */
+    uint32_t slot[2]; /* index of the slot */
+    auvid_real_t pi[AUVID_THRUSTERS_GROUPS * AUVID_THRUSTERS_PER_GROUP]; /* the candidate */
+    auvid_real_t force[AUVID_COMMAND_SLOTS];
+    auvid_real_t response[AUVID_COMMAND_SLOTS][AUVID_THRUSTERS_PER_GROUP];
+    bool ready[2]; /* has the slot been reached? */
+} auvid_thrusters_carry_t;
+
 /** State of the log. Written by the thrusters; save it for a restart, see above. */
 typedef struct {
     uint64_t end_us;       /* end of the newest complete slot */
@@ -163,6 +177,7 @@ typedef struct {
     auvid_real_t held[AUVID_COMMAND_SLOTS];            /* last command */
     auvid_real_t filling[AUVID_COMMAND_SLOTS];         /* integral over the incomplete slot */
     auvid_thrusters_pause_t pause[AUVID_MAX_SETS + 2]; /* newest first */
+    auvid_thrusters_carry_t carry;                     /* written by the model's functions */
     uint8_t pauses;                                    /* number of pauses */
     bool started;
 } auvid_thrusters_state_t;
@@ -174,6 +189,7 @@ typedef struct {
     auvid_vehicle_t vehicle; /**< pass this model to the identifier */
     auvid_parameter_t parameter[AUVID_MAX_PARAMETERS];
     auvid_thrusters_grid_t grid;
+    auvid_thrusters_carry_t *carry; /* of `state`: the model's functions get a const context */
     auvid_thrusters_state_t state; /**< state of the log */
 } auvid_thrusters_t;
 

@@ -133,13 +133,31 @@ typedef struct {
     bool ignores_inputs;
 
     /** Residual path: true if `residual` has no kinks in the parameters that matter beside the
-     * noise. Then a search ends once a poll confirms the end of the Gauss-Newton steps. Default
-     * false: these are only a known good point, and both algorithms run. */
+     * noise, and the cost no second minimum in the box. Then a search ends once a poll confirms the
+     * end of the Gauss-Newton steps; the first one also evaluates the population. A wrong true may
+     * give a wrong estimate without any sign: no step along a single parameter may lead out of a
+     * kink, or of a local minimum (tests/unit/search/test_optimizer_minima.c). If in doubt, leave it
+     * false, the default: the steps' end is only a known good point then, and both algorithms run.
+     */
     bool smooth;
 
     /** Residual path: cost of one call of `regressor` in the same units; default (zero): as work.
      */
     uint16_t regressor_work;
+
+    /** Residual path: writes the applied wrench tau[6] from time and commands, before `residual`
+     * gets the sample with it. Returns false if the sample gives no row. It may read pi[i] only of
+     * bits i of `thrust_parameters`: auvid keeps its wrench until one of them changes. Such a model
+     * also sets ignores_inputs. NULL (default): the wrench is the recorded one. */
+    bool (*thrust)(const void *context, const auvid_sample_t *sample, const auvid_real_t *pi,
+                   auvid_real_t tau[AUVID_DOF_COUNT]);
+    uint32_t thrust_parameters;
+    uint16_t thrust_work; /**< cost of `thrust` in the same units; contained in `work` */
+
+    /** Residual path: additional cost, in the same units, of a call of `thrust` or `regressor` at a
+     * row that does not follow that of the last call with the same pi; of a model that carries a
+     * state from row to row (thrusters.h). Default (zero): none. */
+    uint16_t lead_work;
 
     /** Residual path: bit i: given all other parameters, and the delay, `residual` is an affine
      * function of these together. A search starts with their minimum in closed form. A wrong bit

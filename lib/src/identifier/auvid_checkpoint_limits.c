@@ -103,6 +103,7 @@ const auvid_checkpoint_limit_t auvid_checkpoint_limit[] = {
     BYTE(metric, evaluator.noise, evaluator.noise, 3),
     DOF_BITS(metric, result.coupled, result.coupled),
     DELAY(metric, evaluator.linear_delay_s, evaluator.linear_delay_s),
+    UP_TO(metric, evaluator.thrust, evaluator.thrust, AUVID_C(16000000.0)),
     COUNT(metric, uint16_t, evaluator.at.row, evaluator.at.row, MAX_ROWS + AUVID_METRIC_WINDOW),
     BYTE(metric, evaluator.at.band, evaluator.at.band, AUVID_METRIC_BANDS - 1),
     BYTE(metric, evaluator.at.dof, evaluator.at.dof, AUVID_DOF_COUNT),
@@ -222,6 +223,7 @@ const auvid_checkpoint_limit_t auvid_checkpoint_limit[] = {
 
     VALUE(gauss_newton, lower, x),
     COST(gauss_newton, cost, cost),
+    SQUARES(gauss_newton, squares, squares),
     UP_TO(gauss_newton, damping, damping, AUVID_C(1e6)),
     BYTE(gauss_newton, state, state, NEWTON_DONE),
     BYTE(gauss_newton, rows, rows, NEWTON_MAX_ROWS),

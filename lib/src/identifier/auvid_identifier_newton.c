@@ -3,8 +3,13 @@
  * steps, which end near a minimum of the cost. The search confirms it (auvid_optimizer_certify). A
  * model with kinks, or with several minima, may refute it; then the search goes on as without it.
  *
- * The steps begin at the last estimate or, in a cold start, at the good point or the middle of the
- * bounds. There the first step finds the parameters in which the model is affine, given the others.
+ * The steps begin at the last estimate or, in a cold start, at the prior, the good point or the
+ * middle of the bounds. There the first step finds the parameters in which the model is affine,
+ * given the others.
+ *
+ * A prior, of weight w about the mean p, adds P = sum (w (pi_i - p))^2 mean squares of a DoF's
+ * residual to the cost: S + P S / N, with S the sum of squares of its N rows. So it is the rows
+ * sqrt(S / N) w (pi_i - p) = 0, S at the point of the linear model.
  */
 #include <string.h>
 
@@ -19,6 +24,10 @@
 #define NEWTON_EXCESS AUVID_C(1e-3)
 #define NEWTON_EXCESS_OF_ZERO AUVID_C(1e-8)
 
+/* Rows of a prior come after those of a DoF: row PRIOR_ROWS + i is that of the i-th parameter. */
+enum { PRIOR_ROWS = 64 };
+_Static_assert(AUVID_MAX_PARAMETERS + AUVID_METRIC_DELAYS <= PRIOR_ROWS, "rows of a DoF");
+
 /* Number of parameters without the delay. */
 static int identifier_newton_parameters(const auvid_identifier_t *id)
 {
@@ -32,6 +41,14 @@ static void identifier_try_newton(auvid_identifier_t *id)
     auvid_metric_cost_begin(&id->metric, id->work.candidate, id->work.delay_s);
 }
 
+/* Weight and mean of parameter p's prior in DoF j's equation; 0: it has none. */
+static auvid_real_t identifier_newton_prior(const auvid_identifier_t *id, int j, int p,
+                                            auvid_real_t *mean)
+{
+    const auvid_metric_t *m = &id->metric;
+    return m->prior_weight == NULL ? AUVID_C(0.0) : m->prior_weight(m, j, p, mean);
+}
+
 static void identifier_begin_newton(auvid_identifier_t *id)
 {
     const auvid_search_config_t *search = &id->search;
@@ -43,8 +60,12 @@ static void identifier_begin_newton(auvid_identifier_t *id)
     int n = 0;
     for (int p = 0; p < vehicle->parameters; ++p) {
         if ((id->work.active >> p & 1u) != 0) {
-            auvid_real_t middle = AUVID_C(0.5) * (search->lower[p] + search->upper[p]);
+            auvid_real_t middle = AUVID_C(0.5) * (search->lower[p] + search->upper[p]), mean;
             middle = search->has_good ? search->good[p] : middle;
+            if (identifier_newton_prior(id, (int)vehicle->parameter[p].dof, p, &mean) >
+                AUVID_C(0.0)) {
+                middle = mean;
+            }
             lower[n] = search->lower[p];
             upper[n] = search->upper[p];
             x[n] = auvid_clamp(warm ? id->estimate.pi[p] : middle, lower[n], upper[n]);
@@ -68,6 +89,34 @@ static void identifier_begin_newton(auvid_identifier_t *id)
     identifier_try_newton(id);
 }
 
+/* After the rows of a DoF: add the next row of its prior, or go to the next DoF. */
+static void identifier_add_newton_prior(auvid_identifier_t *id)
+{
+    auvid_gauss_newton_t *gn = &id->linear.newton;
+    const auvid_metric_t *m = &id->metric;
+    auvid_real_t row[AUVID_MAX_PARAMETERS + 1] = {AUVID_C(0.0)}, mean;
+    int i = gn->ls.row > PRIOR_ROWS ? gn->ls.row - PRIOR_ROWS : 0, j = gn->ls.dof;
+    auvid_real_t noise = auvid_metric_is_excited(m, j)
+                             ? auvid_sqrt(gn->squares / auvid_metric_merged_rows(m, j))
+                             : AUVID_C(0.0);
+    for (; i < identifier_newton_parameters(id); ++i) {
+        auvid_real_t weight = identifier_newton_prior(id, j, id->work.parameter_of[i], &mean);
+        row[i] = noise * weight;
+        row[gn->ls.n] = row[i] * mean;
+        if (row[i] > AUVID_C(0.0) && row[i] < METRIC_LARGEST_ENTRY) {
+            auvid_real_t squares = gn->squares;
+            auvid_gauss_newton_add(gn, row);
+            gn->squares = squares;
+            gn->ls.row = (uint8_t)(PRIOR_ROWS + i + 1);
+            return;
+        }
+        row[i] = AUVID_C(0.0);
+    }
+    gn->squares = AUVID_C(0.0);
+    gn->ls.row = 0;
+    ++gn->ls.dof;
+}
+
 /* Add the next row of the linear model, by the search's parameters. @return false if there is none
  * left */
 static bool identifier_add_newton_row(auvid_identifier_t *id)
@@ -81,8 +130,7 @@ static bool identifier_add_newton_row(auvid_identifier_t *id)
         return false;
     }
     if (!auvid_metric_newton_row(m, gn->ls.dof, gn->ls.row, delay_s, by_parameter, &slope)) {
-        ++gn->ls.dof;
-        gn->ls.row = 0;
+        identifier_add_newton_prior(id);
         return true;
     }
     ++gn->ls.row;

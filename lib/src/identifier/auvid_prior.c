@@ -164,7 +164,7 @@ auvid_status_t auvid_identifier_attach_prior(auvid_identifier_t *id, auvid_prior
     if (status == AUVID_OK) {
         memset(storage, 0, sizeof *storage);
         id->metric.add_rows = auvid_prior_add_rows;
-        id->metric.prior_squares = auvid_prior_squares;
+        id->metric.prior_weight = auvid_prior_weight;
         id->metric.add_rows_context = storage;
     }
     return status;

@@ -92,18 +92,13 @@ auvid_status_t auvid_prior_add_rows(auvid_metric_t *m, uint32_t *budget)
     return AUVID_OK;
 }
 
-auvid_real_t auvid_prior_squares(const auvid_metric_t *m, int j)
+auvid_real_t auvid_prior_weight(const auvid_metric_t *m, int j, int i, auvid_real_t *mean)
 {
     const auvid_prior_t *prior = m->add_rows_context;
-    const auvid_real_t *pi = auvid_metric_candidate(m);
-    auvid_real_t sum = AUVID_C(0.0);
-    for (int i = 0; i < m->cfg.vehicle->parameters; ++i) {
-        if (prior_is_in(m, prior, j, i)) {
-            auvid_real_t off = (pi[i] - prior->pi[i]) / prior->sigma[i];
-            sum += STORED_WEIGHT * prior->variance_inflation[j] * off * off;
-        }
-    }
-    return sum;
+    *mean = prior->pi[i];
+    return prior_is_in(m, prior, j, i)
+               ? auvid_sqrt(STORED_WEIGHT * prior->variance_inflation[j]) / prior->sigma[i]
+               : AUVID_C(0.0);
 }
 
 static bool prior_is_valid_error(auvid_real_t x)

@@ -15,8 +15,8 @@
  * standard error or variance inflation of a known parameter is not > 0 or is beyond 2e30) */
 auvid_status_t auvid_prior_check(const auvid_metric_t *metric, const auvid_prior_t *prior);
 
-/** prior_squares of the metric. */
-auvid_real_t auvid_prior_squares(const auvid_metric_t *m, int j);
+/** prior_weight of the metric. */
+auvid_real_t auvid_prior_weight(const auvid_metric_t *m, int j, int i, auvid_real_t *mean);
 
 /** add_rows of the metric; its context is an auvid_prior_t. */
 auvid_status_t auvid_prior_add_rows(auvid_metric_t *m, uint32_t *budget);

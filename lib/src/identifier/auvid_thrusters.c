@@ -139,16 +139,20 @@ static void thrusters_name_group(auvid_parameter_t *parameter, int group, uint32
     }
 }
 
-/* The hull's residual with the thrusters' wrench. A row that is no longer in the log contributes
- * nothing; its set is dropped when the next set is complete. */
+/* The thrusters' wrench. A row that is no longer in the log contributes nothing; its set is dropped
+ * when the next set is complete. */
+static bool thrusters_thrust(const void *context, const auvid_sample_t *sample,
+                             const auvid_real_t *pi, auvid_real_t *tau)
+{
+    return auvid_thrusters_force(context, sample->t_us, pi, true, tau);
+}
+
+/* The hull's residual with it. */
 static void thrusters_residual(const void *context, const auvid_sample_t *sample,
                                const auvid_real_t *pi, auvid_real_t *e)
 {
     const auvid_thrusters_t *th = context;
-    auvid_sample_t s = *sample;
-    if (auvid_thrusters_wrench(th, sample->t_us, pi, s.tau) == AUVID_OK) {
-        auvid_vehicle_residual(th->cfg.hull, &s, pi, e);
-    }
+    auvid_vehicle_residual(th->cfg.hull, sample, pi, e);
 }
 
 /* Its derivatives: the hull's rows, and those of the thrusters. */
@@ -191,6 +195,7 @@ auvid_status_t auvid_thrusters_init(auvid_thrusters_t *thrusters,
     auvid_thrusters_t *th = thrusters;
     memset(th, 0, sizeof *th);
     th->cfg = *cfg;
+    th->carry = &th->state.carry;
     memcpy(th->parameter, cfg->hull->parameter, (size_t)hull * sizeof th->parameter[0]);
     auvid_vehicle_t *vehicle = &th->vehicle;
     *vehicle = *cfg->hull;
@@ -203,9 +208,11 @@ auvid_status_t auvid_thrusters_init(auvid_thrusters_t *thrusters,
     vehicle->parameter = th->parameter;
     vehicle->path = &auvid_path_residual;
     vehicle->residual = thrusters_residual;
+    vehicle->thrust = thrusters_thrust;
     vehicle->own_thrust = true;
     vehicle->context = th;
     uint32_t all = (uint32_t)(((uint64_t)1 << n) - 1u);
+    vehicle->thrust_parameters = all & ~((1u << hull) - 1u);
     vehicle->free = cfg->hull->free == 0 ? 0 : cfg->hull->free | (all & ~((1u << hull) - 1u));
     for (int g = 0; g < groups; ++g) {
         int first = hull + g * AUVID_THRUSTERS_PER_GROUP;
@@ -336,16 +343,18 @@ auvid_status_t auvid_thrusters_configure(auvid_thrusters_t *thrusters,
     }
     /* No overflow: a row is shorter than the log, which is at most 4e9 us long. */
     uint32_t n = th_cfg->thrusters, window = (grid.row_us + grid.spread_us) / period + 2u;
-    uint32_t work = th_cfg->hull->work + 7u + /* measured; 7: hull and fixed cost */
-                    (lead * 20u * n + window * (50u + 33u * n)) / 250u;
-    uint32_t slopes = th_cfg->hull->work + 7u + /* of operations counted */
-                      (lead * 60u * n + window * 130u * n) / 250u;
-    if (work > UINT16_MAX || slopes > UINT16_MAX) {
+    uint32_t thrust = 4u + (window * (42u + 26u * n) + 80u * n) / 250u; /* measured */
+    uint32_t slopes = th_cfg->hull->work + 4u + (window * (42u + 58u * n) + 420u * n) / 250u;
+    uint32_t lead_work = lead * (42u + 58u * n) / 250u;
+    if (slopes + lead_work > UINT16_MAX) {
         return AUVID_ERR_RANGE;
     }
     th->grid = grid;
-    th->vehicle.work = (uint16_t)work;
+    th->state.carry.ready[0] = th->state.carry.ready[1] = false;
+    th->vehicle.work = (uint16_t)(th_cfg->hull->work + 3u + thrust); /* 3: a simple hull */
+    th->vehicle.thrust_work = (uint16_t)thrust;
     th->vehicle.regressor_work = (uint16_t)slopes;
+    th->vehicle.lead_work = (uint16_t)lead_work;
     const auvid_real_t upper[AUVID_THRUSTERS_PER_GROUP] = {
         th_cfg->gain_max, th_cfg->gain_max, th_cfg->dead_band_max, th_cfg->lag_max_s};
     for (int k = 0, i = th_cfg->hull->parameters; i < th->vehicle.parameters; ++i, ++k) {

@@ -193,12 +193,6 @@ static inline auvid_real_t auvid_metric_merged_rows(const auvid_metric_t *m, int
     return (auvid_real_t)m->result.dof_rows[j] / (auvid_real_t)auvid_metric_stride(m);
 }
 
-/** Returns the parameters of the residual path's candidate. */
-static inline const auvid_real_t *auvid_metric_candidate(const auvid_metric_t *m)
-{
-    return m->evaluator.pi;
-}
-
 /** Rows from outside, auvid_metric_t.add_rows: where it stands. */
 static inline auvid_metric_cursor_t *auvid_metric_cursor(auvid_metric_t *m)
 {
@@ -231,11 +225,10 @@ auvid_status_t auvid_metric_merge_sets(auvid_metric_t *m, uint32_t *budget);
 
 /* ---- the residual path ---- */
 
-/** Spend units on a call of the model. @return true if all are spent: call it
- * @param price of the call; 0: that of the residual */
-static inline bool auvid_metric_spend_model(auvid_metric_t *m, uint32_t *budget, uint16_t price)
+/** Spend units on a call of the model. @return true if all are spent: call it */
+static inline bool auvid_metric_spend_model(auvid_metric_t *m, uint32_t *budget, uint32_t price)
 {
-    uint16_t work = price > 0 ? price : m->cfg.vehicle->work;
+    uint16_t work = (uint16_t)(price < UINT16_MAX ? price : UINT16_MAX);
     bool due = false;
     while (!due && *budget > 0) {
         due = auvid_metric_spend(&m->evaluator.at, budget, work);
@@ -243,15 +236,44 @@ static inline bool auvid_metric_spend_model(auvid_metric_t *m, uint32_t *budget,
     return due;
 }
 
+/** A model's own thrust at a row has the place of the delayed inputs, which it does not read:
+ * the wrench, then the number of the candidate's thrust for which it was computed. */
+enum { METRIC_THRUST_OF = AUVID_DOF_COUNT };
+
+/** Is the candidate's thrust at the row known? */
+static inline bool auvid_metric_has_thrust(const auvid_metric_t *m, const auvid_row_t *row)
+{
+    auvid_real_t of = row->late[0][METRIC_THRUST_OF];
+    return m->cfg.vehicle->thrust != NULL && !(of < m->evaluator.thrust) &&
+           !(of > m->evaluator.thrust);
+}
+
+/** Cost of a call of the residual at a row [units].
+ * @param follows the row is the next after that of the last call with these parameters */
+static inline uint32_t auvid_metric_residual_work(const auvid_metric_t *m, const auvid_row_t *row,
+                                                  bool follows)
+{
+    const auvid_vehicle_t *vehicle = m->cfg.vehicle;
+    if (auvid_metric_has_thrust(m, row)) {
+        return (uint32_t)vehicle->work - vehicle->thrust_work;
+    }
+    return (uint32_t)vehicle->work + (follows ? 0u : vehicle->lead_work);
+}
+
 /** Returns the stored sample with wrench and commands at the candidate's delay. */
 auvid_sample_t auvid_metric_delayed_sample(const auvid_metric_t *m, const auvid_row_t *row);
 
-/** Returns true if a row at `later_us` is the next after one at `earlier_us`, to half a cell. */
-static inline bool auvid_metric_succeeds(const auvid_metric_t *m, uint64_t earlier_us,
-                                         uint64_t later_us)
+/** Computes the residual at a row: at the delayed sample, or with the model's own thrust.
+ * @param perturbed value of `pi` that is not the candidate's; -1: none */
+void auvid_metric_residual(const auvid_metric_t *m, auvid_row_t *row, const auvid_sample_t *sample,
+                           int perturbed, auvid_real_t residual[AUVID_DOF_COUNT]);
+
+/** Returns true if a row is the next after the last one in the window, to half a cell. */
+static inline bool auvid_metric_succeeds(const auvid_metric_t *m, uint64_t t_us)
 {
     uint64_t row_us = (uint64_t)m->cfg.cell_us * m->cfg.row_cells;
-    return later_us - earlier_us + m->cfg.cell_us / 2 - row_us <= m->cfg.cell_us;
+    return m->evaluator.window_rows > 0 &&
+           t_us - m->evaluator.window_us + m->cfg.cell_us / 2 - row_us <= m->cfg.cell_us;
 }
 
 /** The linearise of the residual path. */

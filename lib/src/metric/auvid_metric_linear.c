@@ -44,7 +44,7 @@ auvid_sample_t auvid_metric_delayed_sample(const auvid_metric_t *m, const auvid_
 /* Evaluate the residuals of a stored row with value (v - 1) / 2 perturbed by half a step: a
  * parameter or, after the last one, the delay; v odd: up, v even: down, v = 0: nothing. @return the
  * weight of the residuals in the central difference */
-static auvid_real_t metric_evaluate_perturbed(auvid_metric_t *m, const auvid_row_t *row, int v,
+static auvid_real_t metric_evaluate_perturbed(auvid_metric_t *m, auvid_row_t *row, int v,
                                               auvid_real_t residual[AUVID_DOF_COUNT])
 {
     auvid_metric_evaluator_t *ev = &m->evaluator;
@@ -57,20 +57,20 @@ static auvid_real_t metric_evaluate_perturbed(auvid_metric_t *m, const auvid_row
                                             : ZERO_STEP;
         ev->pi[i] = pi + sign * step;
         auvid_sample_t sample = auvid_metric_delayed_sample(m, row);
-        auvid_vehicle_residual(m->cfg.vehicle, &sample, ev->pi, residual);
+        auvid_metric_residual(m, row, &sample, i, residual);
         ev->pi[i] = pi;
     } else {
         step = v > 0 ? DELAY_STEP_S : step;
         auvid_metric_delay_weights(v > 0 ? s + sign * step / node : s, false, ev->delay_weight);
         auvid_sample_t sample = auvid_metric_delayed_sample(m, row);
-        auvid_vehicle_residual(m->cfg.vehicle, &sample, ev->pi, residual);
+        auvid_metric_residual(m, row, &sample, -1, residual);
     }
     return v > 0 ? (sign > AUVID_C(0.0) ? AUVID_C(1.0) : AUVID_C(-1.0)) / step : AUVID_C(1.0);
 }
 
 /* Add one evaluation to the row's derivatives in z: for each DoF those by its parameters, then e,
  * then e_d. */
-static void metric_add_evaluation(auvid_metric_t *m, const auvid_row_t *row, int v)
+static void metric_add_evaluation(auvid_metric_t *m, auvid_row_t *row, int v)
 {
     auvid_real_t residual[AUVID_DOF_COUNT];
     auvid_real_t weight = metric_evaluate_perturbed(m, row, v, residual);
@@ -119,8 +119,24 @@ static bool metric_is_perturbed(const auvid_metric_t *m, int v)
     return v == 0 || m->cfg.free == 0 || (m->cfg.free >> i & 1u) != 0;
 }
 
+/* Cost of evaluation v at a row [units]. */
+static uint32_t metric_evaluation_work(const auvid_metric_t *m, const auvid_row_t *row, int v)
+{
+    const auvid_vehicle_t *vehicle = m->cfg.vehicle;
+    int i = (v - 1) / 2;
+    bool follows = m->evaluator.window_rows > 0;
+    if (v == 1 && vehicle->regressor != NULL) {
+        uint32_t work = vehicle->regressor_work > 0 ? vehicle->regressor_work : vehicle->work;
+        return work + (follows ? 0u : vehicle->lead_work);
+    }
+    if (v > 0 && i < vehicle->parameters && (vehicle->thrust_parameters >> i & 1u) != 0) {
+        return (uint32_t)vehicle->work + vehicle->lead_work;
+    }
+    return auvid_metric_residual_work(m, row, follows && vehicle->regressor != NULL);
+}
+
 /* Differentiate the model at one row. @return true if z is complete */
-static bool metric_differentiate_row(auvid_metric_t *m, const auvid_row_t *row, uint32_t *budget)
+static bool metric_differentiate_row(auvid_metric_t *m, auvid_row_t *row, uint32_t *budget)
 {
     const auvid_vehicle_t *vehicle = m->cfg.vehicle;
     auvid_metric_cursor_t *at = &m->evaluator.at;
@@ -132,7 +148,7 @@ static bool metric_differentiate_row(auvid_metric_t *m, const auvid_row_t *row, 
         if (!metric_is_perturbed(m, at->part)) {
             continue;
         }
-        if (!auvid_metric_spend_model(m, budget, own ? vehicle->regressor_work : 0)) {
+        if (!auvid_metric_spend_model(m, budget, metric_evaluation_work(m, row, at->part))) {
             return false;
         }
         if (own) {
@@ -219,9 +235,9 @@ static bool metric_linearise_set(auvid_metric_t *m, auvid_metric_windows_t *wind
     auvid_metric_evaluator_t *ev = &m->evaluator;
     auvid_metric_cursor_t *at = &ev->at;
     uint32_t last = m->layout.window_length - 1u, stride = (uint32_t)auvid_metric_stride(m);
-    const auvid_row_t *row = auvid_metric_rows(m, age) + at->row;
+    auvid_row_t *row = auvid_metric_rows(m, age) + at->row;
     for (int rows = auvid_metric_set(m, age)->rows; at->row < rows; ++at->row, ++row) {
-        if (at->part == 0 && !auvid_metric_succeeds(m, ev->window_us, row->sample.t_us)) {
+        if (at->part == 0 && !auvid_metric_succeeds(m, row->sample.t_us)) {
             ev->window_rows = 0;
         }
         if (!metric_differentiate_row(m, row, budget)) {

@@ -31,6 +31,9 @@ enum {
     MOTION_LATE = MOTION_COMMAND + AUVID_MAX_COMMANDS /* wrench and commands at the other delays */
 };
 
+/* Numbers of thrusts, before they begin again. */
+#define MAX_THRUST AUVID_C(16000000.0)
+
 /* Standard deviation of the weights that smooth the residuals. */
 #define RESIDUAL_SMOOTHING_S AUVID_C(0.6)
 
@@ -125,6 +128,9 @@ static void metric_store_row(auvid_metric_t *m, uint64_t t_us, uint32_t slot)
     metric_sample_from_channels(channel, t_us, &store->sample);
     store->sample.missing = m->rows.missing[slot][0];
     memcpy(store->late, channel + MOTION_LATE, sizeof store->late);
+    if (m->cfg.vehicle->thrust != NULL) {
+        store->late[0][METRIC_THRUST_OF] = AUVID_C(0.0); /* of none */
+    }
     auvid_metric_count_row(&m->rows.set, any);
 }
 
@@ -140,14 +146,36 @@ static void metric_add_motion(auvid_metric_t *m, const auvid_sample_t *sample, u
     }
 }
 
+void auvid_metric_residual(const auvid_metric_t *m, auvid_row_t *row, const auvid_sample_t *sample,
+                           int perturbed, auvid_real_t residual[AUVID_DOF_COUNT])
+{
+    const auvid_vehicle_t *vehicle = m->cfg.vehicle;
+    const auvid_real_t *pi = m->evaluator.pi;
+    bool other = perturbed >= 0 && (vehicle->thrust_parameters >> perturbed & 1u) != 0;
+    if (vehicle->thrust == NULL || other) {
+        auvid_vehicle_residual(vehicle, sample, pi, residual);
+        return;
+    }
+    if (!auvid_metric_has_thrust(m, row)) {
+        bool known = vehicle->thrust(vehicle->context, sample, pi, row->late[0]);
+        row->late[0][METRIC_THRUST_OF] = known ? m->evaluator.thrust : AUVID_C(0.0);
+    }
+    auvid_clear(residual, AUVID_DOF_COUNT);
+    if (auvid_metric_has_thrust(m, row)) {
+        auvid_sample_t s = *sample;
+        memcpy(s.tau, row->late[0], sizeof s.tau);
+        vehicle->residual(vehicle->context, &s, pi, residual);
+    }
+}
+
 /* Put the residuals of one stored row into the window. @return true if the window is full of
  * successive rows */
-static bool metric_push_residual(auvid_metric_t *m, const auvid_row_t *row)
+static bool metric_push_residual(auvid_metric_t *m, auvid_row_t *row)
 {
     auvid_metric_evaluator_t *ev = &m->evaluator;
     auvid_sample_t sample = auvid_metric_delayed_sample(m, row);
     uint8_t excluded = auvid_vehicle_unmeasured(m->cfg.vehicle, sample.missing);
-    if (!auvid_metric_succeeds(m, ev->window_us, sample.t_us)) {
+    if (!auvid_metric_succeeds(m, sample.t_us)) {
         ev->window_rows = 0;
         memset(ev->window_of, 0, sizeof ev->window_of);
     }
@@ -156,8 +184,8 @@ static bool metric_push_residual(auvid_metric_t *m, const auvid_row_t *row)
         int rows = ev->window_of[j] + (ev->window_of[j] < m->layout.window_length);
         ev->window_of[j] = (uint8_t)((excluded >> j & 1) != 0 ? 0 : rows);
     }
-    auvid_vehicle_residual(m->cfg.vehicle, &sample, ev->pi,
-                           ev->window[ev->window_rows % m->layout.window_length]);
+    auvid_metric_residual(m, row, &sample, -1,
+                          ev->window[ev->window_rows % m->layout.window_length]);
     ++ev->window_rows;
     return ev->window_rows >= m->layout.window_length;
 }
@@ -177,10 +205,16 @@ static auvid_real_t metric_smoothed_residual(const auvid_metric_t *m, int j)
 static auvid_real_t metric_prior_cost(const auvid_metric_t *m, int j)
 {
     const auvid_metric_evaluator_t *ev = &m->evaluator;
-    return m->prior_squares == NULL || !auvid_metric_is_excited(m, j)
-               ? AUVID_C(0.0)
-               : ev->weight[j] * ev->band_sse[0][j] * m->prior_squares(m, j) /
-                     auvid_metric_merged_rows(m, j);
+    auvid_real_t squares = AUVID_C(0.0), mean;
+    if (m->prior_weight == NULL || !auvid_metric_is_excited(m, j)) {
+        return AUVID_C(0.0);
+    }
+    for (int i = 0; i < m->cfg.vehicle->parameters; ++i) {
+        auvid_real_t weight = m->prior_weight(m, j, i, &mean);
+        auvid_real_t off = weight > AUVID_C(0.0) ? weight * (ev->pi[i] - mean) : AUVID_C(0.0);
+        squares += off * off;
+    }
+    return ev->weight[j] * ev->band_sse[0][j] * squares / auvid_metric_merged_rows(m, j);
 }
 
 /* J = sum over stored rows, oldest set first. The sum is compensated because it contains the
@@ -194,11 +228,14 @@ static auvid_status_t metric_sample_cost(auvid_metric_t *m, uint32_t *budget)
         int age = sets - 1 - at->set;
         const auvid_set_t *set = auvid_metric_set(m, age);
         for (; set->excited != 0 && at->row < set->rows; ++at->row) {
-            if (!auvid_metric_spend_model(m, budget, 0)) {
+            auvid_row_t *row = &auvid_metric_rows(m, age)[at->row];
+            bool follows = auvid_metric_succeeds(m, row->sample.t_us);
+            auvid_real_t squares = AUVID_C(0.0);
+            if (!auvid_metric_spend_model(m, budget,
+                                          auvid_metric_residual_work(m, row, follows))) {
                 return AUVID_PENDING;
             }
-            auvid_real_t squares = AUVID_C(0.0);
-            if (!metric_push_residual(m, &auvid_metric_rows(m, age)[at->row])) {
+            if (!metric_push_residual(m, row)) {
                 continue;
             }
             for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
@@ -224,8 +261,15 @@ static void metric_begin_samples(auvid_metric_t *m, const auvid_real_t *pi, auvi
 {
     auvid_metric_evaluator_t *ev = &m->evaluator;
     auvid_metric_delay_weights(delay_s / auvid_metric_node_s(m), false, ev->delay_weight);
+    bool same_thrust = ev->thrust > AUVID_C(0.0);
     for (int i = 0; i < m->cfg.vehicle->parameters; ++i) {
-        ev->pi[i] = m->cfg.free == 0 || (m->cfg.free >> i & 1u) ? pi[i] : m->cfg.fixed[i];
+        auvid_real_t of = m->cfg.free == 0 || (m->cfg.free >> i & 1u) ? pi[i] : m->cfg.fixed[i];
+        bool same = !(of < ev->pi[i]) && !(of > ev->pi[i]); /* false for NaN */
+        same_thrust = same_thrust && (same || (m->cfg.vehicle->thrust_parameters >> i & 1u) == 0);
+        ev->pi[i] = of;
+    }
+    if (!same_thrust) { /* whole numbers, exact in single precision */
+        ev->thrust = ev->thrust < MAX_THRUST ? ev->thrust + AUVID_C(1.0) : AUVID_C(1.0);
     }
     memset(ev->band_sse, 0, sizeof ev->band_sse);
     ev->at.spent = 0;

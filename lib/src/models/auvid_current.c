@@ -100,6 +100,7 @@ auvid_status_t auvid_current_init(auvid_current_t *current, const auvid_vehicle_
     vehicle->free |= hull->free != 0 ? bits : 0u;
     vehicle->path = &auvid_path_residual;
     vehicle->residual = current_residual;
+    vehicle->thrust = NULL; /* the hull's is called in its residual */
     vehicle->regressor = NULL;
     vehicle->affine = auvid_vehicle_affine(hull);
     vehicle->smooth = hull->residual == NULL || hull->smooth;

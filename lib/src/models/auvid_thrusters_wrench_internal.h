@@ -1,6 +1,6 @@
 /**
  * @file auvid_thrusters_wrench_internal.h
- * Private: times in the log of the thrusters.
+ * Private: forces of the thrusters from their log, and times in it.
  */
 #ifndef AUVID_THRUSTERS_WRENCH_INTERNAL_H
 #define AUVID_THRUSTERS_WRENCH_INTERNAL_H
@@ -18,8 +18,14 @@ static inline uint64_t auvid_thrusters_in_log(const auvid_thrusters_t *th, uint6
     return in_log_us;
 }
 
+/** auvid_thrusters_wrench, of arguments that are not checked. Returns false if the log does not
+ * contain the row.
+ * @param resume the lag may continue from the row before: see auvid_thrusters_carry_t */
+bool auvid_thrusters_force(const auvid_thrusters_t *th, uint64_t t_us, const auvid_real_t *pi,
+                           bool resume, auvid_real_t *wrench);
+
 /** Writes the derivatives of -B x by the parameters of each group, at pi[n], into their columns of
- * *y. Returns false if the log does not contain the row. */
+ * *y. The lag continues from the row before. Returns false if the log does not contain the row. */
 bool auvid_thrusters_slopes(const auvid_thrusters_t *th, uint64_t t_us, const auvid_real_t *pi,
                             auvid_regressor_t *y);
 

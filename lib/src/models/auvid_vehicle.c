@@ -52,8 +52,12 @@ void auvid_vehicle_check_fields(const auvid_vehicle_t *vehicle, auvid_refusal_t 
     auvid_check_count(why, AUVID_ERR_PARAMETERS, "parameters", vehicle->parameters,
                       AUVID_MAX_PARAMETERS);
     auvid_check_that(why, vehicle->path != NULL, AUVID_ERR_MODEL, "path");
-    auvid_check_that(why, vehicle->residual != NULL || vehicle->regressor != NULL, AUVID_ERR_MODEL,
-                     "residual");
+    auvid_check_that(why,
+                     vehicle->residual != NULL ||
+                         (vehicle->regressor != NULL && vehicle->thrust == NULL),
+                     AUVID_ERR_MODEL, "residual");
+    auvid_check_that(why, vehicle->thrust == NULL || vehicle->ignores_inputs, AUVID_ERR_MODEL,
+                     "thrust");
     if (why->status == AUVID_OK) {
         vehicle_check_masks(vehicle, why);
     }
@@ -81,6 +85,13 @@ void auvid_vehicle_residual(const auvid_vehicle_t *vehicle, const auvid_sample_t
                             const auvid_real_t *pi, auvid_real_t residual[AUVID_DOF_COUNT])
 {
     auvid_clear(residual, AUVID_DOF_COUNT);
+    if (vehicle->thrust != NULL) {
+        auvid_sample_t s = *sample;
+        if (vehicle->thrust(vehicle->context, sample, pi, s.tau)) {
+            vehicle->residual(vehicle->context, &s, pi, residual);
+        }
+        return;
+    }
     if (vehicle->residual != NULL) {
         vehicle->residual(vehicle->context, sample, pi, residual);
         return;

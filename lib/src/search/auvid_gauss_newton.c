@@ -85,6 +85,11 @@ void auvid_gauss_newton_begin_step(auvid_gauss_newton_t *gn)
 
 void auvid_gauss_newton_add(auvid_gauss_newton_t *gn, auvid_real_t *row)
 {
+    auvid_real_t e = row[gn->ls.n];
+    for (int i = 0; i < gn->ls.n; ++i) {
+        e -= row[i] * gn->x[i];
+    }
+    gn->squares += e * e;
     auvid_bounded_ls_add(&gn->ls, row);
 }
 

@@ -207,6 +207,7 @@ typedef struct {
     auvid_real_t disagreement[AUVID_DOF_COUNT]; /* relative, of the parameters shared with excited
                                                    DoF: see auvid_metric_coupled.c */
     auvid_real_t delay_weight[AUVID_METRIC_DELAYS]; /* of the residual path's common delay */
+    auvid_real_t thrust; /* number of the candidate's thrust, if the model computes its own */
     auvid_real_t pi[AUVID_MAX_PARAMETERS];          /* pi by parameter */
     auvid_real_t candidate[AUVID_MAX_COLUMNS]; /* pi by channel, then minus the delay's weights */
     auvid_real_t z[AUVID_MAX_COLUMNS];         /* wrench at the delay, by channel */
@@ -261,9 +262,10 @@ typedef struct auvid_metric {
     /* Rotates rows from outside into the merged factors, after those of the sets (prior.h). NULL:
      * there are none. Returns AUVID_OK; AUVID_PENDING; AUVID_EMPTY (repeat the last pass) */
     auvid_status_t (*add_rows)(struct auvid_metric *m, uint32_t *budget);
-    /* Residual path: returns the squared distance of the candidate from the means of DoF j's prior,
-     * in mean squares of the residual. NULL: there is no prior */
-    auvid_real_t (*prior_squares)(const struct auvid_metric *m, int j);
+    /* Residual path: writes the mean of parameter i's prior in DoF j's equation. Returns w: a
+     * distance d from it costs as much as (w d)^2 mean squares of the residual; 0: it has none.
+     * NULL: there is no prior */
+    auvid_real_t (*prior_weight)(const struct auvid_metric *m, int j, int i, auvid_real_t *mean);
     void *add_rows_context; /* of both */
     /* More columns of the regressor path's rows, outside of the metric (uncertain.h). NULL: none */
     const struct auvid_metric_extra *extra;

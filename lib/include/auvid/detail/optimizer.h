@@ -256,6 +256,7 @@ typedef struct {
     auvid_real_t x[AUVID_MAX_PARAMETERS]; /* the best point; the rows are linearised there */
     auvid_real_t cost;                    /* of it */
     auvid_real_t damping;                 /* relative to the squared norm of each column */
+    auvid_real_t squares;                 /* of the residuals of a DoF's rows, so far */
     uint32_t affine;                      /* columns of the closed-form step; 0: it is over */
     uint8_t state;                        /* private enum */
     uint8_t rows;                         /* linearisations so far */
