@@ -144,7 +144,11 @@ typedef struct {
     double disturbance_N;  /**< rms of the unknown force in X, Y, Z; default 0 */
     double disturbance_Nm; /**< rms in N; with SIM_FOSSEN in K and M too; default 0 */
     double disturbance_s;  /**< its correlation time [s], > 0; default 2 */
-    double seabed_m;       /**< depth of the bottom [m]; default 80 */
+    /** A known force (calibration): north, east, down [N], and where it acts in the body [m]; the
+     * mass of a weight is that of the vehicle's parameters. May be changed while it runs. Default
+     * 0. */
+    double load_N[3], load_at_m[3];
+    double seabed_m; /**< depth of the bottom [m]; default 80 */
 
     /** Defaults 50, 5, 10, 1 Hz, the others off; no age, no drop-outs. */
     sim_sensor_config_t sensor[SIM_SENSORS];
