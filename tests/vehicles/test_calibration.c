@@ -10,6 +10,7 @@
 #include <string.h>
 
 #include "auvid/estimate.h"
+#include "auvid/fossen.h"
 #include "finish.h"
 #include "unity.h"
 #include "bus/world.h"
@@ -193,6 +194,33 @@ static void test_k_follows_the_parameters_in_every_equation(void)
     TEST_ASSERT_EQUAL(AUVID_SURGE, model.vehicle.parameter[N].dof);
 }
 
+static void test_k_takes_the_place_of_a_parameter_that_is_not_free(void)
+{
+    sim_rng_t rng;
+    auvid_real_t pi[AUVID_MAX_PARAMETERS], nu_dot[AUVID_DOF_COUNT] = {0}, e[AUVID_DOF_COUNT];
+    auvid_known_force_t force;
+    auvid_sample_t sample;
+    TEST_ASSERT_EQUAL(AUVID_MAX_PARAMETERS, auvid_fossen.parameters);
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_calibrated_init(&model, &auvid_fossen));
+    TEST_ASSERT_EQUAL(AUVID_FOSSEN_COUNT - 1, model.k);
+    TEST_ASSERT_EQUAL(AUVID_MAX_PARAMETERS, model.vehicle.parameters);
+    TEST_ASSERT_EQUAL_STRING("k_tau", model.vehicle.parameter[model.k].name);
+    sim_rng_seed(&rng, 3, 0);
+    draw_sample(&rng, &sample, &force, pi);
+    memcpy(pi, auvid_bluerov2_heavy_benzon, sizeof auvid_bluerov2_heavy_benzon);
+    pi[model.k] = AUVID_C(1.2);
+    force.mass_kg = AUVID_C(1.0);
+    force.at[0] = force.at[1] = force.at[2] = AUVID_C(0.1);
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_calibrated_force(&model, 0, &force));
+    const auvid_vehicle_t *vehicle = &model.vehicle;
+    TEST_ASSERT_TRUE(vehicle->acceleration(vehicle->context, &sample, pi, nu_dot));
+    memcpy(sample.nu_dot, nu_dot, sizeof nu_dot);
+    auvid_vehicle_residual(vehicle, &sample, pi, e);
+    for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
+        TEST_ASSERT_DOUBLE_WITHIN(2e-3, 0.0, (double)e[j]);
+    }
+}
+
 /* Force in heave at a time. */
 static double down_at(uint64_t t_us)
 {
@@ -263,6 +291,9 @@ static void test_an_unsuitable_model_is_refused(void)
     hull = auvid_girona500;
     hull.parameter = parameter;
     hull.parameters = AUVID_MAX_PARAMETERS;
+    hull.free = UINT32_MAX;
+    check_refused(AUVID_ERR_PARAMETERS, &hull);
+    hull.free = 0; /* all are */
     check_refused(AUVID_ERR_PARAMETERS, &hull);
 }
 
@@ -573,6 +604,7 @@ int main(int argc, char **argv)
     RUN_TEST(test_the_last_column_is_the_known_wrench_turned_round);
     RUN_TEST(test_the_acceleration_leaves_no_residual);
     RUN_TEST(test_k_follows_the_parameters_in_every_equation);
+    RUN_TEST(test_k_takes_the_place_of_a_parameter_that_is_not_free);
     RUN_TEST(test_a_cell_gets_the_force_of_its_time);
     RUN_TEST(test_the_newest_changes_are_kept);
     RUN_TEST(test_an_unsuitable_model_is_refused);

@@ -331,8 +331,10 @@ typedef struct {
  *
  *     tau / k + f = Y pi,    so    tau = Y (k pi) - f k,
  *
- * which is linear in k pi and k. This model wraps another one and has k, named k_tau, as its last
- * parameter, with the column -f in each equation. auvid_calibrated_estimate divides by k.
+ * which is linear in k pi and k. This model wraps another one and has k, named k_tau, as a further
+ * parameter, with the column -f in each equation. auvid_calibrated_estimate divides by k. Where the
+ * model has AUVID_MAX_PARAMETERS already, k_tau takes the place of the last one that is not free by
+ * default, which is then 0.
  *
  *     static auvid_calibrated_t model;
  *     (void)auvid_calibrated_init(&model, &auvid_girona500);
@@ -370,7 +372,7 @@ typedef struct {
 /** Makes c->vehicle, the model of a vehicle with a known force, which is zero at first.
  * @param c out; unchanged if refused
  * @param vehicle the model to wrap, on the regressor path; must outlive *c; must not be &c->vehicle
- * @return AUVID_OK; AUVID_ERR_NULL; AUVID_ERR_PARAMETERS (it has AUVID_MAX_PARAMETERS already);
+ * @return AUVID_OK; AUVID_ERR_NULL; AUVID_ERR_PARAMETERS (AUVID_MAX_PARAMETERS are free);
  * AUVID_ERR_MODEL (it is not on the regressor path, or is &c->vehicle); the errors of
  * auvid_vehicle_check. Cost: O(n). */
 auvid_status_t auvid_calibrated_init(auvid_calibrated_t *c, const auvid_vehicle_t *vehicle);

@@ -94,7 +94,8 @@ static void calibrated_regressor(const void *context, const auvid_sample_t *samp
     }
 }
 
-/* The supplied wrench and k times the known one act on a vehicle of k pi. */
+/* The supplied wrench and k times the known one act on a vehicle of k pi. A parameter whose place k
+ * has is 0. */
 static bool calibrated_acceleration(const void *context, const auvid_sample_t *sample,
                                     const auvid_real_t *pi, auvid_real_t nu_dot[AUVID_DOF_COUNT])
 {
@@ -102,7 +103,10 @@ static bool calibrated_acceleration(const void *context, const auvid_sample_t *s
     const auvid_known_force_t *force = calibrated_at(c, sample->t_us);
     int steps = force->mass_kg > AUVID_C(0.0) ? CALIBRATED_STEPS : 1;
     auvid_sample_t driven = *sample, moves = *sample;
+    auvid_real_t hull[AUVID_MAX_PARAMETERS];
     bool possible = true;
+    memcpy(hull, pi, c->vehicle.parameters * sizeof hull[0]);
+    hull[c->k] = AUVID_C(0.0);
     for (int step = 0; step < steps && possible; ++step) {
         auvid_real_t wrench[AUVID_DOF_COUNT];
         for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
@@ -114,9 +118,22 @@ static bool calibrated_acceleration(const void *context, const auvid_sample_t *s
         for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
             driven.tau[j] = sample->tau[j] + pi[c->k] * wrench[j];
         }
-        possible = c->other->acceleration(c->other->context, &driven, pi, nu_dot);
+        possible = c->other->acceleration(c->other->context, &driven, hull, nu_dot);
     }
     return possible;
+}
+
+/* Place of k: behind the parameters, or else that of the last one that is not free; -1: none. */
+static int calibrated_place(const auvid_vehicle_t *vehicle)
+{
+    int k = vehicle->parameters;
+    if (k < AUVID_MAX_PARAMETERS) {
+        return k;
+    }
+    do {
+        --k;
+    } while (k >= 0 && (vehicle->free == 0 || (vehicle->free >> k & 1u) != 0));
+    return k;
 }
 
 auvid_status_t auvid_calibrated_init(auvid_calibrated_t *c, const auvid_vehicle_t *vehicle)
@@ -133,29 +150,29 @@ auvid_status_t auvid_calibrated_init(auvid_calibrated_t *c, const auvid_vehicle_
         vehicle == &c->vehicle) {
         return AUVID_ERR_MODEL;
     }
-    int n = vehicle->parameters;
-    if (n >= AUVID_MAX_PARAMETERS) {
+    int n = vehicle->parameters, k = calibrated_place(vehicle);
+    if (k < 0) {
         return AUVID_ERR_PARAMETERS;
     }
     memset(c, 0, sizeof *c);
     c->other = vehicle;
-    c->k = (uint8_t)n;
+    c->k = (uint8_t)k;
     memcpy(c->parameter, vehicle->parameter, (size_t)n * sizeof c->parameter[0]);
-    c->parameter[n] = k_tau;
+    c->parameter[k] = k_tau;
     c->vehicle = *vehicle;
-    c->vehicle.parameters = (uint8_t)(n + 1);
+    c->vehicle.parameters = (uint8_t)(k < n ? n : n + 1);
     c->vehicle.parameter = c->parameter;
-    c->vehicle.free |= vehicle->free != 0 ? 1u << n : 0u;
+    c->vehicle.free |= vehicle->free != 0 ? 1u << k : 0u;
     c->vehicle.residual = NULL;
     c->vehicle.regressor = calibrated_regressor;
     c->vehicle.acceleration = vehicle->acceleration == NULL ? NULL : calibrated_acceleration;
     c->vehicle.context = c;
     for (int j = AUVID_DOF_COUNT - 1; j >= 0; --j) {
         bool modelled = vehicle->columns[j] != 0;
-        c->vehicle.columns[j] |= modelled ? 1u << n : 0u;
+        c->vehicle.columns[j] |= modelled ? 1u << k : 0u;
         c->vehicle.reads[j] = 0; /* the weight's inertia reads all velocities */
         if (modelled && vehicle->columns[AUVID_HEAVE] == 0) {
-            c->parameter[n].dof = (auvid_dof_t)j;
+            c->parameter[k].dof = (auvid_dof_t)j;
         }
     }
     return AUVID_OK;
@@ -203,21 +220,29 @@ void auvid_calibrated_clear(auvid_calibrated_t *c)
 
 /* k and its errors. */
 typedef struct {
-    auvid_real_t k, sigma; /* with the prior */
-    auvid_real_t prior;    /* its variance */
-    auvid_real_t shift;    /* of x, per entry of P_k */
-    auvid_real_t variance; /* P_kk */
+    auvid_real_t k, sigma;                     /* with the prior */
+    auvid_real_t prior;                        /* its variance */
+    auvid_real_t shift;                        /* of x, per entry of P_k */
+    auvid_real_t variance;                     /* P_kk */
+    auvid_real_t column[AUVID_MAX_PARAMETERS]; /* P_k */
 } calibrated_scale_t;
 
-/* Combines the k of the data with its prior. */
-static calibrated_scale_t calibrated_scale(const auvid_estimate_t *told, int n, auvid_real_t v)
+/* Index of an entry of a packed covariance of n parameters. */
+static int calibrated_entry(int n, int i, int k)
 {
-    auvid_real_t prior = told->confidence.uncertainty.thrust_scale;
-    auvid_real_t off = told->pi[n] - AUVID_C(1.0), q = auvid_max(prior * prior, off * off - v);
-    calibrated_scale_t to = {.prior = q, .shift = -off / (v + q), .variance = v};
-    to.sigma = auvid_sqrt(v * q / (v + q));
-    to.k = told->pi[n] + to.shift * v;
-    return to;
+    return i < k ? auvid_qr_row(n, i) + k - i : auvid_qr_row(n, k) + i - k;
+}
+
+/* Combines the k of the data with its prior. */
+static void calibrated_combine(calibrated_scale_t *to, const auvid_estimate_t *told, int k)
+{
+    auvid_real_t prior = told->confidence.uncertainty.thrust_scale, v = to->column[k];
+    auvid_real_t off = told->pi[k] - AUVID_C(1.0), q = auvid_max(prior * prior, off * off - v);
+    to->variance = v;
+    to->prior = q;
+    to->shift = -off / (v + q);
+    to->sigma = auvid_sqrt(v * q / (v + q));
+    to->k = told->pi[k] + to->shift * v;
 }
 
 /* Half-width up to which a parameter was, or would have been, identifiable; 0: it has another
@@ -257,10 +282,11 @@ static void calibrated_judge(auvid_confidence_t *to, int i, auvid_real_t allowed
     }
 }
 
-/* Converts parameter i. column: P_k */
-static void calibrated_convert(auvid_estimate_t *si, const calibrated_scale_t *scale,
-                               const auvid_real_t *column, int i, auvid_real_t variance)
+/* Converts parameter i. variance: given k */
+static void calibrated_convert(auvid_estimate_t *si, const calibrated_scale_t *scale, int i,
+                               auvid_real_t variance)
 {
+    const auvid_real_t *column = scale->column;
     auvid_confidence_t *c = &si->confidence;
     auvid_real_t allowed = calibrated_allowed(si, i) / scale->k;
     si->pi[i] = (si->pi[i] + column[i] * scale->shift) / scale->k;
@@ -276,29 +302,31 @@ static void calibrated_convert(auvid_estimate_t *si, const calibrated_scale_t *s
 
 /* Converts the covariance, and with it the parameters. */
 static void calibrated_convert_all(auvid_estimate_t *si, const calibrated_scale_t *scale, int n,
-                                   const auvid_real_t *column)
+                                   int k)
 {
     auvid_real_t square = scale->k * scale->k, part = scale->sigma / scale->k;
+    const auvid_real_t *column = scale->column;
+    auvid_confidence_t *c = &si->confidence;
     for (int i = 0; i < n; ++i) {
-        auvid_real_t *row = si->covariance + auvid_qr_row(n + 1, i);
-        for (int l = i; l < n; ++l) {
-            row[l - i] = (row[l - i] - column[i] * column[l] / scale->variance) / square;
+        auvid_real_t *row = si->covariance + calibrated_entry(n, i, i);
+        for (int l = i; l < n; ++l) { /* given k, its own entries are 0 */
+            bool own = i == k || l == k;
+            row[l - i] -= own ? row[l - i] : column[i] * column[l] / scale->variance;
+            row[l - i] /= square;
         }
         row[0] = auvid_max(row[0], AUVID_C(0.0));
-        row[n - i] = AUVID_C(0.0);
-        if ((si->identified >> i & 1u) != 0) {
-            calibrated_convert(si, scale, column, i, row[0]);
+        if (i != k && (si->identified >> i & 1u) != 0) {
+            calibrated_convert(si, scale, i, row[0]);
         }
     }
-    auvid_confidence_t *c = &si->confidence;
     bool shown = scale->variance <= scale->prior &&
                  AUVID_CONFIDENCE_HALF_WIDTH * part <= AUVID_CONFIDENCE_IDENTIFIABLE;
-    si->covariance[auvid_qr_row(n + 1, n)] = AUVID_C(0.0);
-    si->pi[n] = scale->k;
-    c->sigma[n] = scale->sigma;
-    c->thrust_error[n] = -scale->sigma;
-    c->identifiable &= ~(1u << n);
-    c->identifiable |= (uint32_t)(shown && !c->unchecked) << n;
+    si->pi[k] = scale->k;
+    c->sigma[k] = scale->sigma;
+    c->thrust_error[k] = -scale->sigma;
+    c->dvl_error[k] = AUVID_C(0.0);
+    c->identifiable &= ~(1u << k);
+    c->identifiable |= (uint32_t)(shown && !c->unchecked) << k;
     c->uncertainty.thrust_scale = part;
 }
 
@@ -307,7 +335,7 @@ static void calibrated_leave(const auvid_calibrated_t *c, auvid_estimate_t *si)
 {
     auvid_confidence_t *to = &si->confidence;
     si->pi[c->k] = AUVID_C(1.0);
-    for (int i = 0; i < c->k && c->changes > 0; ++i) {
+    for (int i = 0; i < c->vehicle.parameters && c->changes > 0; ++i) {
         if (c->parameter[i].kind == AUVID_PARAMETER_FORCE && (si->identified >> i & 1u) != 0) {
             to->identifiable &= ~(1u << i);
             to->note[i] = AUVID_NOTE_COMBINATION;
@@ -328,15 +356,16 @@ auvid_status_t auvid_calibrated_estimate(const auvid_calibrated_t *c, const auvi
     if (told->number == 0) {
         return AUVID_ERR_NO_DATA;
     }
-    const int n = c->k;
-    auvid_real_t column[AUVID_MAX_PARAMETERS];
+    const int n = c->vehicle.parameters, k = c->k;
+    calibrated_scale_t scale;
     for (int i = 0; i < n; ++i) {
-        column[i] = told->covariance[auvid_qr_row(n + 1, i) + n - i];
+        scale.column[i] = told->covariance[calibrated_entry(n, i, k)];
     }
-    auvid_real_t variance = told->covariance[auvid_qr_row(n + 1, n)];
-    bool seen = (told->identified >> n & 1u) != 0 && variance > AUVID_C(0.0) &&
-                told->confidence.sigma[n] < AUVID_LARGEST;
-    calibrated_scale_t scale = calibrated_scale(told, n, variance);
+    bool seen = (told->identified >> k & 1u) != 0 && scale.column[k] > AUVID_C(0.0) &&
+                told->confidence.sigma[k] < AUVID_LARGEST;
+    if (seen) {
+        calibrated_combine(&scale, told, k);
+    }
     if (seen && !(scale.k >= LEAST_K)) {
         return AUVID_ERR_RANGE;
     }
@@ -345,6 +374,6 @@ auvid_status_t auvid_calibrated_estimate(const auvid_calibrated_t *c, const auvi
         calibrated_leave(c, si);
         return AUVID_UNUSED;
     }
-    calibrated_convert_all(si, &scale, n, column);
+    calibrated_convert_all(si, &scale, n, k);
     return AUVID_OK;
 }
