@@ -275,11 +275,11 @@ static bool config_is_good(const sim_config_t *c)
     }
     return all_finite(finite, sizeof finite / sizeof finite[0]) && all_finite(c->position, 3) &&
            all_finite(c->euler, 3) && all_finite(c->nu, 6) && all_finite(c->current, 3) &&
-           all_finite(c->load_N, 3) && all_finite(c->load_at_m, 3) &&
-           all_finite(c->dvl_arm_m, 3) && all_finite(c->dvl_euler, 3) &&
-           all_finite(c->imu_euler, 3) && vehicle_is_good(c) && thrusters_are_good(c) &&
-           isfinite(c->tilt_inertia) && c->tilt_inertia > 0.0 && isfinite(c->disturbance_s) &&
-           c->disturbance_s > 0.0;
+           all_finite(c->load_N, 3) && all_finite(c->load_body_N, 3) &&
+           all_finite(c->load_at_m, 3) && all_finite(c->dvl_arm_m, 3) &&
+           all_finite(c->dvl_euler, 3) && all_finite(c->imu_euler, 3) && vehicle_is_good(c) &&
+           thrusters_are_good(c) && isfinite(c->tilt_inertia) && c->tilt_inertia > 0.0 &&
+           isfinite(c->disturbance_s) && c->disturbance_s > 0.0;
 }
 
 static double disturbance_rms(const sim_config_t *cfg, int dof)
@@ -295,7 +295,7 @@ static void add_load(const sim_t *sim, double total[6])
     double r[3][3], f[3];
     sim_rotation(sim->truth.euler, r);
     for (int i = 0; i < 3; ++i) {
-        f[i] = r[0][i] * load[0] + r[1][i] * load[1] + r[2][i] * load[2];
+        f[i] = sim->cfg.load_body_N[i] + r[0][i] * load[0] + r[1][i] * load[1] + r[2][i] * load[2];
         total[i] += f[i];
     }
     for (int i = 0; i < 3; ++i) {

@@ -17,9 +17,10 @@ typedef struct {
     auvid_identifier_t id;
     auvid_validation_t prediction;
     auvid_change_detector_t change;
-    replay_inputs_t inputs; /**< if the thrusters are known, or there is a reference */
-    literal_t literal;      /**< if chosen */
-    decoupled_t six;        /**< the model, if it has six DoF without coupling */
+    replay_inputs_t inputs;        /**< if the thrusters are known, or there is a reference */
+    literal_t literal;             /**< if chosen */
+    decoupled_t six;               /**< the model, if it has six DoF without coupling */
+    auvid_calibrated_t calibrated; /**< the model, if a force is known */
 } fitted_t;
 
 /** A fit: logs, options and models. */
@@ -34,6 +35,7 @@ typedef struct {
     uint32_t free;                            /**< bit i: parameter i is identified */
     auvid_real_t fixed[AUVID_MAX_PARAMETERS]; /**< values of the other parameters */
     const char *why[AUVID_DOF_COUNT];         /**< why a DoF cannot be identified, or NULL */
+    bool known_force;                         /**< a force is known, of file or log */
     fitted_t *coupled, *decoupled;            /**< NULL: not fitted */
     trace_t trace;                            /**< of the held-out log */
     double error[2];                          /**< cross-validation errors of the two; < 0: none */
@@ -54,6 +56,6 @@ void fit_close_logs(job_t *job);
 int fit_choose_free(job_t *job);
 
 /** Identifies the selected models. Returns the one to report, or NULL after a message. */
-const fitted_t *fit_choose_model(job_t *job);
+fitted_t *fit_choose_model(job_t *job);
 
 #endif
