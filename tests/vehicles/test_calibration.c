@@ -37,7 +37,7 @@ static auvid_estimate_t si;
 
 void setUp(void)
 {
-    TEST_ASSERT_EQUAL(AUVID_OK, auvid_calibrated_init(&model, &auvid_girona500));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_calibrated_init(&model, &auvid_girona500, AUVID_HEAVE));
 }
 
 void tearDown(void)
@@ -182,15 +182,7 @@ static void test_k_follows_the_parameters_in_every_equation(void)
         bool modelled = auvid_girona500.columns[j] != 0;
         TEST_ASSERT_EQUAL(modelled, vehicle->columns[j] >> N & 1u);
     }
-    auvid_vehicle_t level = auvid_girona500; /* no heave, as of a surface craft */
-    level.columns[AUVID_HEAVE] = 0;
-    auvid_parameter_t parameter[N];
-    memcpy(parameter, level.parameter, sizeof parameter);
-    for (int i = 0; i < N; ++i) {
-        parameter[i].dof = parameter[i].dof == AUVID_HEAVE ? AUVID_SURGE : parameter[i].dof;
-    }
-    level.parameter = parameter;
-    TEST_ASSERT_EQUAL(AUVID_OK, auvid_calibrated_init(&model, &level));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_calibrated_init(&model, &auvid_girona500, AUVID_SURGE));
     TEST_ASSERT_EQUAL(AUVID_SURGE, model.vehicle.parameter[N].dof);
 }
 
@@ -201,7 +193,7 @@ static void test_k_takes_the_place_of_a_parameter_that_is_not_free(void)
     auvid_known_force_t force;
     auvid_sample_t sample;
     TEST_ASSERT_EQUAL(AUVID_MAX_PARAMETERS, auvid_fossen.parameters);
-    TEST_ASSERT_EQUAL(AUVID_OK, auvid_calibrated_init(&model, &auvid_fossen));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_calibrated_init(&model, &auvid_fossen, AUVID_HEAVE));
     TEST_ASSERT_EQUAL(AUVID_FOSSEN_COUNT - 1, model.k);
     TEST_ASSERT_EQUAL(AUVID_MAX_PARAMETERS, model.vehicle.parameters);
     TEST_ASSERT_EQUAL_STRING("k_tau", model.vehicle.parameter[model.k].name);
@@ -267,11 +259,11 @@ static void test_the_newest_changes_are_kept(void)
     TEST_ASSERT_TRUE(down_at(0) == 4.0); /* the oldest that is known */
 }
 
-static void check_refused(auvid_status_t status, const auvid_vehicle_t *vehicle)
+static void check_refused(auvid_status_t status, const auvid_vehicle_t *vehicle, auvid_dof_t dof)
 {
     static auvid_calibrated_t before;
     before = model;
-    TEST_ASSERT_EQUAL(status, auvid_calibrated_init(&model, vehicle));
+    TEST_ASSERT_EQUAL(status, auvid_calibrated_init(&model, vehicle, dof));
     TEST_ASSERT_EQUAL_MEMORY(&before, &model, sizeof before);
 }
 
@@ -279,22 +271,24 @@ static void test_an_unsuitable_model_is_refused(void)
 {
     static const auvid_parameter_t parameter[AUVID_MAX_PARAMETERS]; /* of surge */
     auvid_vehicle_t hull = auvid_girona500;
-    TEST_ASSERT_EQUAL(AUVID_ERR_NULL, auvid_calibrated_init(NULL, &hull));
-    check_refused(AUVID_ERR_NULL, NULL);
+    TEST_ASSERT_EQUAL(AUVID_ERR_NULL, auvid_calibrated_init(NULL, &hull, AUVID_HEAVE));
+    check_refused(AUVID_ERR_NULL, NULL, AUVID_HEAVE);
     hull.built_for = NULL;
-    check_refused(AUVID_ERR_SIZE, &hull);
-    check_refused(AUVID_ERR_MODEL, &model.vehicle); /* it would call itself */
+    check_refused(AUVID_ERR_SIZE, &hull, AUVID_HEAVE);
+    check_refused(AUVID_ERR_MODEL, &model.vehicle, AUVID_HEAVE);  /* it would call itself */
+    check_refused(AUVID_ERR_MODEL, &auvid_girona500, AUVID_ROLL); /* not modelled */
+    check_refused(AUVID_ERR_MODEL, &auvid_girona500, AUVID_DOF_COUNT);
     hull = auvid_girona500;
     hull.path = &auvid_path_residual;
     hull.residual = model.vehicle.residual;
-    check_refused(AUVID_ERR_MODEL, &hull);
+    check_refused(AUVID_ERR_MODEL, &hull, AUVID_HEAVE);
     hull = auvid_girona500;
     hull.parameter = parameter;
     hull.parameters = AUVID_MAX_PARAMETERS;
     hull.free = UINT32_MAX;
-    check_refused(AUVID_ERR_PARAMETERS, &hull);
+    check_refused(AUVID_ERR_PARAMETERS, &hull, AUVID_HEAVE);
     hull.free = 0; /* all are */
-    check_refused(AUVID_ERR_PARAMETERS, &hull);
+    check_refused(AUVID_ERR_PARAMETERS, &hull, AUVID_HEAVE);
 }
 
 static void check_force(auvid_status_t status, uint64_t t_us, const auvid_known_force_t *force)

@@ -337,7 +337,7 @@ typedef struct {
  * default, which is then 0.
  *
  *     static auvid_calibrated_t model;
- *     (void)auvid_calibrated_init(&model, &auvid_girona500);
+ *     (void)auvid_calibrated_init(&model, &auvid_girona500, AUVID_HEAVE);
  *     auvid_identifier_defaults(&cfg, &model.vehicle);
  *     cfg.metric.fixed[model.k] = 1;                      // until the force has shown it
  *     auvid_known_force_t weight = {.world = {0, 0, 8.6f}, .mass_kg = 1};
@@ -372,10 +372,13 @@ typedef struct {
 /** Makes c->vehicle, the model of a vehicle with a known force, which is zero at first.
  * @param c out; unchanged if refused
  * @param vehicle the model to wrap, on the regressor path; must outlive *c; must not be &c->vehicle
+ * @param dof in which the force acts most, AUVID_HEAVE of a weight: k is known only if this one is
+ * excited
  * @return AUVID_OK; AUVID_ERR_NULL; AUVID_ERR_PARAMETERS (AUVID_MAX_PARAMETERS are free);
- * AUVID_ERR_MODEL (it is not on the regressor path, or is &c->vehicle); the errors of
+ * AUVID_ERR_MODEL (it is not on the regressor path, is &c->vehicle, or does not model `dof`); the errors of
  * auvid_vehicle_check. Cost: O(n). */
-auvid_status_t auvid_calibrated_init(auvid_calibrated_t *c, const auvid_vehicle_t *vehicle);
+auvid_status_t auvid_calibrated_init(auvid_calibrated_t *c, const auvid_vehicle_t *vehicle,
+                                     auvid_dof_t dof);
 
 #define auvid_calibrated_force AUVID_SIZED(auvid_calibrated_force)
 /** Sets the known force from t_us on. Call it when the force changes, before the data of that time.

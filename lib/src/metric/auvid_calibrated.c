@@ -136,9 +136,9 @@ static int calibrated_place(const auvid_vehicle_t *vehicle)
     return k;
 }
 
-auvid_status_t auvid_calibrated_init(auvid_calibrated_t *c, const auvid_vehicle_t *vehicle)
+auvid_status_t auvid_calibrated_init(auvid_calibrated_t *c, const auvid_vehicle_t *vehicle,
+                                     auvid_dof_t dof)
 {
-    static const auvid_parameter_t k_tau = {"k_tau", "1", AUVID_HEAVE, AUVID_PARAMETER_OTHER};
     if (c == NULL) {
         return AUVID_ERR_NULL;
     }
@@ -147,7 +147,7 @@ auvid_status_t auvid_calibrated_init(auvid_calibrated_t *c, const auvid_vehicle_
         return status;
     }
     if (vehicle->regressor == NULL || vehicle->path != &auvid_path_regressor ||
-        vehicle == &c->vehicle) {
+        vehicle == &c->vehicle || (unsigned)dof >= AUVID_DOF_COUNT || vehicle->columns[dof] == 0) {
         return AUVID_ERR_MODEL;
     }
     int n = vehicle->parameters, k = calibrated_place(vehicle);
@@ -158,7 +158,7 @@ auvid_status_t auvid_calibrated_init(auvid_calibrated_t *c, const auvid_vehicle_
     c->other = vehicle;
     c->k = (uint8_t)k;
     memcpy(c->parameter, vehicle->parameter, (size_t)n * sizeof c->parameter[0]);
-    c->parameter[k] = k_tau;
+    c->parameter[k] = (auvid_parameter_t){"k_tau", "1", dof, AUVID_PARAMETER_OTHER};
     c->vehicle = *vehicle;
     c->vehicle.parameters = (uint8_t)(k < n ? n : n + 1);
     c->vehicle.parameter = c->parameter;
@@ -167,13 +167,9 @@ auvid_status_t auvid_calibrated_init(auvid_calibrated_t *c, const auvid_vehicle_
     c->vehicle.regressor = calibrated_regressor;
     c->vehicle.acceleration = vehicle->acceleration == NULL ? NULL : calibrated_acceleration;
     c->vehicle.context = c;
-    for (int j = AUVID_DOF_COUNT - 1; j >= 0; --j) {
-        bool modelled = vehicle->columns[j] != 0;
-        c->vehicle.columns[j] |= modelled ? 1u << k : 0u;
+    for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
+        c->vehicle.columns[j] |= vehicle->columns[j] != 0 ? 1u << k : 0u;
         c->vehicle.reads[j] = 0; /* the weight's inertia reads all velocities */
-        if (modelled && vehicle->columns[AUVID_HEAVE] == 0) {
-            c->parameter[k].dof = (auvid_dof_t)j;
-        }
     }
     return AUVID_OK;
 }

@@ -96,7 +96,8 @@ bool world_begin(world_t *world, const world_config_t *config)
     world->allocation = vehicle_of(config)->allocation;
     world->calibration = config->calibration;
     world->calibrations = config->calibrations;
-    if (config->calibrations > 0 && vehicle_use_known_force(&cfg, &world->calibrated) < 0) {
+    if (config->calibrations > 0 &&
+        vehicle_use_known_force(&cfg, &config->calibration->force, &world->calibrated) < 0) {
         return false;
     }
     return bus_memory_init(&world->hub, WORLD_ENDS, config->seed) == BUS_OK &&

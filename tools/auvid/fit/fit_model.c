@@ -177,7 +177,10 @@ static int replay_literal(const job_t *job, fitted_t *fitted)
 static bool add_known_force(const job_t *job, auvid_calibrated_t *calibrated,
                             auvid_identifier_config_t *cfg)
 {
-    auvid_status_t status = vehicle_use_known_force(cfg, calibrated);
+    const vehicle_t *file = job->log[0].calibration;
+    const auvid_known_force_t weight = {.world = {0, 0, 1}};
+    auvid_status_t status = vehicle_use_known_force(
+        cfg, file != NULL ? &file->calibration[0].force : &weight, calibrated);
     if (status < 0) {
         (void)report_error("fit: known force: %s", auvid_status_str(status));
         return false;

@@ -93,12 +93,20 @@ bool report_thrust(const result_t *result, char *text, size_t size)
     const auvid_estimate_t *e = &result->estimate;
     double k = (double)e->pi[result->k_tau];
     double half = 210.0 * (double)e->confidence.sigma[result->k_tau] / fmax(k, 1e-3);
+    double off = 100.0 * fabs(1.0 / fmax(k, 1e-3) - 1.0);
     switch (result->calibration) {
     case REPORT_CALIBRATED:
-        (void)snprintf(text, size,
-                       "the known force says that thrust is %.1f %% %s than told (+- %.1f %%): "
-                       "parameters are in SI",
-                       100.0 * fabs(1.0 / k - 1.0), k > 1.0 ? "weaker" : "stronger", half);
+        if (off > half) {
+            (void)snprintf(text, size,
+                           "the known force says that thrust is %.1f %% %s than told (+- %.1f %%): "
+                           "parameters are in SI",
+                           off, k > 1.0 ? "weaker" : "stronger", half);
+        } else {
+            (void)snprintf(text, size,
+                           "the known force agrees with the thrust as told (+- %.1f %%): "
+                           "parameters are in SI",
+                           half);
+        }
         return true;
     case REPORT_CONTRADICTED:
         (void)snprintf(text, size,

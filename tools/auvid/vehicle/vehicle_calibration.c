@@ -68,9 +68,22 @@ auvid_known_force_t vehicle_known_force(const vehicle_calibration_t *calibration
 }
 
 auvid_status_t vehicle_use_known_force(auvid_identifier_config_t *cfg,
+                                       const auvid_known_force_t *force,
                                        auvid_calibrated_t *calibrated)
 {
-    auvid_status_t status = auvid_calibrated_init(calibrated, cfg->vehicle);
+    const uint32_t *columns = cfg->vehicle->columns;
+    double most = -1.0;
+    int dof = AUVID_HEAVE;
+    for (int i = AUVID_HEAVE; i >= 0; --i) { /* level, nearly: down is down */
+        double horizontal = i < 2 ? hypot((double)force->world[0], (double)force->world[1]) : 0.0;
+        double size =
+            fabs((double)force->body[i]) + (i < 2 ? horizontal : fabs((double)force->world[2]));
+        if (columns[i] != 0 && size > most) {
+            most = size;
+            dof = i;
+        }
+    }
+    auvid_status_t status = auvid_calibrated_init(calibrated, cfg->vehicle, (auvid_dof_t)dof);
     if (status == AUVID_OK) {
         cfg->vehicle = cfg->metric.vehicle = &calibrated->vehicle;
         cfg->metric.free |= 1u << calibrated->k;

@@ -17,9 +17,11 @@ auvid_known_force_t vehicle_known_force(const vehicle_calibration_t *calibration
                                         double t_s);
 
 /** Selects the model with a known force for an identifier. k_tau is 1 until the force shows it.
+ * @param force the axis in which it acts most must be excited
  * @param calibrated written; must outlive the identifier
  * @return the library's status */
 auvid_status_t vehicle_use_known_force(auvid_identifier_config_t *cfg,
+                                       const auvid_known_force_t *force,
                                        auvid_calibrated_t *calibrated);
 
 #endif

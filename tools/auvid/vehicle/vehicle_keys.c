@@ -171,7 +171,7 @@ static const vehicle_key_t of_uncertain[] = {
         .low = -(limit), .high = limit                                                             \
     }
 static const vehicle_key_t of_calibration[] = {
-    FORCE("weight_N", world[2], 1, 1e5),
+    FORCE("weight_N", world[2], 0, 1e5),
     FORCE("pull_N", body, 3, 1e5),
     FORCE("pull_north_east_N", world, 2, 1e5),
     FORCE("position_m", at, 3, 100),
