@@ -138,7 +138,7 @@ check "  the largest wrench" grep -Eq '^  surge +-18\.0 +24\.0 N +6\.0 N' out
 check "  what cannot be given" grep -Eq '^  sway +none without another wrench' out
 check "  what is missing" grep -q 'dvl_lever_m: the DVL is taken to be at the origin' out
 check "  and what would help" \
-    grep -Eq '^ +[0-9.]+ %  1 N of weight in water for 60 s' out
+    grep -Eq '^ +[0-9.]+ %  0.5 N of weight in water for 60 s' out
 check "check --json" exits 0 check minnow.ini --json
 check "  has what the file says" python3 -c '
 import json
