@@ -8,10 +8,11 @@ weight() { # FROM TO FILE [NEWTONS]: Girona500 with a weight
     cp "$ROOT/tools/auvid/vehicles/girona500.ini" "$3"
     printf '\n[calibration.1]\nweight_N = %s\nfrom_s = %s\nto_s = %s\n' "${4:-20}" "$1" "$2" >>"$3"
 }
-too_strong() { # OF THE LOG, WITH COLUMN weight_N if the dive's times are given
+too_strong() { # the thrust of a log; with a column weight_N, if the times of the weight are given
     awk -F, -v OFS=, -v from="${1:-}" -v to="${2:-}" '
         NR > 1 { for (i = 11; i <= 16; ++i) $i *= 1.2 }
-        { print $0 (from == "" ? "" : NR == 1 ? ",weight_N" : $1 >= from && $1 < to ? ",20" : ",0") }'
+        from == "" { print; next }
+        { print $0, (NR == 1 ? "weight_N" : $1 >= from && $1 < to ? 20 : 0) }'
 }
 weight 90 150 dive.ini
 weight 90 150 up.ini -20
@@ -22,7 +23,8 @@ dives=2
 for seed in $(seq 1 $dives); do
     "$AUVID" demo --vehicle dive.ini --seed "$seed" --disturbance 1 --csv log.csv --json >demo.json
     too_strong <log.csv >"strong$seed.csv"
-    check "seed $seed: W-B and m_w within 8 %" exits 0 fit "strong$seed.csv" --vehicle dive.ini --json
+    check "seed $seed: W-B and m_w within 8 %" \
+        exits 0 fit "strong$seed.csv" --vehicle dive.ini --json
     check "  indeed" is out '
 assert error("W-B") < 0.08 and error("m_w") < 0.08, (error("W-B"), error("m_w"))
 assert P["m_w"]["identifiable"] and P["k_tau"]["identifiable"] and 1.06 < P["k_tau"]["estimate"]
@@ -42,7 +44,8 @@ cp out file.json
 too_strong 90 150 <log.csv >column.csv
 check "weight_N in the log" exits 0 fit column.csv --vehicle girona500 --json
 check "  gives the same bits as the vehicle file" same_result file.json
-check "  of a held-out log, too" exits 0 fit column.csv --vehicle girona500 --validate column.csv --json
+check "  of a held-out log, too" \
+    exits 0 fit column.csv --vehicle girona500 --validate column.csv --json
 check "  which is predicted in units of the supplied thrust" is out '
 assert min(d["r2_validation"].values()) > 0.99, d["r2_validation"]'
 too_strong <log.csv >without.csv
@@ -52,7 +55,7 @@ check "  but not without its weight" is out 'assert d["r2_validation"]["w"] < 0.
 # ---- what does not calibrate ----
 weight -1 1e6 always.ini
 check "a weight that never changes" exits 0 fit strong1.csv --vehicle always.ini
-check "  does not show the thrust" grep -q 'the known force does not show the scale of the thrust' out
+check "  does not show the thrust" grep -q 'known force does not show the scale of the thrust' out
 check "a weight that pulls up" exits 3 fit strong1.csv --vehicle up.ini
 check "  contradicts the motion" grep -q 'contradicts the motion (k_tau -' out
 check "weight twice" rejects 'known twice: by weight_N and by \[calibration.1\]' \

@@ -375,8 +375,8 @@ typedef struct {
  * @param dof in which the force acts most, AUVID_HEAVE of a weight: k is known only if this one is
  * excited
  * @return AUVID_OK; AUVID_ERR_NULL; AUVID_ERR_PARAMETERS (AUVID_MAX_PARAMETERS are free);
- * AUVID_ERR_MODEL (it is not on the regressor path, is &c->vehicle, or does not model `dof`); the errors of
- * auvid_vehicle_check. Cost: O(n). */
+ * AUVID_ERR_MODEL (it is not on the regressor path, is &c->vehicle, or does not model `dof`); the
+ * errors of auvid_vehicle_check. Cost: O(n). */
 auvid_status_t auvid_calibrated_init(auvid_calibrated_t *c, const auvid_vehicle_t *vehicle,
                                      auvid_dof_t dof);
 

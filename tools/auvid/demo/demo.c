@@ -139,6 +139,17 @@ static void list_estimate(run_t *run)
     }
 }
 
+static void add_truth(run_t *run)
+{
+    const world_t *world = &run->world;
+    report_add_truth(&run->result[0], &world->vehicle_sim);
+    if (world->calibrations > 0) {
+        run->result[0].truth[world->calibrated.k] = 1.0;
+    }
+    run->result[1].has_truth = true;
+    memcpy(run->result[1].truth, run->result[0].truth, sizeof run->result[1].truth);
+}
+
 /* Known forces of the simulation. */
 static int calibrations(const options_t *options)
 {
@@ -197,12 +208,7 @@ static bool identify(run_t *run, const options_t *options, uint64_t seed, progre
     }
     run->result[0].estimates = &run->estimates;
     run->result[0].trace = &run->trace;
-    report_add_truth(&run->result[0], &world->vehicle_sim);
-    if (world->calibrations > 0) {
-        run->result[0].truth[world->calibrated.k] = 1.0;
-    }
-    run->result[1].has_truth = true;
-    memcpy(run->result[1].truth, run->result[0].truth, sizeof run->result[1].truth);
+    add_truth(run);
     run->simulated_s = world_time_s(world);
     if (options->adaptive) {
         result_t *result = &run->result[0];

@@ -1,7 +1,7 @@
 /**
  * @file vehicle_calibration.h
- * The sections [calibration.N] of a vehicle file: forces on the vehicle that are known exactly, each
- * for a time. They calibrate the thrust (auvid_calibrated_t in estimate.h).
+ * The sections [calibration.N] of a vehicle file: forces on the vehicle that are known exactly,
+ * each for a time. They calibrate the thrust (auvid_calibrated_t in estimate.h).
  */
 #ifndef PROGRAM_VEHICLE_CALIBRATION_H
 #define PROGRAM_VEHICLE_CALIBRATION_H
