@@ -101,8 +101,8 @@ WAY_sanitized := -O1 -g1 -fno-omit-frame-pointer \
     -fsanitize=address,undefined,float-cast-overflow -fno-sanitize-recover=all
 WAY_bench := -O2 -DAUVID_MAX_POPULATION=130
 # The program's sizes, and those of the tests of models that the default sizes have no room for:
-# everything of the 6-DoF model free.
-WIDE := -DAUVID_MAX_PARAMETERS=32
+# everything of the 6-DoF model free, and a known force beside its uncertain inputs.
+WIDE := -DAUVID_MAX_PARAMETERS=32 -DAUVID_MAX_UNCERTAIN=114
 WAY_wide := $(WAY_release) $(WIDE)
 WAY_wide_double := $(WAY_double) $(WIDE)
 WAY_wide_sanitized := $(WAY_sanitized) $(WIDE)

@@ -275,16 +275,33 @@ static bool config_is_good(const sim_config_t *c)
     }
     return all_finite(finite, sizeof finite / sizeof finite[0]) && all_finite(c->position, 3) &&
            all_finite(c->euler, 3) && all_finite(c->nu, 6) && all_finite(c->current, 3) &&
-           all_finite(c->dvl_arm_m, 3) && all_finite(c->dvl_euler, 3) &&
-           all_finite(c->imu_euler, 3) && vehicle_is_good(c) && thrusters_are_good(c) &&
-           isfinite(c->tilt_inertia) && c->tilt_inertia > 0.0 && isfinite(c->disturbance_s) &&
-           c->disturbance_s > 0.0;
+           all_finite(c->load_N, 3) && all_finite(c->load_body_N, 3) &&
+           all_finite(c->load_at_m, 3) && all_finite(c->dvl_arm_m, 3) &&
+           all_finite(c->dvl_euler, 3) && all_finite(c->imu_euler, 3) && vehicle_is_good(c) &&
+           thrusters_are_good(c) && isfinite(c->tilt_inertia) && c->tilt_inertia > 0.0 &&
+           isfinite(c->disturbance_s) && c->disturbance_s > 0.0;
 }
 
 static double disturbance_rms(const sim_config_t *cfg, int dof)
 {
     bool unknown = dof == R || cfg->model != SIM_GIRONA500;
     return dof < 3 ? cfg->disturbance_N : unknown ? cfg->disturbance_Nm : 0.0;
+}
+
+/* Adds the wrench of the load at the present attitude. */
+static void add_load(const sim_t *sim, double total[6])
+{
+    const double *at = sim->cfg.load_at_m, *load = sim->cfg.load_N;
+    double r[3][3], f[3];
+    sim_rotation(sim->truth.euler, r);
+    for (int i = 0; i < 3; ++i) {
+        f[i] = sim->cfg.load_body_N[i] + r[0][i] * load[0] + r[1][i] * load[1] + r[2][i] * load[2];
+        total[i] += f[i];
+    }
+    for (int i = 0; i < 3; ++i) {
+        int p = (i + 1) % 3, q = (i + 2) % 3;
+        total[3 + i] += at[p] * f[q] - at[q] * f[p];
+    }
 }
 
 /* Velocity over ground and acceleration of the truth, from its state and forces. */
@@ -298,6 +315,7 @@ static void complete_truth(sim_t *sim)
     for (int i = 0; i < 6; ++i) {
         total[i] = t->wrench[i] + t->disturbance[i];
     }
+    add_load(sim, total);
     sim_derivative(&sim->cfg, state, total, derivative);
     memcpy(t->nu_dot, derivative + NU, sizeof t->nu_dot);
     sim_rotation(t->euler, r);
@@ -365,6 +383,7 @@ static void advance(sim_t *sim, const double thruster_N[SIM_THRUSTERS], const do
     memcpy(state + POSITION, t->position, sizeof t->position);
     memcpy(state + EULER, t->euler, sizeof t->euler);
     memcpy(state + NU, t->nu, sizeof t->nu);
+    add_load(sim, total);
     sim_rk4(c, state, total, h);
     memcpy(t->position, state + POSITION, sizeof t->position);
     memcpy(t->euler, state + EULER, sizeof t->euler);

@@ -114,7 +114,7 @@ typedef struct {
     double parameter[SIM_PARAMETERS]; /**< of SIM_GIRONA500; default: the paper's values */
     const auvid_vehicle_t *vehicle;   /**< of SIM_VEHICLE; default NULL */
     double vehicle_parameter[SIM_VEHICLE_PARAMETERS]; /**< its parameters; default 0 */
-    bool printed_eq13;                /**< m_w w q in Eq. 13, as printed; default false */
+    bool printed_eq13; /**< m_w w q in Eq. 13, as printed; default false */
     /** Roll and pitch: inertia [kg m2], linear [Nm s] and quadratic [Nm s2] drag (positive
      * dissipates), righting moment at 90 degrees [Nm]. Defaults 80, 60, 40, 150. */
     double tilt_inertia, tilt_linear, tilt_quadratic, tilt_righting;
@@ -144,7 +144,10 @@ typedef struct {
     double disturbance_N;  /**< rms of the unknown force in X, Y, Z; default 0 */
     double disturbance_Nm; /**< rms in N; with SIM_FOSSEN in K and M too; default 0 */
     double disturbance_s;  /**< its correlation time [s], > 0; default 2 */
-    double seabed_m;       /**< depth of the bottom [m]; default 80 */
+    /** A known force (calibration), without mass: north, east, down, and in body axes [N]; where
+     * both act, from the body's origin [m]. May be changed while it runs. Default 0. */
+    double load_N[3], load_body_N[3], load_at_m[3];
+    double seabed_m; /**< depth of the bottom [m]; default 80 */
 
     /** Defaults 50, 5, 10, 1 Hz, the others off; no age, no drop-outs. */
     sim_sensor_config_t sensor[SIM_SENSORS];

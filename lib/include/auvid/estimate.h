@@ -1,7 +1,7 @@
 /**
  * @file estimate.h
  * What comes out: the estimate, its covariance, the drag force at a speed, what is identifiable,
- * and what is missing.
+ * and what is missing; and how a known force calibrates the thrust, so that it is in SI.
  *
  * auvid_identifier_estimate returns the estimate of the last search. Its `confidence` says how
  * accurate it is. The standard errors hold for correlated residuals. They contain the bias of the
@@ -297,6 +297,124 @@ auvid_status_t auvid_confidence_note(const auvid_confidence_t *confidence,
 auvid_status_t auvid_confidence_missing(const auvid_confidence_t *confidence,
                                         const auvid_vehicle_t *vehicle, uint32_t free,
                                         unsigned which, char *text, size_t size);
+
+/* ---- known force ---- */
+
+/**
+ * A force on the vehicle that is known exactly: a weight hung on it, or the pull of a rope with a
+ * spring scale. All zeros: none.
+ */
+typedef struct {
+    auvid_real_t world[3]; /**< north, east, down [N]: of a weight in water, down */
+    auvid_real_t body[3];  /**< ahead, to starboard, down, in the vehicle's axes [N] */
+    auvid_real_t at[3];    /**< where both act, in the vehicle's axes, from its origin [m] */
+    auvid_real_t mass_kg;  /**< of what moves with the vehicle there, with its added mass; 0..1e4 */
+} auvid_known_force_t;
+
+/** Changes of the known force that are kept for cells of an earlier time; changes closer together
+ * replace each other [us]. */
+#define AUVID_KNOWN_CHANGES 32
+#define AUVID_KNOWN_SPACING_US 50000u
+
+/** A change. Private. */
+typedef struct {
+    uint64_t t_us;
+    auvid_known_force_t force;
+} auvid_known_change_t;
+
+/**
+ * A model with a known force, which calibrates the thrust.
+ *
+ * No motion shows a common scale of the supplied thrust: thrust that is 20 % too strong as told
+ * gives masses and drags that are 20 % too large, and equations that fit as well. A known force
+ * shows it. With tau the supplied wrench, k its ratio to the true one, and f the known wrench,
+ *
+ *     tau / k + f = Y pi,    so    tau = Y (k pi) - f k,
+ *
+ * which is linear in k pi and k. This model wraps another one and has k, named k_tau, as a further
+ * parameter, with the column -f in each equation. auvid_calibrated_estimate divides by k. Where the
+ * model has AUVID_MAX_PARAMETERS already, k_tau takes the place of the last one that is not free by
+ * default, which is then 0.
+ *
+ *     static auvid_calibrated_t model;
+ *     (void)auvid_calibrated_init(&model, &auvid_girona500, AUVID_HEAVE);
+ *     auvid_identifier_defaults(&cfg, &model.vehicle);
+ *     cfg.metric.fixed[model.k] = 1;                      // until the force has shown it
+ *     auvid_known_force_t weight = {.world = {0, 0, 8.6f}, .mass_kg = 1};
+ *     (void)auvid_calibrated_force(&model, now_us, &weight);  // hung on; NULL: taken off
+ *     (void)auvid_calibrated_estimate(&model, auvid_identifier_estimate(&id), &si);
+ *
+ * The force must be on for a part of the data and off for another, both with excitation, best for
+ * about half of them. A weight that never changes is not separable from W-B
+ * (AUVID_NOTE_COMBINATION). All thrusters have one k. With uncertain inputs (uncertain.h) each may
+ * deviate from it by its gain, so a weight says more of the vertical thrusters than of the others.
+ * A weight that turns with the vehicle (mass_kg) has its own inertia, and its moments follow from
+ * `at`. Its drag is neglected. Without mass_kg the mean mass is too large by the weight's, times
+ * the part of the time that it was on.
+ *
+ * The applied wrench (auvid_input_t.applied) is that of the thrusters, without the known force. A
+ * checkpoint does not contain the force: give it again after a restore.
+ *
+ * Regressor path only. Cost of the regressor: the wrapped one's, and 300 instructions of a
+ * Cortex-M4F while the force is on. Memory: sizeof(auvid_calibrated_t), 2 KiB. None of it is in the
+ * paper. Unused code is not linked. It must not move while `vehicle` is in use.
+ */
+typedef struct {
+    auvid_vehicle_t vehicle;      /**< model for identifier, metric and validation */
+    const auvid_vehicle_t *other; /* the wrapped model */
+    auvid_parameter_t parameter[AUVID_MAX_PARAMETERS]; /**< parameters of `vehicle` */
+    auvid_known_change_t change[AUVID_KNOWN_CHANGES];
+    uint32_t changes; /* so far */
+    uint8_t k;        /**< number of k_tau */
+} auvid_calibrated_t;
+
+#define auvid_calibrated_init AUVID_SIZED(auvid_calibrated_init)
+/** Makes c->vehicle, the model of a vehicle with a known force, which is zero at first.
+ * @param c out; unchanged if refused
+ * @param vehicle the model to wrap, on the regressor path; must outlive *c; must not be &c->vehicle
+ * @param dof in which the force acts most, AUVID_HEAVE of a weight: k is known only if this one is
+ * excited
+ * @return AUVID_OK; AUVID_ERR_NULL; AUVID_ERR_PARAMETERS (AUVID_MAX_PARAMETERS are free);
+ * AUVID_ERR_MODEL (it is not on the regressor path, is &c->vehicle, or does not model `dof`); the
+ * errors of auvid_vehicle_check. Cost: O(n). */
+auvid_status_t auvid_calibrated_init(auvid_calibrated_t *c, const auvid_vehicle_t *vehicle,
+                                     auvid_dof_t dof);
+
+#define auvid_calibrated_force AUVID_SIZED(auvid_calibrated_force)
+/** Sets the known force from t_us on. Call it when the force changes, before the data of that time.
+ * A change less than AUVID_KNOWN_SPACING_US after the last one replaces it. A force that changes
+ * all the time is taken as constant in between.
+ * @param t_us in the time of the identifier [us]; 0 as the first one
+ * @param force copied; NULL: none. Each component within +-1e5 N, `at` within +-100 m
+ * @return AUVID_OK; AUVID_ERR_NULL (c); AUVID_ERR_STATE (not initialised); AUVID_ERR_NOT_FINITE;
+ * AUVID_ERR_RANGE; AUVID_ERR_TIME_BACK (before the last change). Refused: nothing has changed.
+ * Cost: O(1). */
+auvid_status_t auvid_calibrated_force(auvid_calibrated_t *c, uint64_t t_us,
+                                      const auvid_known_force_t *force);
+
+#define auvid_calibrated_clear AUVID_SIZED(auvid_calibrated_clear)
+/** Forgets all changes: the force is zero, and time may begin again. NULL is a no-op. */
+void auvid_calibrated_clear(auvid_calibrated_t *c);
+
+#define auvid_calibrated_estimate AUVID_SIZED(auvid_calibrated_estimate)
+/** Converts an estimate of c->vehicle to SI: divides parameters and errors by k, and replaces the
+ * considered scale of the thrust by the error of k. k combines the data with the prior, 1 with
+ * confidence.uncertainty.thrust_scale; a prior that the data contradict is widened to what was
+ * found. Parameters whose only fault was the thrust scale become identifiable. What is not
+ * converted: fixed parameters, cost, residuals and noise; a parameter's plausibility.
+ *
+ * Use the converted estimate for masses, drag and W-B in SI. Prediction, aiding and feed-forward
+ * take the one of the identifier, whose unit is the supplied thrust.
+ * @param told the identifier's estimate
+ * @param si written if >= 0; may be told. pi[c->k] is k: thrust is told too strong if it exceeds 1.
+ * It is identifiable if the data say more of it than the prior
+ * @return AUVID_OK; AUVID_UNUSED (the data do not show k: *si is *told with k = 1, and after any
+ * change of the force no constant force is identifiable); AUVID_ERR_NULL
+ * (also told, if there is none); AUVID_ERR_STATE (not initialised); AUVID_ERR_NO_DATA (no estimate
+ * yet); AUVID_ERR_RANGE (k is not above 0.2: the force has another sign or size than it was given).
+ * Cost: O(n^2). */
+auvid_status_t auvid_calibrated_estimate(const auvid_calibrated_t *c, const auvid_estimate_t *told,
+                                         auvid_estimate_t *si);
 
 #ifdef __cplusplus
 }

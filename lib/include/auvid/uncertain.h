@@ -17,7 +17,8 @@
  * Columns of the hull are made orthogonal to its drag, so that X_u and X_uu remain the best drag of
  * the model for the motion that was seen.
  *
- * The common scale of the thrust is not observable. It stays in auvid_uncertainty_t.
+ * The common scale of the thrust is not observable. It stays in auvid_uncertainty_t. A known force
+ * shows it (auvid_calibrated_t in estimate.h).
  *
  * The priors may be wrong by a factor of two: they get a common scale, the one with the largest
  * likelihood of what was found. Above 1, the scales of thrust and DVL in auvid_uncertainty_t are

@@ -94,6 +94,12 @@ bool world_begin(world_t *world, const world_config_t *config)
     world->both_locks = config->both_locks;
     world->is_literal = config->literal;
     world->allocation = vehicle_of(config)->allocation;
+    world->calibration = config->calibration;
+    world->calibrations = config->calibrations;
+    if (config->calibrations > 0 &&
+        vehicle_use_known_force(&cfg, &config->calibration->force, &world->calibrated) < 0) {
+        return false;
+    }
     return bus_memory_init(&world->hub, WORLD_ENDS, config->seed) == BUS_OK &&
            vehicle_sim_init(&world->vehicle_sim, &vehicle_sim) && begin_node(world, &node, &cfg) &&
            (config->passive ||
@@ -151,8 +157,26 @@ static void record_excitation(world_t *world)
     }
 }
 
+/* Lets the known force of this time act, in the simulation and in the model. */
+static void set_known_force(world_t *world)
+{
+    sim_config_t *sim = &world->vehicle_sim.sim.cfg;
+    auvid_known_force_t force =
+        vehicle_known_force(world->calibration, world->calibrations, world_time_s(world));
+    force.mass_kg = AUVID_C(0.0);
+    for (int i = 0; i < 3; ++i) {
+        sim->load_N[i] = (double)force.world[i];
+        sim->load_body_N[i] = (double)force.body[i];
+        sim->load_at_m[i] = (double)force.at[i];
+    }
+    (void)auvid_calibrated_force(&world->calibrated, world->vehicle_sim.seen.t_us, &force);
+}
+
 void world_tick(world_t *world)
 {
+    if (world->calibrations > 0) {
+        set_known_force(world);
+    }
     vehicle_sim_t *vehicle_sim = &world->vehicle_sim;
     if (world->both_locks && vehicle_sim->seen.sensor[SIM_DVL].has) {
         bool bottom = vehicle_sim->seen.sensor[SIM_DVL].bottom;

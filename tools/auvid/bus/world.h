@@ -16,6 +16,7 @@
 #include "frames.h"
 #include "literal.h"
 #include "../options/options.h"
+#include "../vehicle/vehicle_calibration.h"
 #include "../vehicle/vehicles.h"
 
 /** Length of a set [s]. */
@@ -33,7 +34,11 @@ typedef struct {
     bool passive;             /**< the node ignores arm frames */
     bool no_arm;              /**< the vehicle sends no arm frame by itself */
     uint8_t idle;             /**< bit j: DoF j is not excited */
-    double current[3];        /**< of the water, NED [m/s] */
+    /** Known forces, without their mass; [calibrations]. node[0] has the model with a known force.
+     * Not with literal smoothing. */
+    const vehicle_calibration_t *calibration;
+    int calibrations;
+    double current[3]; /**< of the water, NED [m/s] */
     /** The DVL alternates between bottom and water, each at 5 Hz. Dynamics use the water velocity,
      * the guard the bottom velocity. Default: bottom only. */
     bool both_locks;
@@ -57,6 +62,9 @@ typedef struct {
     auvid_validation_t prediction[WORLD_NODES];
     auvid_change_detector_t change[WORLD_NODES];
     const auvid_allocation_config_t *allocation;
+    auvid_calibrated_t calibrated; /**< model of node[0], if a force is known */
+    const vehicle_calibration_t *calibration;
+    int calibrations;
     int nodes;
     bool both_locks, is_literal;        /**< see world_config_t */
     double excitation[AUVID_DOF_COUNT]; /**< last commanded wrench [N, Nm] */

@@ -170,6 +170,17 @@ static void print_thrusters(const vehicle_t *v)
     printf("}");
 }
 
+static void print_calibrations(const vehicle_t *v)
+{
+    printf(",\n  \"calibrations\": [");
+    for (int i = 0; i < v->calibrations; ++i) {
+        printf("%s\n    {", i == 0 ? "" : ",");
+        print_keys(KEYS_CALIBRATION, &v->calibration[i]);
+        printf("}");
+    }
+    printf("]");
+}
+
 static void print_capacity(const vehicle_t *v)
 {
     auvid_allocation_t allocation;
@@ -231,6 +242,7 @@ void vehicle_json(const vehicle_t *v, const char *path)
     print_section(KEYS_MOUNT, v);
     print_section(KEYS_UNCERTAINTY, v);
     print_section(KEYS_UNCERTAIN, v);
+    print_calibrations(v);
     print_truth(v);
     printf("\n}\n");
 }

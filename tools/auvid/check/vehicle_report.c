@@ -3,6 +3,7 @@
  */
 #include <math.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "auvid/config.h"
@@ -11,8 +12,6 @@
 #include "vehicle_output.h"
 #include "../bus/world.h"
 
-/* A calibration of the thrust that a known weight allows, relative (1 sigma). */
-#define CALIBRATED 0.02
 /* Sets of the simulated identification. */
 #define SETS 8
 
@@ -118,79 +117,153 @@ static void print_assumed(const vehicle_t *v)
 
 /* ---- which measurement helps most ---- */
 
-/* Runs the excitation of the file on the simulated vehicle. @return NULL if it did not finish */
-static const auvid_identifier_t *simulate(const vehicle_t *v)
+/* How long the trial force acts, and from when [s]. */
+#define TRIAL_S 60.0
+#define TRIAL_FROM_S (0.4 * SETS * WORLD_SET_S)
+/* Part of the excitation's force that it is, about. */
+#define TRIAL_PART 0.2
+
+/* A measurement that would help. */
+typedef struct {
+    char text[100];
+    double data, thrust, dvl; /* factors of the variances; 0: see with */
+    const result_t *with;     /* identified with it */
+    double gain;              /* sum of the logarithms by which it divides the masses' errors */
+} measurement_t;
+
+/* Runs the excitation of the file on the simulated vehicle, with this known force; NULL: none.
+ * Returns false if it did not finish. */
+static bool simulate(const vehicle_t *v, const vehicle_calibration_t *known, result_t *result)
 {
     static world_t world;
-    const world_config_t config = {.vehicle = v, .seed = 1, .sets = SETS};
+    static auvid_uncertain_t uncertain;
+    const world_config_t config = {.vehicle = v,
+                                   .seed = 1,
+                                   .sets = SETS,
+                                   .calibration = known,
+                                   .calibrations = known != NULL ? 1 : 0};
     bool busy = true;
-    if (!world_begin(&world, &config)) {
-        return NULL;
+    if (!world_begin(&world, &config) ||
+        world_uncertain(&world.node[0], &uncertain, v) != AUVID_OK) {
+        return false;
     }
     while (busy || world.node[0].id.metric.sets.recorded < SETS) {
         if (world_time_s(&world) > 2.0 * SETS * WORLD_SET_S) {
-            return NULL;
+            return false;
         }
         world_tick(&world);
         busy = world_work(&world, AUVID_DEFAULT_BUDGET);
     }
-    return &world.node[0].id;
+    report_gather(result, &world.node[0].id, 1);
+    if (known != NULL) {
+        report_calibrate(result, &world.calibrated);
+    }
+    return true;
 }
 
-/* Relative standard error of parameter i, with the variances of data, thrust scale and DVL scale
- * multiplied by these factors (considered parameters; Schmidt 1966). */
-static double error_with(const result_t *r, int i, double data, double thrust, double dvl)
+/* Is parameter i a mass that was identified? */
+static bool is_known_mass(const result_t *r, int i)
+{
+    return report_is_identified(r, i) && isfinite(report_sigma_told(r, i)) &&
+           r->vehicle->parameter[i].kind == AUVID_PARAMETER_MASS;
+}
+
+/* Relative standard error of parameter i after a measurement. By its factors: considered parameters
+ * (Schmidt 1966). */
+static double error_after(const measurement_t *m, const result_t *r, int i)
 {
     const auvid_confidence_t *c = &r->estimate.confidence;
     double told = report_sigma_told(r, i), t = (double)c->thrust_error[i];
     double d = (double)c->dvl_error[i];
-    return sqrt(data * told * told + thrust * t * t + dvl * d * d) /
+    if (m->with != NULL) {
+        return report_sigma(m->with, i) / fabs((double)m->with->estimate.pi[i]);
+    }
+    return sqrt(m->data * told * told + m->thrust * t * t + m->dvl * d * d) /
            fabs((double)r->estimate.pi[i]);
 }
 
-/* Variance factors of the measurements, one row each: data, thrust scale, DVL scale. */
-static void print_best(const result_t *r, double thrust_scale)
+/* 1, 2 or 5 times a power of ten, not above x > 0. */
+static double round_down(double x)
 {
-    double gain = thrust_scale > CALIBRATED ? pow(CALIBRATED / thrust_scale, 2.0) : 1.0;
-    const struct {
-        const char *text;
-        double factor[3];
-    } all[] = {
-        {"a known force, e.g. a weight in water, that gives the thrust scale to 2 %",
-         {1.0, gain, 1.0}},
-        {"a run over a known distance that halves the error of the DVL scale", {1.0, 1.0, 0.25}},
-        {"twice as many sets", {0.5, 1.0, 1.0}}};
-    int best = -1, shown = -1;
-    double best_gain = 0.0, worst = 0.0;
-    for (int k = 0; k < 3; ++k) {
-        const double *f = all[k].factor;
-        double sum = 0.0;
-        for (int i = 0; i < r->vehicle->parameters; ++i) {
-            bool known = report_is_identified(r, i) && isfinite(report_sigma_told(r, i)) &&
-                         r->vehicle->parameter[i].kind == AUVID_PARAMETER_MASS;
-            double now = known ? error_with(r, i, 1.0, 1.0, 1.0) : 0.0;
-            sum += known ? log(now / error_with(r, i, f[0], f[1], f[2])) : 0.0;
-            shown = known && now > worst ? i : shown;
-            worst = known && now > worst ? now : worst;
-        }
-        best = sum > best_gain ? k : best;
-        best_gain = sum > best_gain ? sum : best_gain;
+    double unit = pow(10.0, floor(log10(x)));
+    return unit * (x >= 5.0 * unit ? 5.0 : x >= 2.0 * unit ? 2.0 : 1.0);
+}
+
+/* Chooses a known force for the vehicle: a weight, or without heave a pull. */
+static void choose_trial(const vehicle_t *v, vehicle_calibration_t *trial, char *text, size_t size)
+{
+    bool heave = v->amplitude[AUVID_HEAVE] > 0;
+    double largest = (double)v->amplitude[heave ? AUVID_HEAVE : AUVID_SURGE];
+    double force = largest > 0.0 ? round_down(TRIAL_PART * largest) : 1.0;
+    *trial = (vehicle_calibration_t){.from_s = TRIAL_FROM_S, .to_s = TRIAL_FROM_S + TRIAL_S};
+    if (heave) {
+        trial->force.world[2] = (auvid_real_t)force;
+        (void)snprintf(text, size, "%g N of weight in water for %g s", force, TRIAL_S);
+    } else {
+        trial->force.body[0] = (auvid_real_t)-force;
+        (void)snprintf(text, size, "a pull of %g N astern for %g s", force, TRIAL_S);
     }
-    if (best < 0 || shown < 0) {
-        puts("\n  a measurement that would help\n    none of those known here: no mass was "
+}
+
+static int by_gain(const void *a, const void *b)
+{
+    double x = ((const measurement_t *)a)->gain, y = ((const measurement_t *)b)->gain;
+    return (x < y) - (x > y);
+}
+
+/* Lists the measurements, best first, for the mass that is known worst. */
+static void print_measurements(const result_t *r, measurement_t *all, size_t count)
+{
+    const measurement_t none = {.data = 1.0, .thrust = 1.0, .dvl = 1.0};
+    int shown = -1;
+    for (int i = 0; i < r->vehicle->parameters; ++i) {
+        if (!is_known_mass(r, i)) {
+            continue;
+        }
+        double now = error_after(&none, r, i);
+        shown = shown < 0 || now > error_after(&none, r, shown) ? i : shown;
+        for (size_t k = 0; k < count; ++k) {
+            all[k].gain += log(now / error_after(&all[k], r, i));
+        }
+    }
+    if (shown < 0) {
+        puts("\n  measurements that would help\n    none of those known here: no mass was "
              "identified");
         return;
     }
-    const double *f = all[best].factor;
-    printf("\n  a measurement that would help most (of a simulated identification of %d sets)\n"
-           "    %s:\n    takes the standard error of %s from %.2g to %.2g %%\n",
-           SETS, all[best].text, r->vehicle->parameter[shown].name, 100.0 * worst,
-           100.0 * error_with(r, shown, f[0], f[1], f[2]));
+    qsort(all, count, sizeof *all, by_gain);
+    printf("\n  measurements that would help, best first (of a simulated identification of %d s)\n"
+           "    standard error of %s, now %.2g %%, after\n",
+           SETS * WORLD_SET_S, r->vehicle->parameter[shown].name,
+           100.0 * error_after(&none, r, shown));
+    for (size_t k = 0; k < count; ++k) {
+        printf("    %6.2g %%  %s\n", 100.0 * error_after(&all[k], r, shown), all[k].text);
+    }
+}
+
+/* Simulates the vehicle with and without a known force. Returns false if it did not finish. */
+static bool advise(const vehicle_t *v)
+{
+    static result_t plain, calibrated;
+    vehicle_calibration_t trial;
+    measurement_t all[3] = {{.thrust = 1.0, .data = 0.5, .dvl = 1.0},
+                            {.thrust = 1.0, .data = 1.0, .dvl = 0.25},
+                            {.with = &calibrated}};
+    (void)snprintf(all[0].text, sizeof all[0].text, "%d s more of the excitation",
+                   SETS * WORLD_SET_S);
+    (void)snprintf(all[1].text, sizeof all[1].text,
+                   "a run over a known distance that halves the error of the DVL scale");
+    choose_trial(v, &trial, all[2].text, sizeof all[2].text);
+    if (!simulate(v, NULL, &plain)) {
+        return false;
+    }
+    bool seen = simulate(v, &trial, &calibrated) && calibrated.calibration == REPORT_CALIBRATED;
+    print_measurements(&plain, all, seen ? 3 : 2);
+    return true;
 }
 
 int vehicle_report(const vehicle_t *v, const char *path)
 {
-    static result_t result;
     auvid_allocation_t allocation;
     if (auvid_allocation_init(&allocation, v->allocation) < 0) {
         return report_error("check: %s: the thrusters are refused", path);
@@ -202,15 +275,9 @@ int vehicle_report(const vehicle_t *v, const char *path)
     print_capacity(v, &allocation);
     print_missing(v);
     print_assumed(v);
-    if (v->has_truth) {
-        const auvid_identifier_t *id = simulate(v);
-        if (id == NULL) {
-            return report_error("check: %s: the simulated vehicle could not be excited to the end: "
-                                "see auvid demo --vehicle %s",
-                                path, path);
-        }
-        report_gather(&result, id, 1);
-        print_best(&result, (double)v->uncertainty.thrust_scale);
-    }
-    return 0;
+    return !v->has_truth || advise(v)
+               ? 0
+               : report_error("check: %s: the simulated vehicle could not be excited to the end: "
+                              "see auvid demo --vehicle %s",
+                              path, path);
 }

@@ -139,6 +139,23 @@ static void list_estimate(run_t *run)
     }
 }
 
+static void add_truth(run_t *run)
+{
+    const world_t *world = &run->world;
+    report_add_truth(&run->result[0], &world->vehicle_sim);
+    if (world->calibrations > 0) {
+        run->result[0].truth[world->calibrated.k] = 1.0;
+    }
+    run->result[1].has_truth = true;
+    memcpy(run->result[1].truth, run->result[0].truth, sizeof run->result[1].truth);
+}
+
+/* Known forces of the simulation. */
+static int calibrations(const options_t *options)
+{
+    return options->literal ? 0 : options->vehicle->calibrations;
+}
+
 /* Excites, records and identifies. progress may be NULL. */
 static bool identify(run_t *run, const options_t *options, uint64_t seed, progress_t *progress)
 {
@@ -150,7 +167,9 @@ static bool identify(run_t *run, const options_t *options, uint64_t seed, progre
                                    .lag_s = options->lag_s,
                                    .sets = options->sets,
                                    .adaptive = options->adaptive,
-                                   .literal = options->literal};
+                                   .literal = options->literal,
+                                   .calibration = options->vehicle->calibration,
+                                   .calibrations = calibrations(options)};
     if (!world_begin(world, &config)) {
         return false;
     }
@@ -189,9 +208,7 @@ static bool identify(run_t *run, const options_t *options, uint64_t seed, progre
     }
     run->result[0].estimates = &run->estimates;
     run->result[0].trace = &run->trace;
-    report_add_truth(&run->result[0], &world->vehicle_sim);
-    run->result[1].has_truth = true;
-    memcpy(run->result[1].truth, run->result[0].truth, sizeof run->result[1].truth);
+    add_truth(run);
     run->simulated_s = world_time_s(world);
     if (options->adaptive) {
         result_t *result = &run->result[0];
@@ -228,7 +245,9 @@ static bool validate(run_t *run, const options_t *options, uint64_t seed)
                                    .seed = ~seed,
                                    .disturbance_N = options->disturbance_N,
                                    .lag_s = options->lag_s,
-                                   .sets = HELD_OUT_SETS};
+                                   .sets = HELD_OUT_SETS,
+                                   .calibration = options->vehicle->calibration,
+                                   .calibrations = calibrations(options)};
     auvid_real_t truth[AUVID_MAX_PARAMETERS];
     const auvid_real_t *pi[WORLD_NODES] = {result->estimate.pi, truth};
     double *r2[WORLD_NODES] = {result->r2, result->r2_truth};
@@ -276,6 +295,9 @@ static int run_once(run_t *run, const options_t *options, uint64_t seed, const c
         run->logger.writer = &writer;
     }
     bool done = identify(run, options, seed, progress) && validate(run, options, seed);
+    if (done && run->world.calibrations > 0) {
+        report_calibrate(&run->result[0], &run->world.calibrated);
+    }
     if (!done && path != NULL) {
         csv_discard(&writer);
     }

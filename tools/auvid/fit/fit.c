@@ -188,17 +188,21 @@ static int run(job_t *job)
                               &job->findings);
     }
     refused = refused != 0 ? refused : fit_choose_map(job);
-    const fitted_t *fitted = refused == 0 ? fit_choose_model(job) : NULL;
+    fitted_t *fitted = refused == 0 ? fit_choose_model(job) : NULL;
     if (fitted == NULL) {
         return EXIT_LOG_REFUSED;
     }
     const auvid_identifier_t *id = &fitted->id;
     gather(job, id, &result);
     warn_too_long(job, id);
+    job->use.calibrated = job->known_force ? &fitted->calibrated : NULL;
     if (options->validate != NULL && result.estimate.number > 0 &&
         heldout_r2(&job->test, &job->use, &id->recorder.cfg, options->seed, &job->trace, &result) !=
             0) {
         return EXIT_LOG_REFUSED;
+    }
+    if (job->known_force) {
+        report_calibrate(&result, &fitted->calibrated);
     }
     int status = conclude(job, &result, id);
     if (options->json) {

@@ -18,11 +18,12 @@ typedef struct {
     auvid_identifier_t id;
     auvid_validation_t prediction;
     auvid_change_detector_t change;
-    replay_inputs_t inputs; /**< if the thrusters are known, or there is a reference */
-    literal_t literal;      /**< if chosen */
-    decoupled_t six;        /**< the model, if it has six DoF without coupling */
-    auvid_current_t current; /**< the model, with --current */
-    auvid_row_t *rows;       /**< which needs them; NULL: none */
+    replay_inputs_t inputs;        /**< if the thrusters are known, or there is a reference */
+    literal_t literal;             /**< if chosen */
+    decoupled_t six;               /**< the model, if it has six DoF without coupling */
+    auvid_calibrated_t calibrated; /**< the model, if a force is known */
+    auvid_current_t current;       /**< the model, with --current */
+    auvid_row_t *rows;             /**< which needs them; NULL: none */
 } fitted_t;
 
 /** A fit: logs, options and models. */
@@ -38,6 +39,7 @@ typedef struct {
     uint32_t free;                            /**< bit i: parameter i is identified */
     auvid_real_t fixed[AUVID_MAX_PARAMETERS]; /**< values of the other parameters */
     const char *why[AUVID_DOF_COUNT];         /**< why a DoF cannot be identified, or NULL */
+    bool known_force;                         /**< a force is known, of file or log */
     fitted_t *coupled, *decoupled;            /**< NULL: not fitted */
     trace_t trace;                            /**< of the held-out log */
     report_maps_t maps;                       /**< the comparison of --map auto */
@@ -70,7 +72,7 @@ void fit_print_maps(const report_maps_t *maps);
 int fit_choose_free(job_t *job);
 
 /** Identifies the selected models. Returns the one to report, or NULL after a message. */
-const fitted_t *fit_choose_model(job_t *job);
+fitted_t *fit_choose_model(job_t *job);
 /** Forgets them. */
 void fit_forget_models(job_t *job);
 

@@ -194,15 +194,42 @@ static int replay_literal(const job_t *job, fitted_t *fitted)
     return status;
 }
 
+/* Selects the model with a known force. Returns false after a message. */
+static bool add_known_force(const job_t *job, auvid_calibrated_t *calibrated,
+                            auvid_identifier_config_t *cfg)
+{
+    const vehicle_t *file = job->log[0].calibration;
+    const auvid_known_force_t weight = {.world = {0, 0, 1}};
+    auvid_status_t status = vehicle_use_known_force(
+        cfg, file != NULL ? &file->calibration[0].force : &weight, calibrated);
+    if (status < 0) {
+        (void)report_error("fit: known force: %s", auvid_status_str(status));
+        return false;
+    }
+    if ((job->free >> calibrated->k & 1u) != 0) {
+        (void)report_error("fit: %s cannot be identified beside a known force",
+                           calibrated->other->parameter[calibrated->k].name);
+        return false;
+    }
+    return true;
+}
+
 /* Replays the logs with a model. Returns false after a message. */
 static bool record(const job_t *job, const auvid_vehicle_t *vehicle, fitted_t *fitted)
 {
     auvid_identifier_config_t cfg;
     bool literal = job->options->literal;
     auvid_status_t status = AUVID_OK;
+    log_use_t use = job->use;
     configure(job, vehicle, &fitted->six, &cfg);
     if (job->options->current) {
         status = add_current(fitted, &cfg);
+    }
+    if (job->known_force) {
+        use.calibrated = &fitted->calibrated;
+        if (!add_known_force(job, use.calibrated, &cfg)) {
+            return false;
+        }
     }
     if (literal && status == AUVID_OK) {
         status = literal_identifier(&fitted->literal, &cfg);
@@ -219,13 +246,13 @@ static bool record(const job_t *job, const auvid_vehicle_t *vehicle, fitted_t *f
     }
     (void)auvid_identifier_attach_prediction(&fitted->id, &fitted->prediction);
     (void)auvid_identifier_attach_change_test(&fitted->id, &fitted->change);
-    status = replay_attach(&job->use, &fitted->inputs, &fitted->id);
+    status = replay_attach(&use, &fitted->inputs, &fitted->id);
     if (status < 0) {
         (void)report_error("fit: uncertain inputs: %s", auvid_status_str(status));
         return false;
     }
     return (literal ? replay_literal(job, fitted)
-                    : replay_identify(&job->train, &job->use, &fitted->inputs, &fitted->id)) == 0;
+                    : replay_identify(&job->train, &use, &fitted->inputs, &fitted->id)) == 0;
 }
 
 static void forget(fitted_t *fitted)
@@ -270,7 +297,7 @@ void fit_forget_models(job_t *job)
 }
 
 /* Identifies the selected models. Returns the one to report, or NULL after a message. */
-const fitted_t *fit_choose_model(job_t *job)
+fitted_t *fit_choose_model(job_t *job)
 {
     coupling_t coupling = job->options->coupling;
     bool alternative = job->options->model == &auvid_girona500 && coupling != COUPLING_ON &&

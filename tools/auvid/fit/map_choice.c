@@ -78,16 +78,18 @@ static int list_candidates(const log_use_t *use, candidate_t candidate[REPORT_MA
 /* Identifies with what is not held out, and simulates what is. */
 static int judge_part(job_t *job, const log_set_t *held_out, candidate_t *c)
 {
-    const fitted_t *fitted = fit_choose_model(job);
+    fitted_t *fitted = fit_choose_model(job);
     if (fitted == NULL) {
         return EXIT_REFUSED;
     }
+    job->use.calibrated = job->known_force ? &fitted->calibrated : NULL;
     const auvid_identifier_t *id = &fitted->id;
     const auvid_estimate_t *e = &id->estimate;
     c->dofs &= e->number > 0 ? e->excited : 0u;
     c->blocks->impossible = c->blocks->impossible || c->dofs == 0;
     int status = heldout_simulate(held_out, &job->use, &id->recorder.cfg, id->metric.cfg.vehicle, e,
                                   NULL, c->blocks);
+    job->use.calibrated = NULL;
     fit_forget_models(job);
     job->same_cells = true;
     return status;

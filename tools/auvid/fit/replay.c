@@ -42,6 +42,20 @@ auvid_status_t replay_attach(const log_use_t *use, replay_inputs_t *inputs, auvi
     return status;
 }
 
+static void begin(const log_use_t *use)
+{
+    if (use->calibrated != NULL) {
+        auvid_calibrated_clear(use->calibrated);
+    }
+}
+
+static void set_known_force(const log_use_t *use, const log_sample_t *now)
+{
+    if (use->calibrated != NULL) {
+        (void)auvid_calibrated_force(use->calibrated, now->t_us, &now->known);
+    }
+}
+
 /* Feeds the samples of a row. */
 static void feed(const log_use_t *use, log_sample_t *now, replay_inputs_t *inputs,
                  auvid_identifier_t *id)
@@ -55,6 +69,7 @@ static void feed(const log_use_t *use, log_sample_t *now, replay_inputs_t *input
         while (auvid_identifier_work(id, AUVID_DEFAULT_BUDGET) == AUVID_PENDING) {
         }
     }
+    set_known_force(use, now);
     if (now->has_reference) {
         (void)auvid_instruments_reference(&inputs->instruments, now->t_us, now->reference);
     }
@@ -73,6 +88,7 @@ int replay_identify(const log_set_t *logs, const log_use_t *use, replay_inputs_t
                     auvid_identifier_t *id)
 {
     int status = 0;
+    begin(use);
     for (int i = 0; i < logs->logs && status == 0; ++i) {
         log_reader_t reader;
         log_sample_t now;
@@ -121,12 +137,14 @@ int replay_cells(const log_set_t *logs, const log_use_t *use, const auvid_record
     bool gap = true;
     int status = 0;
     (void)auvid_recorder_init(&recorder, cfg);
+    begin(use);
     for (int i = 0; i < logs->logs && status == 0; ++i) {
         log_reader_t reader;
         log_sample_t now;
         status = log_reader_begin(&reader, &logs->log[i], use);
         while (status == 0 && (status = log_reader_next(&reader, &now)) == 0) {
             if (log_set_has(logs, now.t_us)) {
+                set_known_force(use, &now);
                 gap = record(&recorder, &now, take, context, gap);
             }
         }

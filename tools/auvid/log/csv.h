@@ -39,6 +39,7 @@ enum {
     CSV_THRUSTER_N = CSV_THRUSTER + CSV_THRUSTERS, /* newtons */
     CSV_RPM = CSV_THRUSTER_N + CSV_THRUSTERS,
     CSV_VOLTAGE = CSV_RPM + CSV_THRUSTERS,
+    CSV_WEIGHT, /* in water, of what hangs on the vehicle */
     CSV_COLUMNS
 };
 

@@ -22,7 +22,7 @@ const char *const csv_name[CSV_COLUMNS] = {
     "thruster_5",   "thruster_6",   "thruster_7",   "thruster_8",   "thruster_1_N", "thruster_2_N",
     "thruster_3_N", "thruster_4_N", "thruster_5_N", "thruster_6_N", "thruster_7_N", "thruster_8_N",
     "rpm_1",        "rpm_2",        "rpm_3",        "rpm_4",        "rpm_5",        "rpm_6",
-    "rpm_7",        "rpm_8",        "voltage_V"};
+    "rpm_7",        "rpm_8",        "voltage_V",    "weight_N"};
 
 static int known_column(const char *name)
 {

@@ -230,6 +230,17 @@ static void take_inputs(log_reader_t *r, const csv_row_t *row, log_sample_t *out
     }
 }
 
+/* The known force: of the vehicle file, or the weight of the log. */
+static void take_known_force(log_reader_t *r, const csv_row_t *row, log_sample_t *out)
+{
+    const vehicle_t *v = r->log->calibration;
+    (void)take(r, row, CSV_WEIGHT, 1, &r->weight_N);
+    if (v != NULL) {
+        out->known = vehicle_known_force(v->calibration, v->calibrations, row->value[CSV_T]);
+    }
+    out->known.world[2] += (auvid_real_t)r->weight_N;
+}
+
 int log_reader_next(log_reader_t *r, log_sample_t *out)
 {
     csv_row_t row;
@@ -244,6 +255,7 @@ int log_reader_next(log_reader_t *r, log_sample_t *out)
     out->velocity = take_velocity(r, &row, out->has_attitude);
     out->has_reference = r->use->reference && take(r, &row, CSV_REFERENCE, 6, r->reference);
     take_inputs(r, &row, out);
+    take_known_force(r, &row, out);
     for (int k = 0; k < 3; ++k) {
         out->attitude[k] = (auvid_real_t)r->angle[k];
     }

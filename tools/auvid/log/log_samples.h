@@ -8,7 +8,7 @@
 
 #include "auvid/allocation.h"
 #include "csv.h"
-#include "../vehicle/vehicle_file.h"
+#include "../vehicle/vehicle_calibration.h"
 
 /** Kind of the inputs of a log. */
 typedef enum {
@@ -21,13 +21,14 @@ typedef enum {
 /** How to use the logs. */
 typedef struct {
     input_kind_t kind;
-    uint8_t dofs;                  /**< bit j: the input of DoF j is used (its velocity exists) */
-    bool reference;                /**< the log has the reference of a controller (ref_*) */
-    const vehicle_t *vehicle;      /**< whose thrusters make the wrench; NULL: not known */
-    bool uncertain;                /**< the errors of its thrusters are estimated */
-    auvid_allocation_t allocation; /**< of its thrusters */
-    uint32_t delay_us;             /**< known time from its commands to their forces */
-    double gain[AUVID_DOF_COUNT];  /**< of the commands: newtons per unit; 0: not known */
+    uint8_t dofs;                   /**< bit j: the input of DoF j is used (its velocity exists) */
+    bool reference;                 /**< the log has the reference of a controller (ref_*) */
+    const vehicle_t *vehicle;       /**< whose thrusters make the wrench; NULL: not known */
+    bool uncertain;                 /**< the errors of its thrusters are estimated */
+    auvid_allocation_t allocation;  /**< of its thrusters */
+    uint32_t delay_us;              /**< known time from its commands to their forces */
+    double gain[AUVID_DOF_COUNT];   /**< of the commands: newtons per unit; 0: not known */
+    auvid_calibrated_t *calibrated; /**< model with a known force; NULL: no force is known */
     thrust_map_t map[AUVID_MAX_THRUSTERS]; /**< of the thrusters' groups: log_use_map */
     bool square; /**< the force of an axis is the signed square of its command: log_use_map */
 } log_use_t;
@@ -37,6 +38,7 @@ typedef struct {
     csv_log_t csv;
     uint64_t start_us; /**< time of its first row in the replay */
     double held_s;     /**< time for which a velocity is held in the rows; 0: it is not held */
+    const vehicle_t *calibration; /**< whose known forces act in this log; NULL: none */
 } log_t;
 
 /** Logs, each a record of its own, or a part of them. */
@@ -61,6 +63,7 @@ typedef struct {
     auvid_real_t attitude[3], nu[AUVID_DOF_COUNT], wrench[AUVID_DOF_COUNT];
     auvid_real_t reference[AUVID_DOF_COUNT];
     auvid_real_t force_N[AUVID_MAX_THRUSTERS]; /**< if the log has the thrusters */
+    auvid_known_force_t known;                 /**< the known force at t_us */
 } log_sample_t;
 
 /** Reader of one log. Private but for the first two. */
@@ -75,6 +78,7 @@ typedef struct {
     bool has_velocity;
     double input[AUVID_MAX_THRUSTERS]; /* last inputs */
     double voltage_V;                  /* last voltage; 0: none yet */
+    double weight_N;                   /* last weight */
     double reference[AUVID_DOF_COUNT];
     uint64_t known; /* bit c: column c had a value */
 } log_reader_t;

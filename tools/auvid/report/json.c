@@ -240,6 +240,10 @@ static void json_missing(FILE *out, const result_t *result)
             result->estimate.confidence.unchecked ? "unchecked"
             : result->inputs_estimated            ? "estimated"
                                                   : "exact");
+    if (report_thrust(result, text, sizeof text)) {
+        fprintf(out, ",\n  \"thrust\": ");
+        json_string(out, text);
+    }
 }
 
 /* The names of the degrees of freedom in a mask. */

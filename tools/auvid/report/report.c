@@ -76,6 +76,56 @@ void report_add_truth(result_t *result, const vehicle_sim_t *vehicle_sim)
     }
 }
 
+void report_calibrate(result_t *result, const auvid_calibrated_t *calibrated)
+{
+    auvid_estimate_t *e = &result->estimate;
+    auvid_status_t status = auvid_calibrated_estimate(calibrated, e, e);
+    result->calibration = status == AUVID_OK          ? REPORT_CALIBRATED
+                          : status == AUVID_ERR_RANGE ? REPORT_CONTRADICTED
+                                                      : REPORT_UNSEEN;
+    result->k_tau = calibrated->k;
+    if (status == AUVID_ERR_RANGE) {
+        e->confidence.identifiable = 0;
+    }
+}
+
+bool report_thrust(const result_t *result, char *text, size_t size)
+{
+    const auvid_estimate_t *e = &result->estimate;
+    double k = (double)e->pi[result->k_tau];
+    double half = 210.0 * (double)e->confidence.sigma[result->k_tau] / fmax(k, 1e-3);
+    double off = 100.0 * fabs(1.0 / fmax(k, 1e-3) - 1.0);
+    switch (result->calibration) {
+    case REPORT_CALIBRATED:
+        if (off > half) {
+            (void)snprintf(text, size,
+                           "the known force says that thrust is %.1f %% %s than told (+- %.1f %%): "
+                           "parameters are in SI",
+                           off, k > 1.0 ? "weaker" : "stronger", half);
+        } else {
+            (void)snprintf(text, size,
+                           "the known force agrees with the thrust as told (+- %.1f %%): "
+                           "parameters are in SI",
+                           half);
+        }
+        return true;
+    case REPORT_CONTRADICTED:
+        (void)snprintf(text, size,
+                       "the known force contradicts the motion (k_tau %.2f): check its sign, size "
+                       "and time",
+                       k);
+        return true;
+    case REPORT_UNSEEN:
+        (void)snprintf(text, size,
+                       "the known force does not show the scale of the thrust: it must be on for "
+                       "a part of the excitation and off for another");
+        return true;
+    case REPORT_UNCALIBRATED:
+        break;
+    }
+    return false;
+}
+
 double report_rms_percent(const auvid_estimate_t *estimate, const double *truth)
 {
     double squares = 0.0;

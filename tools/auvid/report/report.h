@@ -67,6 +67,14 @@ typedef struct {
     bool other_log; /**< held out is another log, not parts of the same */
 } report_maps_t;
 
+/** What a known force has shown of the thrust (report_calibrate). */
+typedef enum {
+    REPORT_UNCALIBRATED, /**< no force is known */
+    REPORT_CALIBRATED,
+    REPORT_UNSEEN,
+    REPORT_CONTRADICTED
+} report_calibration_t;
+
 /** One identification. */
 typedef struct {
     uint64_t seed;
@@ -99,6 +107,8 @@ typedef struct {
     bool inputs_estimated;            /**< errors of thrust and sensors, with the parameters */
     bool in_commands;                 /**< the inputs are commands, which set the units */
     bool has_validation, has_interval, has_r2_truth;
+    report_calibration_t calibration;
+    int k_tau; /**< its parameter, if a force is known */
 } result_t;
 
 /** Results of many runs. Errors are relative to the truth. If the truth is 0, the errors are
@@ -142,6 +152,13 @@ void report_gather(result_t *result, const auvid_identifier_t *id, uint64_t seed
 /** Adds what the simulated vehicle knows: the truth, and estimate and wrong inputs as received in
  * frames. */
 void report_add_truth(result_t *result, const vehicle_sim_t *vehicle_sim);
+
+/** Converts the estimate of a model with a known force to SI (auvid_calibrated_estimate). Call it
+ * after the validation, which needs the estimate in units of the supplied thrust. */
+void report_calibrate(result_t *result, const auvid_calibrated_t *calibrated);
+
+/** Writes what a known force says of the thrust; returns false if no force is known. */
+bool report_thrust(const result_t *result, char *text, size_t size);
 
 /** Root mean square relative error of the parameters that are identified and whose truth is not 0
  * [%]; 0 when none is. @param truth [AUVID_MAX_PARAMETERS] */

@@ -197,6 +197,9 @@ static void missing_list(const result_t *result)
     if (!all) {
         putchar('\n');
     }
+    if (report_thrust(result, text, sizeof text)) {
+        printf("  thrust         %s\n", text);
+    }
     const auvid_uncertainty_t *u = &result->estimate.confidence.uncertainty;
     if (result->estimate.number > 0) {
         printf("  assumed        thrust scale to %.3g %%, DVL scale to %.3g %% (1 sigma); heading "

@@ -8,6 +8,7 @@
 
 #include "auvid/fossen.h"
 #include "../base/report_error.h"
+#include "vehicle_calibration.h"
 #include "vehicle_keys.h"
 #include "vehicle_terms.h"
 #include "vehicle_thrusters.h"
@@ -33,13 +34,17 @@ static bool is_known(const char *section)
         return section[9] >= '1' && section[9] <= '9' && *end == '\0' &&
                number <= VEHICLE_THRUSTERS;
     }
+    if (strncmp(section, "calibration.", 12) == 0) {
+        return section[12] >= '1' && section[12] <= '0' + VEHICLE_CALIBRATIONS &&
+               section[13] == '\0';
+    }
     for (size_t i = 0; i < sizeof others / sizeof others[0]; ++i) {
         if (strcmp(section, others[i]) == 0) {
             return true;
         }
     }
     for (int i = 0; i < KEYS_SECTIONS; ++i) {
-        if (i != KEYS_THRUSTER && i != KEYS_GROUP &&
+        if (i != KEYS_THRUSTER && i != KEYS_GROUP && i != KEYS_CALIBRATION &&
             strcmp(section, vehicle_keys[i].section) == 0) {
             return true;
         }
@@ -56,8 +61,9 @@ static bool check_sections(ini_t *ini)
             return ini_refuse(ini, e->line, e->key_column,
                               "unknown section [%s]; known: vehicle, parameters, terms, "
                               "thruster.1 .. thruster.%d, group.NAME, allocation, excitation, "
-                              "guard, mount, uncertainty, uncertain, truth",
-                              e->section, VEHICLE_THRUSTERS);
+                              "guard, mount, uncertainty, uncertain, calibration.1 .. "
+                              "calibration.%d, truth",
+                              e->section, VEHICLE_THRUSTERS, VEHICLE_CALIBRATIONS);
         }
     }
     return true;
@@ -221,7 +227,7 @@ static bool read_all(ini_t *ini, vehicle_t *v)
         !vehicle_keys_section(ini, "excitation", KEYS_EXCITATION, v) ||
         !vehicle_excitation_check(ini, v) || !read_guard(ini, v) ||
         !vehicle_keys_section(ini, "mount", KEYS_MOUNT, v) || !read_uncertainty(ini, v) ||
-        !read_truth(ini, v)) {
+        !vehicle_calibrations_read(ini, v) || !read_truth(ini, v)) {
         return false;
     }
     /* Girona500 reports the parameters of the paper */

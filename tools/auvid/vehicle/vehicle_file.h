@@ -15,7 +15,13 @@
 typedef enum { VEHICLE_GIRONA500, VEHICLE_FOSSEN, VEHICLE_TERMS } vehicle_model_t;
 
 /** Sizes of a file's contents. */
-enum { VEHICLE_WORD = 32, VEHICLE_TITLE = 64, VEHICLE_UNIT = 16, VEHICLE_MAX_TERMS = 128 };
+enum {
+    VEHICLE_WORD = 32,
+    VEHICLE_TITLE = 64,
+    VEHICLE_UNIT = 16,
+    VEHICLE_MAX_TERMS = 128,
+    VEHICLE_CALIBRATIONS = 4
+};
 
 /** [thruster.N] */
 typedef struct {
@@ -24,6 +30,12 @@ typedef struct {
     char group[VEHICLE_WORD];           /**< "": none */
     int map;                            /**< of its group, in vehicle_t.map */
 } vehicle_thruster_t;
+
+/** [calibration.N]: a force that is known exactly */
+typedef struct {
+    auvid_known_force_t force;
+    double from_s, to_s; /**< when it acts, in the time of the log [s] */
+} vehicle_calibration_t;
 
 /** [parameters] and [terms]: a model as a table of terms. */
 typedef struct {
@@ -54,6 +66,8 @@ typedef struct {
     auvid_nav_mount_t mount;
     auvid_uncertainty_t uncertainty;
     auvid_uncertain_config_t uncertain;
+    vehicle_calibration_t calibration[VEHICLE_CALIBRATIONS];
+    int calibrations;
     bool has_truth;   /**< it can be simulated */
     sim_config_t sim; /**< configuration of the simulator */
 

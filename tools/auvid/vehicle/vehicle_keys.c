@@ -164,6 +164,21 @@ static const vehicle_key_t of_uncertain[] = {
     REAL(nominal_lag_s, uncertain, 0.01, 1),
     {.key = "fractions", .kind = KEY_YES, .offset = AT(uncertain.fractions)}};
 
+#define C(member) offsetof(vehicle_calibration_t, member)
+#define FORCE(name, at, n, limit)                                                                  \
+    {                                                                                              \
+        .key = name, .kind = KEY_REAL, .offset = C(force.at), .least = n, .most = n,               \
+        .low = -(limit), .high = limit                                                             \
+    }
+static const vehicle_key_t of_calibration[] = {
+    FORCE("weight_N", world[2], 0, 1e5),
+    FORCE("pull_N", body, 3, 1e5),
+    FORCE("pull_north_east_N", world, 2, 1e5),
+    FORCE("position_m", at, 3, 100),
+    {.key = "mass_kg", .kind = KEY_REAL, .offset = C(force.mass_kg), .high = 1e4},
+    MUST_NUMBER("from_s", C(from_s), -LARGE, LARGE),
+    NUMBER("to_s", C(to_s), -LARGE, 1e9)};
+
 /* Of all models; the tilt where the model has no roll and pitch. */
 static const vehicle_key_t of_truth[] = {
     NUMBER("depth_m", AT(sim.position[2]), 0, 12000),
@@ -213,6 +228,7 @@ const vehicle_keys_t vehicle_keys[KEYS_SECTIONS] = {
     [KEYS_MOUNT] = TABLE("mount", of_mount),
     [KEYS_UNCERTAINTY] = TABLE("uncertainty", of_uncertainty),
     [KEYS_UNCERTAIN] = TABLE("uncertain", of_uncertain),
+    [KEYS_CALIBRATION] = TABLE("calibration", of_calibration),
     [KEYS_TRUTH] = TABLE("truth", of_truth),
     [KEYS_TRUTH_GIRONA500] = TABLE("truth", of_truth_girona500),
     [KEYS_TRUTH_FOSSEN] = TABLE("truth", of_truth_fossen)};

@@ -37,13 +37,15 @@ typedef struct {
 
 /** A table of keys. */
 typedef struct {
-    const char *section; /**< "thruster" and "group": those of [thruster.1], [group.NAME] */
+    /** "thruster", "group", "calibration": those of [thruster.1], [group.NAME], [calibration.1] */
+    const char *section;
     const vehicle_key_t *key;
     int keys;
 } vehicle_keys_t;
 
-/** Tables by section. Offsets are in vehicle_t; those of THRUSTER and GROUP in
- * vehicle_thruster_t and thrust_map_t. TRUTH_x: [truth] of each model, and of all. */
+/** Tables by section. Offsets are in vehicle_t; those of THRUSTER, GROUP and CALIBRATION in
+ * vehicle_thruster_t, thrust_map_t and vehicle_calibration_t. TRUTH_x: [truth] of each model, and
+ * of all. */
 typedef enum {
     KEYS_VEHICLE,
     KEYS_THRUSTER,
@@ -54,6 +56,7 @@ typedef enum {
     KEYS_MOUNT,
     KEYS_UNCERTAINTY,
     KEYS_UNCERTAIN,
+    KEYS_CALIBRATION,
     KEYS_TRUTH,
     KEYS_TRUTH_GIRONA500,
     KEYS_TRUTH_FOSSEN,

@@ -1,0 +1,101 @@
+#!/usr/bin/env bash
+# Calibration dives: a vehicle file with a known force, the column weight_N, and the advice of
+# auvid check. The log's thrust is made 20 % too strong, as a wrong data sheet tells it.
+# Long form (AUVID_TEST_LONG): 50 dives instead of 2.
+. "$(dirname "$0")/common.sh"
+
+weight() { # FROM TO FILE [NEWTONS]: Girona500 with a weight
+    cp "$ROOT/tools/auvid/vehicles/girona500.ini" "$3"
+    printf '\n[calibration.1]\nweight_N = %s\nfrom_s = %s\nto_s = %s\n' "${4:-20}" "$1" "$2" >>"$3"
+}
+too_strong() { # the thrust of a log; with a column weight_N, if the times of the weight are given
+    awk -F, -v OFS=, -v from="${1:-}" -v to="${2:-}" '
+        NR > 1 { for (i = 11; i <= 16; ++i) $i *= 1.2 }
+        from == "" { print; next }
+        { print $0, (NR == 1 ? "weight_N" : $1 >= from && $1 < to ? 20 : 0) }'
+}
+weight 90 150 dive.ini
+weight 90 150 up.ini -20
+
+# ---- the figure ----
+dives=2
+[ -z "${AUVID_TEST_LONG:-}" ] || dives=50
+for seed in $(seq 1 $dives); do
+    "$AUVID" demo --vehicle dive.ini --seed "$seed" --disturbance 1 --csv log.csv --json >demo.json
+    too_strong <log.csv >"strong$seed.csv"
+    check "seed $seed: W-B and m_w within 8 %" \
+        exits 0 fit "strong$seed.csv" --vehicle dive.ini --json
+    check "  indeed" is out '
+assert error("W-B") < 0.08 and error("m_w") < 0.08, (error("W-B"), error("m_w"))
+assert P["m_w"]["identifiable"] and P["k_tau"]["identifiable"] and 1.06 < P["k_tau"]["estimate"]
+assert "weaker than told" in d["thrust"], d["thrust"]'
+done
+check "the demo identifies its own vehicle" is demo.json '
+assert error("m_w") < 0.08 and abs(P["k_tau"]["estimate"] - 1) < 0.08, P["k_tau"]
+assert P["k_tau"]["truth"] == 1 and d["thrust"].startswith("the known force "), d["thrust"]'
+exits 1 fit strong1.csv --vehicle girona500 --json >/dev/null
+check "without the known force m_w is 15 to 25 % too large" is out '
+assert 0.15 < P["m_w"]["estimate"] / TRUTH["m_w"] - 1 < 0.25 and "thrust" not in d, P["m_w"]'
+
+# ---- the column of the log ----
+exits 0 fit strong1.csv --vehicle dive.ini --json >/dev/null
+cp out file.json
+"$AUVID" demo --vehicle dive.ini --seed 1 --disturbance 1 --csv log.csv --json >demo.json
+too_strong 90 150 <log.csv >column.csv
+check "weight_N in the log" exits 0 fit column.csv --vehicle girona500 --json
+check "  gives the same bits as the vehicle file" same_result file.json
+check "  of a held-out log, too" \
+    exits 0 fit column.csv --vehicle girona500 --validate column.csv --json
+check "  which is predicted in units of the supplied thrust" is out '
+assert min(d["r2_validation"].values()) > 0.99, d["r2_validation"]'
+too_strong <log.csv >without.csv
+exits 0 fit column.csv --vehicle girona500 --validate without.csv --json >/dev/null
+check "  but not without its weight" is out 'assert d["r2_validation"]["w"] < 0.95, d'
+
+# ---- what does not calibrate ----
+weight -1 1e6 always.ini
+check "a weight that never changes" exits 0 fit strong1.csv --vehicle always.ini
+check "  does not show the thrust" grep -q 'known force does not show the scale of the thrust' out
+check "a weight that pulls up" exits 3 fit strong1.csv --vehicle up.ini
+check "  contradicts the motion" grep -q 'contradicts the motion (k_tau -' out
+check "weight twice" rejects 'known twice: by weight_N and by \[calibration.1\]' \
+    fit column.csv --vehicle dive.ini
+sed '1s/X_N,Y_N,Z_N,K_Nm,M_Nm,N_Nm/cmd_surge,cmd_sway,cmd_heave,cmd_roll,cmd_pitch,cmd_yaw/' \
+    column.csv >commands.csv
+check "commands without gain" rejects 'a known force needs thrust in newtons: give --gain' \
+    fit commands.csv
+check "literal smoothing" rejects 'literal has no known force: remove weight_N' \
+    fit column.csv --literal
+
+# ---- the vehicle file ----
+bad() { # NAME SED PATTERN
+    sed -E "$2" dive.ini >bad.ini
+    check "$1" refuses "bad\.ini:[0-9]+:[0-9]+: $3" check bad.ini
+}
+bad "no force" '/^weight_N/d' '\[calibration\.1\] has no force: add weight_N, pull_N or'
+bad "an end before its begin" 's/^to_s = .*/to_s = 80/' 'to_s must be later than from_s'
+bad "no begin" '/^from_s/d' "\[calibration\.1\] has no key 'from_s': add it"
+bad "the second without the first" 's/calibration\.1/calibration.2/' \
+    '\[calibration\.2\]: there is no \[calibration\.1\]'
+bad "too many" 's/calibration\.1/calibration.5/' 'unknown section \[calibration\.5\]; known: '
+bad "an overlap" '$a [calibration.2]\npull_N = 1 0 0\nfrom_s = 140' \
+    'from_s must not be before the calibration above has ended'
+check "--json has it" exits 0 check dive.ini --json
+check "  as in the file" python3 -c '
+import json
+c = json.load(open("out"))["calibrations"]
+assert len(c) == 1 and c[0]["weight_N"] == 20 and c[0]["from_s"] == 90 and c[0]["to_s"] == 150, c'
+
+# ---- the advice ----
+for name in girona500 bluerov2 torpedo; do
+    check "$name: advice" exits 0 check "$name"
+    check "  a known force halves the error, nearly" python3 -c '
+import re
+text = open("out").read()
+now = float(re.search(r"standard error of \S+, now ([\d.]+) %", text)[1])
+after = dict((b, float(a)) for a, b in re.findall(r"^ +([\d.]+) %  (.*)$", text, re.M))
+known = next(v for k, v in after.items() if "for 60 s" in k)
+assert len(after) == 3 and known < 0.62 * now and known == min(after.values()), (now, after)
+assert all(v <= now for v in after.values()), (now, after)'
+done
+finish
