@@ -59,7 +59,7 @@ compile() {
 PLAIN="-fno-pic -fno-stack-protector -U_FORTIFY_SOURCE"
 
 # Some of gcc's warnings need the optimizer; clang's do not. Code depends on the sizes or on the
-# precision, none on both: the smallest sizes in float and the largest in double are enough.
+# precision, hardly on both: the smallest sizes are in float, the largest in double.
 check_matrix() {
     local size real flags
     for size in min max; do
@@ -123,7 +123,7 @@ check_tidy() {
 check_cppcheck() {
     cppcheck --quiet --std=c11 --enable=warning,portability,performance --error-exitcode=1 \
         --inline-suppr --suppress=missingIncludeSystem -j "$(nproc)" -UAUVID_USER_CONFIG \
-        -DAUVID_MAX_PARAMETERS=32 -DAUVID_REAL_FLOAT \
+        -DAUVID_MAX_PARAMETERS=32 -DAUVID_REAL_FLOAT -D__GNUC__=12 -D__linux__ \
         -Ilib/include -Ilib/src -Itools/simulator -Iport/linux_socketcan -Iport/cortex_m \
         "${lib[@]}" "${tools[@]}"
 }
