@@ -216,7 +216,7 @@ class Graph:
         """{name in the headers: (bytes, chain)}."""
         found = {}
         for name in self.frames:
-            plain = re.sub(r"_f(32|64)(_\d+)*$", "", name)
+            plain = re.sub(r"_f(32|64)(_(\d+|none))*$", "", name)
             if plain.startswith("auvid_") and plain in CALLED:
                 found[plain] = self.worst(name, model=False)
         return found

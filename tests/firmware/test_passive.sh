@@ -20,10 +20,12 @@ run() {
         echo "not ok $1: $(tail -n 2 "$here/said")"
 }
 
+library=(lib/src/*/*.c)
+library=("${library[@]/%.c/.o}")
 for image in own_navigation with_filter; do
     ${CC:-gcc} -O2 -std=c11 -ffp-contract=off -Ilib/include -Iport/cortex_m \
         -o "$work/$image" "port/cortex_m/passive/$image.c" port/cortex_m/passive/driver_qemu.c \
-        tests/firmware/machine_host.c build/release/lib/src/*/*.o
+        tests/firmware/machine_host.c "${library[@]/#/build/release/}"
     run "$image-host" "$work/$image"
     run "$image-m4f" "$top/port/cortex_m/board.sh" m4f run \
         "$top/build/firmware/m4f-Os/$image.elf"
