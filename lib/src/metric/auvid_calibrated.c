@@ -354,7 +354,7 @@ auvid_status_t auvid_calibrated_estimate(const auvid_calibrated_t *c, const auvi
     }
     const int n = c->vehicle.parameters, k = c->k;
     calibrated_scale_t scale;
-    for (int i = 0; i < n; ++i) {
+    for (int i = 0; i < n && i < AUVID_MAX_PARAMETERS; ++i) { /* which n never exceeds */
         scale.column[i] = told->covariance[calibrated_entry(n, i, k)];
     }
     bool seen = (told->identified >> k & 1u) != 0 && scale.column[k] > AUVID_C(0.0) &&
