@@ -364,7 +364,7 @@ auvid_status_t auvid_calibrated_estimate(const auvid_calibrated_t *c, const auvi
         return AUVID_ERR_NO_DATA;
     }
     const int n = c->vehicle.parameters, k = c->k;
-    calibrated_scale_t scale;
+    calibrated_scale_t scale = {.k = AUVID_C(1.0)};
     for (int i = 0; i < n && i < AUVID_MAX_PARAMETERS; ++i) { /* which n never exceeds */
         scale.column[i] = told->covariance[calibrated_entry(n, i, k)];
     }
