@@ -18,7 +18,7 @@
 #ifdef __SANITIZE_ADDRESS__
 enum { SEEDS = 1 };
 #else
-enum { SEEDS = 4 };
+enum { SEEDS = 3 };
 #endif
 enum { N = AUVID_G500_COUNT, SETS = 8, BUDGET = 1000, SEEDS_LONG = 50 };
 #define TOO_STRONG 1.2

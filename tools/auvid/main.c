@@ -175,7 +175,8 @@ static const char columns_help[] =
     "ref_surge ref_sway ref_heave ref_roll ref_pitch ref_yaw: velocity or rate of the\n"
     "reference of a controller along its own axes, which identifies a vehicle in closed loop.\n"
     "An empty cell is no new sample, so each sensor may have its own rate. Velocities that are\n"
-    "held between samples are recognised. Several logs are records of their own.\n"
+    "held between samples are recognised. Several logs are records of their own. weight_N: a\n"
+    "weight in water that hangs on the vehicle for a part of the log calibrates the thrust.\n"
     "\n";
 static const char fit_exit_help[] =
     "exit status of fit: 0 at least one parameter is identifiable; 1 a log is refused; 2 bad\n"

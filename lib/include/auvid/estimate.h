@@ -355,9 +355,12 @@ typedef struct {
  * The applied wrench (auvid_input_t.applied) is that of the thrusters, without the known force. A
  * checkpoint does not contain the force: give it again after a restore.
  *
- * Regressor path only. Cost of the regressor: the wrapped one's, and 300 instructions of a
- * Cortex-M4F while the force is on. Memory: sizeof(auvid_calibrated_t), 2 KiB. None of it is in the
- * paper. Unused code is not linked. It must not move while `vehicle` is in use.
+ * Regressor path only. k_tau has a column in each equation, also of the uncertain inputs: a
+ * BlueROV2 Heavy in six degrees of freedom then needs AUVID_MAX_UNCERTAIN 114, Girona500 the
+ * default. An equation gives no rows while any velocity is unmeasured. Cost of the
+ * regressor: the wrapped one's, a rotation matrix and five cross products. Memory:
+ * sizeof(auvid_calibrated_t), 2 KiB. None of it is in the paper. Unused code is not linked. It must
+ * not move while `vehicle` is in use.
  */
 typedef struct {
     auvid_vehicle_t vehicle;      /**< model for identifier, metric and validation */

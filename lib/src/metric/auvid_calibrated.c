@@ -174,6 +174,17 @@ auvid_status_t auvid_calibrated_init(auvid_calibrated_t *c, const auvid_vehicle_
     return AUVID_OK;
 }
 
+static bool calibrated_differ(const auvid_known_force_t *a, const auvid_known_force_t *b)
+{
+    bool differ = auvid_abs(a->mass_kg - b->mass_kg) > AUVID_C(0.0);
+    for (int i = 0; i < 3; ++i) {
+        differ = differ || auvid_abs(a->world[i] - b->world[i]) > AUVID_C(0.0) ||
+                 auvid_abs(a->body[i] - b->body[i]) > AUVID_C(0.0) ||
+                 auvid_abs(a->at[i] - b->at[i]) > AUVID_C(0.0);
+    }
+    return differ;
+}
+
 auvid_status_t auvid_calibrated_force(auvid_calibrated_t *c, uint64_t t_us,
                                       const auvid_known_force_t *force)
 {
@@ -198,7 +209,7 @@ auvid_status_t auvid_calibrated_force(auvid_calibrated_t *c, uint64_t t_us,
     bool close = c->changes > 0 && t_us - last->t_us < AUVID_KNOWN_SPACING_US;
     if (close) {
         last->force = *f;
-    } else if (memcmp(c->changes > 0 ? &last->force : &calibrated_none, f, sizeof *f) != 0) {
+    } else if (calibrated_differ(c->changes > 0 ? &last->force : &calibrated_none, f)) {
         c->change[c->changes++ % AUVID_KNOWN_CHANGES] =
             (auvid_known_change_t){.t_us = t_us, .force = *f};
     }
@@ -353,8 +364,8 @@ auvid_status_t auvid_calibrated_estimate(const auvid_calibrated_t *c, const auvi
         return AUVID_ERR_NO_DATA;
     }
     const int n = c->vehicle.parameters, k = c->k;
-    calibrated_scale_t scale;
-    for (int i = 0; i < n; ++i) {
+    calibrated_scale_t scale = {.k = AUVID_C(1.0)};
+    for (int i = 0; i < n && i < AUVID_MAX_PARAMETERS; ++i) { /* which n never exceeds */
         scale.column[i] = told->covariance[calibrated_entry(n, i, k)];
     }
     bool seen = (told->identified >> k & 1u) != 0 && scale.column[k] > AUVID_C(0.0) &&

@@ -254,6 +254,49 @@ static void test_a_current_carries_the_vehicle_and_changes_nothing_else(void)
     TEST_ASSERT_DOUBLE_WITHIN(1e-9, position[2], sim.truth.position[2]);
 }
 
+static void test_a_load_in_body_axes_is_the_wrench_of_its_force_and_arm(void)
+{
+    const double wrench[6] = {0, 0, 0, 0.2 * 4 + 0.1 * 2, 0.1 * 3 - 0.5 * 4, -0.5 * 2 - 0.2 * 3};
+    double direct[6] = {3, -2, 4};
+    sim_t loaded;
+    cfg.euler[0] = 0.2;
+    cfg.load_body_N[0] = 3;
+    cfg.load_body_N[1] = -2;
+    cfg.load_body_N[2] = 4;
+    cfg.load_at_m[0] = 0.5;
+    cfg.load_at_m[1] = 0.2;
+    cfg.load_at_m[2] = 0.1;
+    begin();
+    run(5, NULL);
+    loaded = sim;
+    memset(cfg.load_body_N, 0, sizeof cfg.load_body_N);
+    memcpy(direct + 3, wrench + 3, 3 * sizeof *wrench);
+    begin();
+    run(5, direct);
+    for (int i = 0; i < 6; ++i) {
+        TEST_ASSERT_DOUBLE_WITHIN(1e-9, sim.truth.nu[i], loaded.truth.nu[i]);
+    }
+    TEST_ASSERT_TRUE(fabs(sim.truth.nu[0]) > 0.01);
+}
+
+static void test_a_weight_pulls_down_at_any_attitude(void)
+{
+    double with[6], r[3][3];
+    cfg.euler[0] = 0.3;
+    cfg.euler[1] = -0.2;
+    cfg.euler[2] = 1.0;
+    cfg.load_N[2] = 12;
+    begin();
+    memcpy(with, sim.truth.nu_dot, sizeof with);
+    cfg.load_N[2] = 0;
+    begin();
+    sim_rotation(cfg.euler, r);
+    for (int i = 0; i < 3; ++i) {
+        double mass = cfg.parameter[SIM_M_U + i];
+        TEST_ASSERT_DOUBLE_WITHIN(1e-9, 12 * r[2][i], mass * (with[i] - sim.truth.nu_dot[i]));
+    }
+}
+
 static void test_acceleration_of_the_truth_is_the_derivative_of_its_velocity(void)
 {
     const double wrench[6] = {60, -40, 50, 0, 0, 20};
@@ -739,6 +782,8 @@ int main(void)
     RUN_TEST(test_work_of_the_wrench_is_the_energy_gained);
     RUN_TEST(test_euler_rates_rotate_the_attitude_by_omega);
     RUN_TEST(test_a_current_carries_the_vehicle_and_changes_nothing_else);
+    RUN_TEST(test_a_load_in_body_axes_is_the_wrench_of_its_force_and_arm);
+    RUN_TEST(test_a_weight_pulls_down_at_any_attitude);
     RUN_TEST(test_acceleration_of_the_truth_is_the_derivative_of_its_velocity);
     RUN_TEST(test_roll_and_pitch_stay_small_under_the_usual_excitation);
     RUN_TEST(test_thrusters_produce_the_wrench_of_the_girona500);

@@ -117,8 +117,8 @@ bool report_thrust(const result_t *result, char *text, size_t size)
         return true;
     case REPORT_UNSEEN:
         (void)snprintf(text, size,
-                       "the known force does not show the scale of the thrust: it must be on for "
-                       "a part of the excitation and off for another");
+                       "the known force does not show the scale of the thrust: excite its axis, "
+                       "with the force and without it");
         return true;
     case REPORT_UNCALIBRATED:
         break;
