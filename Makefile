@@ -239,7 +239,7 @@ lint: ## Install what is missing and check the rules of the house
 size: $(IMAGES) ## Firmware's flash, RAM and stack against a baseline (SIZE=write: write it)
 	@tests/firmware/size.py $(BOARDS) >build/firmware/size.csv
 	@$(if $(filter write,$(SIZE)),cp build/firmware/size.csv tests/firmware/size.csv && \
-	    tests/firmware/size.py --readme write,\
+	    tests/firmware/size.py --readme write && tests/firmware/size.py --rooms write,\
 	    tests/firmware/baseline.py tests/firmware/size.csv build/firmware/size.csv)
 
 mutate: $(MUTATION_OBJECTS) $(MUTATED_TESTS) | mutate-setup ## Change FILE: does a unit test fail?

@@ -2,7 +2,8 @@
 """Flash, RAM and stack of the firmware's examples, from the output of `make firmware`.
 
 usage: size.py BOARD... >FIGURES.csv
-       size.py --readme [write]         README's table, from tests/firmware/size.csv
+       size.py --readme|--rooms [write]  the table of README, or of port/cortex_m/README.md, from
+                                        tests/firmware/size.csv
 Prints lines "what/board/name,bytes", and the same as tables on stderr. Exit status 1 if a maximum
 stack is unknown (recursion, a frame of unknown size, a call through a pointer that is not in
 POINTERS), or exceeds the RAM that is left for it.
@@ -330,10 +331,24 @@ def tables(figures, chains):
         print(f"  {size:>5} {board:<8} {name}: {path[:-1]}", file=out)
 
 
+def committed():
+    lines = pathlib.Path("tests/firmware/size.csv").read_text().splitlines()
+    return {key: int(number) for key, number in (line.split(",") for line in lines[1:])}
+
+
+def rooms():
+    """Flash by room of the three images on m4f."""
+    size = committed()
+    table = [f"{'flash of m4f':<16}" + "".join(f"{image:>16}" for image in IMAGES)]
+    for room in dict.fromkeys(key.split("/")[2] for key in size if key.startswith("rooms/")):
+        table.append(f"{room:<16}" + "".join(
+            f"{size.get(f'rooms/{image}/{room}', 0):>16}" for image in IMAGES))
+    return "\n".join(table) + "\n"
+
+
 def readme():
     """README's table."""
-    lines = pathlib.Path("tests/firmware/size.csv").read_text().splitlines()
-    size = {key: int(number) for key, number in (line.split(",") for line in lines[1:])}
+    size = committed()
     boards = run(BOARD, "list").split()
     table = [f"{'bytes':<28}" + "".join(f"{board:>9}" for board in boards)]
     rows = [(f"{what}: {image}", [f"image/{{}}/{image.replace(' ', '_')} {name}" for name in names])
@@ -347,19 +362,20 @@ def readme():
     return "\n".join(table) + "\n"
 
 
-def write_readme():
-    page = pathlib.Path("README.md")
-    head = "<!-- output of: tests/firmware/size.py --readme -->\n```text\n"
+PAGES = {"--readme": ("README.md", readme), "--rooms": ("port/cortex_m/README.md", rooms)}
+
+
+def write(option):
+    page, table = PAGES[option]
+    page = pathlib.Path(page)
+    head = f"<!-- output of: tests/firmware/size.py {option} -->\n```text\n"
     before, rest = page.read_text().split(head)
-    page.write_text(before + head + readme() + rest[rest.index("```"):])
+    page.write_text(before + head + table() + rest[rest.index("```"):])
 
 
 if __name__ == "__main__":
-    if sys.argv[1:] == ["--readme"]:
-        print(readme(), end="")
-        sys.exit()
-    if sys.argv[1:] == ["--readme", "write"]:
-        sys.exit(write_readme())
+    if sys.argv[1] in PAGES:
+        sys.exit(write(sys.argv[1]) if sys.argv[2:] else print(PAGES[sys.argv[1]][1](), end=""))
     try:
         tables(*main())
     except NoBound as why:

@@ -371,7 +371,7 @@ root, name, auvid, mode = sys.argv[1:]
 readme = os.path.join(root, name)
 text = open(readme).read()
 found = re.findall(r"<!-- output of: (.*?) -->\n```text\n(.*?)```\n", text, re.S)
-assert len(found) == text.count("```text\n") >= 3, len(found)
+assert len(found) == text.count("```text\n") > 0, len(found)
 plain = lambda lines: [l for l in lines.splitlines() if not l.startswith("  time  ")]
 for command, shown in found:
     run = ["bash", "-c", command.replace("build/auvid", auvid, 1)]
@@ -385,7 +385,7 @@ for command, shown in found:
 if mode == "write":
     open(readme, "w").write(text)
 END
-for name in README.md lib/README.md; do
+for name in README.md lib/README.md port/cortex_m/README.md; do
     check "$name shows what its commands print" python3 blocks.py "$ROOT" "$name" "$AUVID" \
         "${README_BLOCKS:-check}"
 done
