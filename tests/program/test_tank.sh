@@ -41,6 +41,13 @@ for k in "uvw":
     assert max(r2) - min(r2) < 1e-3, r2
 END
 }
+for run in run_a run_b; do
+    check "the log doctor finds nothing wrong with $run" exits 0 check "$data/$run.csv"
+    check "  its pose has other names" grep -q 'x_m resembles north_m, .* z_m resembles depth_m' err
+    sed '1s/x_m,y_m,z_m/north_m,east_m,depth_m/' "$data/$run.csv" >pose.csv
+    check "  with which it agrees with the velocity, too" exits 0 check pose.csv
+    check "  without error or warning" sh -c '! grep -Eq "^  (error|warning)" out'
+done
 for test in run_a:run_b run_b:run_a; do
     "$AUVID" fit "$data/${test%:*}.csv" --validate "$data/${test#*:}.csv" --bias --plain \
         --map auto --json >"${test%:*}.map" 2>/dev/null

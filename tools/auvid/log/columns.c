@@ -71,8 +71,23 @@ static int unlikeness(const char *name, const char *column)
     return a[0] == b[0] && (unlike <= 34 || same_stem) ? unlike : 100;
 }
 
+/* A position whose frame is not named: north, east and down only if z points down. */
+static int position(const char *name)
+{
+    static const char *const names[3] = {"x_m", "y_m", "z_m"};
+    for (int i = 0; i < 3; ++i) {
+        if (strcmp(name, names[i]) == 0) {
+            return CSV_POSITION + i;
+        }
+    }
+    return -1;
+}
+
 int columns_like(const char *name)
 {
+    if (position(name) >= 0) {
+        return position(name);
+    }
     int found = -1, min_distance = 100;
     for (int c = 0; c < CSV_COLUMNS; ++c) {
         int unlike = unlikeness(name, csv_name[c]);
