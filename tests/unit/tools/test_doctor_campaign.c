@@ -66,6 +66,17 @@ static bool reversed(int column)
            found(DOCTOR_EITHER_SIGN, column - CSV_NU + CSV_WRENCH);
 }
 
+/* Is an axis of the accelerometer named, which runs against this angle? */
+static bool tilts_against(int angle)
+{
+    for (int i = 0; i < doctor.findings; ++i) {
+        if (doctor.finding[i].code == DOCTOR_FORCE_SIGN && doctor.finding[i].other == angle) {
+            return true;
+        }
+    }
+    return false;
+}
+
 /* The sentence of a slip of the accelerometer. Where it hardly tilts, only fz shows the axes. */
 static bool accelerometer(int which)
 {
@@ -93,7 +104,7 @@ static bool is_named(const slip_t *s)
     case SLIP_RATE_DEGREES:
         return found(DOCTOR_RATE_DEGREES, s->column);
     case SLIP_ANGLE_SIGN:
-        return found(DOCTOR_ANGLE_SIGN, s->column);
+        return found(DOCTOR_ANGLE_SIGN, s->column) || tilts_against(s->column);
     case SLIP_VELOCITY_SIGN:
         return reversed(s->column);
     case SLIP_EXCHANGED:

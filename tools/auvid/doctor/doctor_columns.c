@@ -226,8 +226,8 @@ static void find_steps(doctor_t *d, int column)
         step = fmin(step, c->distinct[i] - c->distinct[i - 1]);
     }
     if (step > COARSE * spread) {
-        doctor_add(d, step > 1.5 * spread ? DOCTOR_ERROR : DOCTOR_WARNING, DOCTOR_QUANTISED, column,
-                   -1, NULL,
+        doctor_add(d, step > spread ? DOCTOR_ERROR : DOCTOR_WARNING, DOCTOR_QUANTISED, column, -1,
+                   NULL,
                    "%s has steps of %.3g, coarse against its variation of %.3g (1 sigma): log more "
                    "digits",
                    csv_name[column], step, spread);

@@ -22,6 +22,7 @@
 #define EARLY_S (DOCTOR_EARLY * DOCTOR_CELL_S)
 #define TOO_EARLY_S 0.45 /* fit finds the delay of motion that leads by less */
 #define MIN_COUPLING 5.0 /* standard errors */
+#define QUIET 0.03       /* standard deviation of an input in a block, relative to its largest */
 
 enum { INPUT, SPEED, QUADRATIC, COUPLING };
 enum { ACCELERATION = GAIN_TERMS - 1 };
@@ -150,9 +151,32 @@ static double exchange_score(const doctor_t *d, const doctor_sums_t *s, int pair
     return each[0] > MIN_EACH && each[1] > MIN_EACH ? each[0] + each[1] : 0.0;
 }
 
+/* Leaves out blocks in which an input hardly varies. What does vary there is feedback of noise in the
+ * measured motion, against which that motion seems to accelerate. */
+static void leave_out_quiet_blocks(doctor_t *d)
+{
+    for (int j = 0; j < 6 && d->inputs >= 0; ++j) {
+        double quiet = QUIET * d->column[d->inputs + j].limit;
+        for (int k = 0; k < d->blocks; ++k) {
+            doctor_sums_t *s = &d->block[k].sums;
+            const double *own = s->own[j][DOCTOR_EARLY];
+            double n = fmax(s->count[j], 1.0), mean = own[ACCELERATION - 1] / n;
+            if (own[0] / n - mean * mean < quiet * quiet) {
+                s->count[j] = 0.0;
+                memset(s->fixed[j], 0, sizeof s->fixed[j]);
+                memset(s->own[j], 0, sizeof s->own[j]);
+                memset(s->cross[j], 0, sizeof s->cross[j]);
+                memset(s->thrust[j], 0, sizeof s->thrust[j]);
+                memset(s->both[j], 0, sizeof s->both[j]);
+            }
+        }
+    }
+}
+
 void doctor_inputs_scan(doctor_t *d)
 {
     doctor_sums_t all;
+    leave_out_quiet_blocks(d);
     doctor_sum(d, 0, d->blocks - 1, &all);
     for (int j = 0; j < 6; ++j) {
         double clean, against;
