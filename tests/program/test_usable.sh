@@ -67,8 +67,8 @@ def quantise(head, rows):
 
 
 def good(vehicle, truth, path, other):
-    """Is there a flagged parameter, and are four of five within 20 % of the truth? Where that is not
-    known: is half of the variance of the other run predicted?"""
+    """Is there a flagged parameter, and are four of five within 20 % of the truth? Where that is
+    not known: is half of the variance of the other run predicted?"""
     options = ["--vehicle", vehicle] if vehicle else ["--bias", "--validate", other]
     status, out = run("fit", path, *options, "--plain", "--json")
     if status not in (0, 3):

@@ -1,7 +1,7 @@
 /*
  * How often the log doctor is right, on logs of random vehicles with noise and mismatches (dive.h):
- * eleven slips at three severities, clean logs, two slips at once. Short: few vehicles, rows at 5 to
- * 10 Hz. AUVID_TEST_LONG: the whole campaign, with tables; AUVID_TEST_SEED its first seed.
+ * eleven slips at three severities, clean logs, two slips at once. Short: few vehicles, rows at 5
+ * to 10 Hz. AUVID_TEST_LONG: the whole campaign, with tables; AUVID_TEST_SEED its first seed.
  */
 #include <math.h>
 #include <stdio.h>
@@ -145,8 +145,8 @@ static int accusations(void)
 }
 
 /* Warnings of rows too slow for a DoF, and how many are true: that the rows are further apart than
- * 0.4 of its time constant, of the simulated hull at its rms speed. The doctor's limit is 0.6 of its
- * own estimate of it. */
+ * 0.4 of its time constant, of the simulated hull at its rms speed. The doctor's limit is 0.6 of
+ * its own estimate of it. */
 static int slow_warnings, slow_true;
 
 static void judge_slow_warnings(void)

@@ -20,7 +20,8 @@
 #define LAST_LAG (DOCTOR_EARLY + 6)
 #define USUAL_S 0.1 /* motion may lead by this: stamps */
 #define EARLY_S (DOCTOR_EARLY * DOCTOR_CELL_S)
-#define TOO_EARLY_S 0.45 /* fit finds the delay of motion that leads by less */
+#define TOO_EARLY_S 0.45 /* fit finds the delay of motion that leads by less .. */
+#define TOO_LATE_S 0.85  /* .. or follows by less */
 #define MIN_COUPLING 5.0 /* standard errors */
 #define QUIET 0.03       /* standard deviation of an input in a block, relative to its largest */
 
@@ -151,8 +152,8 @@ static double exchange_score(const doctor_t *d, const doctor_sums_t *s, int pair
     return each[0] > MIN_EACH && each[1] > MIN_EACH ? each[0] + each[1] : 0.0;
 }
 
-/* Leaves out blocks in which an input hardly varies. What does vary there is feedback of noise in the
- * measured motion, against which that motion seems to accelerate. */
+/* Leaves out blocks in which an input hardly varies. What does vary there is feedback of noise in
+ * the measured motion, against which that motion seems to accelerate. */
 static void leave_out_quiet_blocks(doctor_t *d)
 {
     for (int j = 0; j < 6 && d->inputs >= 0; ++j) {
@@ -322,8 +323,8 @@ static bool find_shift(doctor_t *d, double sign_llr)
         return false;
     }
     doctor_finding_t *f = doctor_add(
-        d, lag_s < 0.0 && lag_s > -TOO_EARLY_S ? DOCTOR_WARNING : DOCTOR_ERROR, DOCTOR_INPUT_SHIFT,
-        d->inputs, CSV_NU, &r,
+        d, lag_s > -TOO_EARLY_S && lag_s < TOO_LATE_S ? DOCTOR_WARNING : DOCTOR_ERROR,
+        DOCTOR_INPUT_SHIFT, d->inputs, CSV_NU, &r,
         "the velocities %s their inputs by %.1f s%s, %s: give all columns the time at "
         "which they were measured",
         lag_s < 0.0 ? "change before" : "follow", fabs(lag_s), doctor_where(d, &r, where),
