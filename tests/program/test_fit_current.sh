@@ -86,6 +86,7 @@ check "a model without room for it" refuses 'model Fossen, 6 DoF has [0-9]+ alre
 sed 's/^name = .*/&\nfast = yes/' "$ROOT/tools/auvid/vehicles/surface.ini" >craft.ini
 check "a vehicle file with a table of terms, faster than its DVL" exits 0 fit 1.csv \
     --vehicle craft.ini --plain --current --json
-check "  has a current within 1 cm/s" is out 'truth = dict(zip(("c_north", "c_east"), open("1.truth").read().split()))
+check "  has a current within 1 cm/s" is out '
+truth = dict(zip(("c_north", "c_east"), open("1.truth").read().split()))
 assert all(abs(P[n]["estimate"] - float(x)) < 0.01 for n, x in truth.items()), P'
 finish

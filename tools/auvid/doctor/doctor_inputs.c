@@ -12,6 +12,7 @@
 #include <string.h>
 
 #include "doctor.h"
+#include "../report/statistics.h"
 
 #define MIN_LLR 20.0 /* more than for the attitude: the disturbance is correlated over seconds */
 #define MIN_EACH 8.0
@@ -23,7 +24,7 @@
 #define TOO_EARLY_S 0.45 /* fit finds the delay of motion that leads by less .. */
 #define TOO_LATE_S 0.85  /* .. or follows by less */
 #define MIN_COUPLING 5.0 /* standard errors */
-#define QUIET 0.03       /* standard deviation of an input in a block, relative to its largest */
+#define QUIET 0.15       /* standard deviation of an input in a block, relative to the median */
 
 enum { INPUT, SPEED, QUADRATIC, COUPLING };
 enum { ACCELERATION = GAIN_TERMS - 1 };
@@ -152,23 +153,32 @@ static double exchange_score(const doctor_t *d, const doctor_sums_t *s, int pair
     return each[0] > MIN_EACH && each[1] > MIN_EACH ? each[0] + each[1] : 0.0;
 }
 
+static void clear_input(doctor_sums_t *s, int j)
+{
+    s->count[j] = 0.0;
+    memset(s->fixed[j], 0, sizeof s->fixed[j]);
+    memset(s->own[j], 0, sizeof s->own[j]);
+    memset(s->cross[j], 0, sizeof s->cross[j]);
+    memset(s->thrust[j], 0, sizeof s->thrust[j]);
+    memset(s->both[j], 0, sizeof s->both[j]);
+}
+
 /* Leaves out blocks in which an input hardly varies. What does vary there is feedback of noise in
  * the measured motion, against which that motion seems to accelerate. */
 static void leave_out_quiet_blocks(doctor_t *d)
 {
-    for (int j = 0; j < 6 && d->inputs >= 0; ++j) {
-        double quiet = QUIET * d->column[d->inputs + j].limit;
+    double variance[DOCTOR_BLOCKS], sorted[DOCTOR_BLOCKS];
+    for (int j = 0; j < 6 && d->blocks > 0; ++j) {
         for (int k = 0; k < d->blocks; ++k) {
-            doctor_sums_t *s = &d->block[k].sums;
+            const doctor_sums_t *s = &d->block[k].sums;
             const double *own = s->own[j][DOCTOR_EARLY];
             double n = fmax(s->count[j], 1.0), mean = own[ACCELERATION - 1] / n;
-            if (own[0] / n - mean * mean < quiet * quiet) {
-                s->count[j] = 0.0;
-                memset(s->fixed[j], 0, sizeof s->fixed[j]);
-                memset(s->own[j], 0, sizeof s->own[j]);
-                memset(s->cross[j], 0, sizeof s->cross[j]);
-                memset(s->thrust[j], 0, sizeof s->thrust[j]);
-                memset(s->both[j], 0, sizeof s->both[j]);
+            variance[k] = sorted[k] = own[0] / n - mean * mean;
+        }
+        double usual_variance = statistics_quantile(sorted, (size_t)d->blocks, 0.5);
+        for (int k = 0; k < d->blocks; ++k) {
+            if (variance[k] < QUIET * QUIET * usual_variance) {
+                clear_input(&d->block[k].sums, j);
             }
         }
     }
