@@ -2,7 +2,7 @@
 # auvid fit --current: a Girona500 in a constant current, whose DVL measures velocity over ground.
 # Each seed has its own current and motion, with noise of the DVL. Long form: 40 seeds.
 . "$(dirname "$0")/common.sh"
-seeds=3
+seeds=1
 [ -n "${AUVID_TEST_LONG:-}" ] && seeds=40
 
 # dive.py SEED FILE SPEED: writes the log, prints the current. The parameters are those of `is`, but
