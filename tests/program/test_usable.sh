@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
 # "usable" or "not usable" of auvid check agrees with what fit makes of a log: logs of simulated
 # vehicles, and of a real one where its data are (see test_tank.sh), decimated, shifted in time or
-# quantised. Short form: in 60 % of 6 logs. Long form: in 90 % of
-# 200; AUVID_TEST_SEED chooses others.
+# quantised. Short form: in 60 % of 6 logs. Long form: in 90 % of 200; AUVID_TEST_SEED
+# chooses others.
 . "$(dirname "$0")/common.sh"
 data=$(cd "$ROOT" && realpath -m "${AUVID_TANK_DATA:-../shared/data/bluerov2_tank}")
 logs=6
