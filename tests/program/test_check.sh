@@ -140,6 +140,10 @@ check "fit prints errors before its result" exits 0 fit moment_reversed.csv --pl
 check "  on stderr" grep -q 'moment_reversed.csv: N_Nm has the wrong sign' err
 check "fit prints nothing of a good log" exits 0 fit clean.csv --plain
 check "  indeed" test ! -s err
+"$AUVID" demo --vehicle bluerov2 --sets 4 --disturbance 0.2 --seed 6 --csv rov.csv --json >rov.json
+check "a small vehicle that is held upright at the end, by feedback of noise" exits 0 check rov.csv
+check "  is not accused of a wrong sign" sh -c '! grep -q "error" out'
+
 check "no log" refuses 'check: no LOG.csv or FILE.ini given' check
 check "no such log" refuses 'missing.csv: No such file' check missing.csv
 check "unknown option" refuses 'check: unknown option --yes' check clean.csv --yes

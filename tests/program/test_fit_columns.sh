@@ -132,7 +132,8 @@ for y in r: y[h.index("thruster_2")] *= -1' <train.csv >reversed.csv
 check "thrusters are compared with the motion" exits 0 check throttle.csv --vehicle girona500
 check "  a reversed one is named" exits 1 check reversed.csv --vehicle girona500
 check "  with the remedy" grep -q 'error    thruster_2 has the wrong sign: .*: change its sign' out
-check "  by fit, too" sh -c "'$AUVID' fit reversed.csv --vehicle girona500 --json 2>err >reversed.out
+check "  by fit, too" sh -c "
+    '$AUVID' fit reversed.csv --vehicle girona500 --json 2>err >reversed.out
     grep -q '^auvid: reversed.csv: thruster_2 has the wrong sign' err"
 check "  which needs their columns" refuses '--vehicle needs the inputs of each thruster' \
     check train.csv --vehicle girona500

@@ -1,7 +1,7 @@
 /*
  * How often the log doctor is right, on logs of random vehicles with noise and mismatches (dive.h):
- * eleven slips at three severities, clean logs, two slips at once. Short: few vehicles, rows at 5 to
- * 10 Hz. AUVID_TEST_LONG: the whole campaign, with tables; AUVID_TEST_SEED its first seed.
+ * eleven slips at three severities, clean logs, two slips at once. Short: few vehicles, rows at 5
+ * to 10 Hz. AUVID_TEST_LONG: the whole campaign, with tables; AUVID_TEST_SEED its first seed.
  */
 #include <math.h>
 #include <stdio.h>
@@ -66,6 +66,17 @@ static bool reversed(int column)
            found(DOCTOR_EITHER_SIGN, column - CSV_NU + CSV_WRENCH);
 }
 
+/* Is an axis of the accelerometer named, which runs against this angle? */
+static bool tilts_against(int angle)
+{
+    for (int i = 0; i < doctor.findings; ++i) {
+        if (doctor.finding[i].code == DOCTOR_FORCE_SIGN && doctor.finding[i].other == angle) {
+            return true;
+        }
+    }
+    return false;
+}
+
 /* The sentence of a slip of the accelerometer. Where it hardly tilts, only fz shows the axes. */
 static bool accelerometer(int which)
 {
@@ -93,7 +104,7 @@ static bool is_named(const slip_t *s)
     case SLIP_RATE_DEGREES:
         return found(DOCTOR_RATE_DEGREES, s->column);
     case SLIP_ANGLE_SIGN:
-        return found(DOCTOR_ANGLE_SIGN, s->column);
+        return found(DOCTOR_ANGLE_SIGN, s->column) || tilts_against(s->column);
     case SLIP_VELOCITY_SIGN:
         return reversed(s->column);
     case SLIP_EXCHANGED:
@@ -134,8 +145,8 @@ static int accusations(void)
 }
 
 /* Warnings of rows too slow for a DoF, and how many are true: that the rows are further apart than
- * 0.4 of its time constant, of the simulated hull at its rms speed. The doctor's limit is 0.6 of its
- * own estimate of it. */
+ * 0.4 of its time constant, of the simulated hull at its rms speed. The doctor's limit is 0.6 of
+ * its own estimate of it. */
 static int slow_warnings, slow_true;
 
 static void judge_slow_warnings(void)

@@ -106,6 +106,18 @@ static void test_a_wrong_attitude_is_not_blamed_on_the_accelerometer(void)
     TEST_ASSERT_NULL(finding(DOCTOR_FORCE_SIGN));
 }
 
+static void test_without_rates_the_sentence_names_angle_and_force(void)
+{
+    has[CSV_NU + 3] = has[CSV_NU + 4] = has[CSV_NU + 5] = false;
+    scale(CSV_ATTITUDE, -1.0);
+    examine();
+    const doctor_finding_t *f = finding(DOCTOR_FORCE_SIGN);
+    TEST_ASSERT_NOT_NULL(f);
+    TEST_ASSERT_EQUAL(CSV_ATTITUDE, f->other);
+    TEST_ASSERT_NOT_NULL_MESSAGE(strstr(f->text, "fy_mps2 changes against phi_rad"), f->text);
+    TEST_ASSERT_NOT_NULL_MESSAGE(strstr(f->text, "one of them has the wrong sign"), f->text);
+}
+
 /* ---- thrusters ---- */
 
 /* The wrench as thrust of the Girona500, in newtons. */
@@ -207,6 +219,7 @@ int main(void)
     RUN_TEST(test_each_pair_of_exchanged_axes_is_named);
     RUN_TEST(test_a_slip_of_the_accelerometer_in_a_part_is_told_with_its_time);
     RUN_TEST(test_a_wrong_attitude_is_not_blamed_on_the_accelerometer);
+    RUN_TEST(test_without_rates_the_sentence_names_angle_and_force);
     RUN_TEST(test_thrusters_are_compared_with_the_motion);
     RUN_TEST(test_without_their_vehicle_they_are_not);
     RUN_TEST(test_a_reversed_thruster_is_named);

@@ -85,8 +85,11 @@ static void begin_doctor(run_t *run)
 static void examine(run_t *run, csv_row_t row)
 {
     double *velocity = &row.value[CSV_NU];
-    bool repeats = memcmp(velocity, run->velocity, sizeof run->velocity) == 0;
-    memcpy(run->velocity, velocity, sizeof run->velocity);
+    bool repeats = true;
+    for (int i = 0; i < 3; ++i) {
+        repeats = repeats && !(fabs(velocity[i] - run->velocity[i]) > 0.0);
+        run->velocity[i] = velocity[i];
+    }
     for (int i = 0; i < 3 && repeats; ++i) {
         velocity[i] = NAN;
     }

@@ -116,6 +116,36 @@ static double exchange_score(const doctor_t *d, const doctor_sums_t *s, int unus
     return each[0] > MIN_EACH && each[1] > MIN_EACH ? each[0] + each[1] : 0.0;
 }
 
+/* Is the sign of roll (0) or pitch (1) known to be right, by its rate? */
+static bool angle_is_sure(const doctor_t *d, int axis)
+{
+    doctor_sums_t all;
+    doctor_sum(d, 0, d->blocks - 1, &all);
+    const doctor_pair_t *p = &all.turn[0][axis][axis];
+    return d->has[CSV_NU + 3 + axis] &&
+           ratio(p, doctor_discord(p, -1.0), doctor_discord(p, 1.0)) > MIN_LLR;
+}
+
+/* An axis runs against the angle that tilts it. */
+static void add_sign(doctor_t *d, int axis, const doctor_range_t *range)
+{
+    int angle = 1 - axis;
+    const char *of = csv_name[CSV_ATTITUDE + angle];
+    char where[48];
+    doctor_where(d, range, where);
+    if (angle_is_sure(d, angle)) {
+        doctor_add(d, DOCTOR_WARNING, DOCTOR_FORCE_SIGN, CSV_SPECIFIC_FORCE + axis, -1, range,
+                   "%s has the wrong sign: it changes against %s and the acceleration%s: change "
+                   "its sign",
+                   name(axis), of, where);
+    } else {
+        doctor_add(d, DOCTOR_WARNING, DOCTOR_FORCE_SIGN, CSV_SPECIFIC_FORCE + axis,
+                   CSV_ATTITUDE + angle, range,
+                   "%s changes against %s%s: one of them has the wrong sign: change it", name(axis),
+                   of, where);
+    }
+}
+
 /* Signs of the axes; upside: fz has the wrong sign, by gravity. */
 static void find_signs(doctor_t *d, bool upside, const doctor_range_t *range)
 {
@@ -147,12 +177,7 @@ static void find_signs(doctor_t *d, bool upside, const doctor_range_t *range)
     }
     for (int i = 0; i < 2 && !upside; ++i) {
         if (wrong[i]) {
-            doctor_add(
-                d, DOCTOR_WARNING, DOCTOR_FORCE_SIGN, CSV_SPECIFIC_FORCE + i, CSV_ATTITUDE + 1 - i,
-                &r[i],
-                "%s has the wrong sign: it changes against %s and the acceleration%s: change "
-                "its sign",
-                name(i), csv_name[CSV_ATTITUDE + 1 - i], doctor_where(d, &r[i], where));
+            add_sign(d, i, &r[i]);
         }
     }
 }

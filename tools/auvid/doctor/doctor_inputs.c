@@ -12,6 +12,7 @@
 #include <string.h>
 
 #include "doctor.h"
+#include "../report/statistics.h"
 
 #define MIN_LLR 20.0 /* more than for the attitude: the disturbance is correlated over seconds */
 #define MIN_EACH 8.0
@@ -20,8 +21,10 @@
 #define LAST_LAG (DOCTOR_EARLY + 6)
 #define USUAL_S 0.1 /* motion may lead by this: stamps */
 #define EARLY_S (DOCTOR_EARLY * DOCTOR_CELL_S)
-#define TOO_EARLY_S 0.45 /* fit finds the delay of motion that leads by less */
+#define TOO_EARLY_S 0.45 /* fit finds the delay of motion that leads by less .. */
+#define TOO_LATE_S 0.85  /* .. or follows by less */
 #define MIN_COUPLING 5.0 /* standard errors */
+#define QUIET 0.15       /* standard deviation of an input in a block, relative to the median */
 
 enum { INPUT, SPEED, QUADRATIC, COUPLING };
 enum { ACCELERATION = GAIN_TERMS - 1 };
@@ -150,9 +153,41 @@ static double exchange_score(const doctor_t *d, const doctor_sums_t *s, int pair
     return each[0] > MIN_EACH && each[1] > MIN_EACH ? each[0] + each[1] : 0.0;
 }
 
+static void clear_input(doctor_sums_t *s, int j)
+{
+    s->count[j] = 0.0;
+    memset(s->fixed[j], 0, sizeof s->fixed[j]);
+    memset(s->own[j], 0, sizeof s->own[j]);
+    memset(s->cross[j], 0, sizeof s->cross[j]);
+    memset(s->thrust[j], 0, sizeof s->thrust[j]);
+    memset(s->both[j], 0, sizeof s->both[j]);
+}
+
+/* Leaves out blocks in which an input hardly varies. What does vary there is feedback of noise in
+ * the measured motion, against which that motion seems to accelerate. */
+static void leave_out_quiet_blocks(doctor_t *d)
+{
+    double variance[DOCTOR_BLOCKS], sorted[DOCTOR_BLOCKS];
+    for (int j = 0; j < 6 && d->blocks > 0; ++j) {
+        for (int k = 0; k < d->blocks; ++k) {
+            const doctor_sums_t *s = &d->block[k].sums;
+            const double *own = s->own[j][DOCTOR_EARLY];
+            double n = fmax(s->count[j], 1.0), mean = own[ACCELERATION - 1] / n;
+            variance[k] = sorted[k] = own[0] / n - mean * mean;
+        }
+        double usual_variance = statistics_quantile(sorted, (size_t)d->blocks, 0.5);
+        for (int k = 0; k < d->blocks; ++k) {
+            if (variance[k] < QUIET * QUIET * usual_variance) {
+                clear_input(&d->block[k].sums, j);
+            }
+        }
+    }
+}
+
 void doctor_inputs_scan(doctor_t *d)
 {
     doctor_sums_t all;
+    leave_out_quiet_blocks(d);
     doctor_sum(d, 0, d->blocks - 1, &all);
     for (int j = 0; j < 6; ++j) {
         double clean, against;
@@ -298,8 +333,8 @@ static bool find_shift(doctor_t *d, double sign_llr)
         return false;
     }
     doctor_finding_t *f = doctor_add(
-        d, lag_s < 0.0 && lag_s > -TOO_EARLY_S ? DOCTOR_WARNING : DOCTOR_ERROR, DOCTOR_INPUT_SHIFT,
-        d->inputs, CSV_NU, &r,
+        d, lag_s > -TOO_EARLY_S && lag_s < TOO_LATE_S ? DOCTOR_WARNING : DOCTOR_ERROR,
+        DOCTOR_INPUT_SHIFT, d->inputs, CSV_NU, &r,
         "the velocities %s their inputs by %.1f s%s, %s: give all columns the time at "
         "which they were measured",
         lag_s < 0.0 ? "change before" : "follow", fabs(lag_s), doctor_where(d, &r, where),

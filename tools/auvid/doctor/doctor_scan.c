@@ -32,7 +32,8 @@ doctor_range_t doctor_scan(const doctor_t *d, doctor_score_t *score, int axis)
             int which = 0;
             add_sums(&sum, &d->block[last].sums);
             double llr = score(d, &sum, axis, &which);
-            if (llr > best.llr) {
+            bool longer = first == best.first && llr > 0.0 && !(llr < best.llr);
+            if (llr > best.llr || longer) { /* also by a block that shows nothing */
                 best = (doctor_range_t){llr, first, last, which};
             }
         }

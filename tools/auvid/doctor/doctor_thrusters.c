@@ -1,7 +1,7 @@
 /*
- * Inputs of single thrusters. Their wrench, by the vehicle's thrust maps and allocation, is compared
- * with the motion as that of a log is (doctor_inputs.c). A thruster with the wrong sign explains the
- * accelerations of all degrees of freedom together, if it is the cause.
+ * Inputs of single thrusters. Their wrench, by the vehicle's thrust maps and allocation, is
+ * compared with the motion as that of a log is (doctor_inputs.c). A thruster with the wrong sign
+ * explains the accelerations of all degrees of freedom together, if it is the cause.
  */
 #include <math.h>
 #include <stddef.h>

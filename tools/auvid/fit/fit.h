@@ -62,8 +62,8 @@ void fit_close_logs(job_t *job);
  * line on stderr. */
 int fit_use_map(job_t *job, thrust_map_kind_t kind);
 
-/** Applies --map: the one that is named, or by comparison (map_choice.c). Returns 0, or EXIT_REFUSED
- * after one line on stderr. */
+/** Applies --map: the one that is named, or by comparison (map_choice.c). Returns 0, or
+ * EXIT_REFUSED after one line on stderr. */
 int fit_choose_map(job_t *job);
 /** Prints the comparison of the maps, if there was one. */
 void fit_print_maps(const report_maps_t *maps);
