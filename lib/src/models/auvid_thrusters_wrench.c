@@ -262,7 +262,8 @@ static void thrusters_mean_forces(const auvid_thrusters_t *th, const group_t *gr
         for (int i = 0; i < th->cfg.thrusters; ++i) {
             const group_t *group = &groups[th->cfg.group[i]];
             if (at == 0) { /* else from steady state */
-                x[i] = slots->resumes ? carry->force[i] : thrusters_static_force(group, run.slot[i]);
+                x[i] = slots->resumes ? carry->force[i]
+                                      : thrusters_static_force(group, run.slot[i]);
             }
             thrusters_follow_force(group, &run, i, &x[i], sum[i]);
         }
@@ -331,10 +332,11 @@ static void thrusters_follow_response(const group_t *source, const run_t *run, i
     for (uint32_t k = 0; k < run->count; ++k, slot += run->stride) {
         const auvid_real_t *weight = run->weight[k];
         thrusters_static_response(&group, *slot, u);
-        auvid_real_t off =
-            group.gain[0] * thrusters_follow_one(&group, u[0], weight, &x[0], &force[0], &moment[0]);
-        off +=
-            group.gain[1] * thrusters_follow_one(&group, u[1], weight, &x[1], &force[1], &moment[1]);
+        auvid_real_t ahead =
+            thrusters_follow_one(&group, u[0], weight, &x[0], &force[0], &moment[0]);
+        auvid_real_t back =
+            thrusters_follow_one(&group, u[1], weight, &x[1], &force[1], &moment[1]);
+        auvid_real_t off = group.gain[0] * ahead + group.gain[1] * back;
         (void)thrusters_follow_one(&group, u[2], weight, &x[2], &force[2], &moment[2]);
         auvid_real_t mean = x[3] * group.mean + off * group.mean_slope;
         force[3] += weight[0] * mean;
