@@ -53,7 +53,7 @@ void auvid_metric_residual(const auvid_metric_t *m, auvid_row_t *row, const auvi
     }
     if (!auvid_metric_has_thrust(m, row)) {
         bool known = vehicle->thrust(vehicle->context, sample, pi, row->late[0]);
-        row->late[0][METRIC_THRUST_OF] = known ? m->evaluator.thrust : AUVID_C(0.0);
+        row->late[1][0] = known ? m->evaluator.thrust : AUVID_C(0.0);
     }
     auvid_clear(residual, AUVID_DOF_COUNT);
     if (auvid_metric_has_thrust(m, row)) {

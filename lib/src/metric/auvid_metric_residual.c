@@ -129,7 +129,7 @@ static void metric_store_row(auvid_metric_t *m, uint64_t t_us, uint32_t slot)
     store->sample.missing = m->rows.missing[slot][0];
     memcpy(store->late, channel + MOTION_LATE, sizeof store->late);
     if (m->cfg.vehicle->thrust != NULL) {
-        store->late[0][METRIC_THRUST_OF] = AUVID_C(0.0); /* of none */
+        store->late[1][0] = AUVID_C(0.0); /* of none */
     }
     auvid_metric_count_row(&m->rows.set, any);
 }
