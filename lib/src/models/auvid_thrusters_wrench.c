@@ -137,11 +137,14 @@ static auvid_thrusters_carry_t *thrusters_resume(const auvid_thrusters_t *th, ui
                                                  row_slots_t *slots)
 {
     auvid_thrusters_carry_t *carry = th->carry;
-    size_t bytes = (size_t)(th->vehicle.parameters - th->cfg.hull->parameters) * sizeof *group_pi;
-    if (memcmp(carry->pi, group_pi, bytes) != 0) {
-        memcpy(carry->pi, group_pi, bytes);
-        carry->ready[0] = carry->ready[1] = false;
+    int count = th->vehicle.parameters - th->cfg.hull->parameters;
+    bool same = true;
+    for (int i = 0; i < count; ++i) { /* never the same if not a number */
+        same = same && group_pi[i] <= carry->pi[i] && group_pi[i] >= carry->pi[i];
+        carry->pi[i] = group_pi[i];
     }
+    carry->ready[0] = carry->ready[0] && same;
+    carry->ready[1] = carry->ready[1] && same;
     uint32_t at = carry->slot[kind], skipped = at - slots->first, lead = th->grid.lead;
     skipped += at < slots->first ? th->cfg.slots : 0u;
     if (carry->ready[kind] && t_us >= carry->t_us[kind] &&
