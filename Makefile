@@ -64,9 +64,9 @@ export AUVID_TANK_DATA ?= ../shared/data/bluerov2_tank
 NO_TANK := $(if $(wildcard $(AUVID_TANK_DATA)/run_a.csv),,tests/program/test_tank.sh)
 SCRIPTS := $(filter-out $(NO_TANK),$(wildcard tests/program/test_*.sh \
     tests/can/test_*.sh))
-# The tests of the Python package itself are left to the long form.
+# The tests of the Python package itself, and other optimizers, are left to the long form.
 VALIDATION_SCRIPTS := $(wildcard tests/validation/test_*.sh)
-VALIDATION_SHORT := $(filter-out %/test_package.sh,$(VALIDATION_SCRIPTS))
+VALIDATION_SHORT := $(filter-out %/test_package.sh %/test_peers.sh,$(VALIDATION_SCRIPTS))
 # Ten minutes by the clock, nearly all of them asleep: it begins first, beside the others.
 SLEEPER := tests/program/test_realtime.sh
 SCRIPTS := $(SLEEPER) $(filter-out $(SLEEPER),$(SCRIPTS))
@@ -153,9 +153,9 @@ BENCH_PROGRAMS := $(BENCH:%.c=build/bench/%)
 # What Python looks at, with the debugging information from which it learns names and layouts.
 VALIDATION := $(LIB) $(SIMULATOR) $(SUPPORT_FIRMWARE)
 VALIDATION_LIBRARIES := $(addprefix build/validation/,float.so double.so large.so)
-# large: double, and populations as the literature has them, 25 n for n = 10.
+# large: double, populations as the literature has them, 25 n for n = 10, and models of other sizes.
 VALIDATION_double := -DAUVID_REAL_DOUBLE
-VALIDATION_large := -DAUVID_REAL_DOUBLE -DAUVID_MAX_POPULATION=250
+VALIDATION_large := -DAUVID_REAL_DOUBLE -DAUVID_MAX_POPULATION=250 -DAUVID_MAX_PARAMETERS=32
 
 # The same images for a board at other levels of optimization, and the host's.
 images = $(foreach board,$(1),$(patsubst %,build/firmware/$(board)-Os/%.elf,\

@@ -1,7 +1,7 @@
 /**
  * @file surge_only.h
- * Shared by the tests of user's models with one axis, surge: their simulation, with two thrusters at
- * the stern, and an identifier that excites it. One test program includes it once.
+ * Shared by the tests of user's models with one axis, surge: their simulation, with two thrusters
+ * at the stern, and an identifier that excites it. One test program includes it once.
  */
 #ifndef SURGE_ONLY_H
 #define SURGE_ONLY_H

@@ -1,7 +1,7 @@
 /*
- * The search of a user's model whose drag has an exponent to identify, X |u|^n: how near the optimum
- * it ends, and what it takes (search_campaign.h). The model is smooth, but not affine in n. The
- * exponents differ from seed to seed. Half of the seeds have a disturbance of 1 N and a delay.
+ * The search of a user's model whose drag has an exponent to identify, X |u|^n: how near the
+ * optimum it ends, and what it takes (search_campaign.h). The model is smooth, but not affine in n.
+ * The exponents differ from seed to seed. Half of the seeds have a disturbance of 1 N and a delay.
  */
 #include "search_campaign.h"
 #include "surge_only.h"

@@ -59,8 +59,9 @@ static void record_outputs(const auvid_output_t *out)
     if (out->events & AUVID_EVENT_ESTIMATE) {
         ++seen.estimates;
         seen.longest_s = fmax(seen.longest_s, t_s - seen.begun_s);
-        printf("  %5.0f s  an estimate of %u sets; its search took %.0f s\n", t_s,
-               (unsigned)id.estimate.sets, t_s - seen.begun_s);
+        printf("  %5.0f s  an estimate of %u sets; its search took %.0f s, %u + %u evaluations\n",
+               t_s, (unsigned)id.estimate.sets, t_s - seen.begun_s,
+               (unsigned)id.estimate.evaluations_crs, (unsigned)id.estimate.evaluations_line);
         for (int i = 0; i < id.metric.cfg.vehicle->parameters; ++i) {
             bool known = (id.estimate.identified >> i & 1u) != 0;
             TEST_ASSERT_TRUE(!known || id.estimate.confidence.sigma[i] > 0);

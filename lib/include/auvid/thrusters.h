@@ -54,8 +54,8 @@
  *   instructions; with slots of 20 ms these are 50 and 660 units.
  * - Of a search, for the 16 parameters of a Girona500 and its five thrusters: Gauss-Newton steps
  *   find a minimum; 97 evaluations confirm it in the first search, 33 in each further one. With
- *   slots of 40 ms and AUVID_DEFAULT_BUDGET a first result from eight sets takes 140 s, a
- *   further one 34 s (tests/vehicles/test_search_thrusters.c).
+ *   slots of 40 ms and AUVID_DEFAULT_BUDGET a first result from eight sets takes 126 s, a
+ *   further one 30 s (median of 100 runs; tests/vehicles/test_search_thrusters.c).
  *
  * When the next set is full, auvid drops rows and commands until the search has ended. The commands
  * before the next rows may then displace the oldest set; 3 s more of slots for each set prevent it.

@@ -136,9 +136,8 @@ typedef struct {
      * noise, and the cost no second minimum in the box. Then a search ends once a poll confirms the
      * end of the Gauss-Newton steps; the first one also evaluates the population. A wrong true may
      * give a wrong estimate without any sign: no step along a single parameter may lead out of a
-     * kink, or of a local minimum (tests/unit/search/test_optimizer_minima.c). If in doubt, leave it
-     * false, the default: the steps' end is only a known good point then, and both algorithms run.
-     */
+     * kink or a local minimum (tests/unit/search/test_optimizer_minima.c). If in doubt, leave it
+     * false, the default: the steps' end is only a known good point, and both algorithms run. */
     bool smooth;
 
     /** Residual path: cost of one call of `regressor` in the same units; default (zero): as work.

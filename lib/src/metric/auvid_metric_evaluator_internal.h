@@ -236,14 +236,12 @@ static inline bool auvid_metric_spend_model(auvid_metric_t *m, uint32_t *budget,
     return due;
 }
 
-/** A model's own thrust at a row has the place of the delayed inputs, which it does not read:
- * the wrench, then the number of the candidate's thrust for which it was computed. */
-enum { METRIC_THRUST_OF = AUVID_DOF_COUNT };
-
-/** Is the candidate's thrust at the row known? */
+/** A model's own thrust at a row has the place of the delayed inputs, which it does not read: the
+ * wrench in late[0], and in late[1][0] the number of its candidate's thrust. Is the present
+ * candidate's there? */
 static inline bool auvid_metric_has_thrust(const auvid_metric_t *m, const auvid_row_t *row)
 {
-    auvid_real_t of = row->late[0][METRIC_THRUST_OF];
+    auvid_real_t of = row->late[1][0];
     return m->cfg.vehicle->thrust != NULL && !(of < m->evaluator.thrust) &&
            !(of > m->evaluator.thrust);
 }

@@ -41,6 +41,28 @@ auvid_sample_t auvid_metric_delayed_sample(const auvid_metric_t *m, const auvid_
     return s;
 }
 
+void auvid_metric_residual(const auvid_metric_t *m, auvid_row_t *row, const auvid_sample_t *sample,
+                           int perturbed, auvid_real_t residual[AUVID_DOF_COUNT])
+{
+    const auvid_vehicle_t *vehicle = m->cfg.vehicle;
+    const auvid_real_t *pi = m->evaluator.pi;
+    bool other = perturbed >= 0 && (vehicle->thrust_parameters >> perturbed & 1u) != 0;
+    if (vehicle->thrust == NULL || other) {
+        auvid_vehicle_residual(vehicle, sample, pi, residual);
+        return;
+    }
+    if (!auvid_metric_has_thrust(m, row)) {
+        bool known = vehicle->thrust(vehicle->context, sample, pi, row->late[0]);
+        row->late[1][0] = known ? m->evaluator.thrust : AUVID_C(0.0);
+    }
+    auvid_clear(residual, AUVID_DOF_COUNT);
+    if (auvid_metric_has_thrust(m, row)) {
+        auvid_sample_t s = *sample;
+        memcpy(s.tau, row->late[0], sizeof s.tau);
+        vehicle->residual(vehicle->context, &s, pi, residual);
+    }
+}
+
 /* Evaluate the residuals of a stored row with value (v - 1) / 2 perturbed by half a step: a
  * parameter or, after the last one, the delay; v odd: up, v even: down, v = 0: nothing. @return the
  * weight of the residuals in the central difference */

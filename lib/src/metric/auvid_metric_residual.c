@@ -129,7 +129,7 @@ static void metric_store_row(auvid_metric_t *m, uint64_t t_us, uint32_t slot)
     store->sample.missing = m->rows.missing[slot][0];
     memcpy(store->late, channel + MOTION_LATE, sizeof store->late);
     if (m->cfg.vehicle->thrust != NULL) {
-        store->late[0][METRIC_THRUST_OF] = AUVID_C(0.0); /* of none */
+        store->late[1][0] = AUVID_C(0.0); /* of none */
     }
     auvid_metric_count_row(&m->rows.set, any);
 }
@@ -143,28 +143,6 @@ static void metric_add_motion(auvid_metric_t *m, const auvid_sample_t *sample, u
     for (uint32_t age = n % step; age < m->layout.taps && age <= n; age += step) {
         metric_accumulate_motion(m, slot, age, sample);
         slot = slot > 0 ? slot - 1u : m->layout.overlap - 1u;
-    }
-}
-
-void auvid_metric_residual(const auvid_metric_t *m, auvid_row_t *row, const auvid_sample_t *sample,
-                           int perturbed, auvid_real_t residual[AUVID_DOF_COUNT])
-{
-    const auvid_vehicle_t *vehicle = m->cfg.vehicle;
-    const auvid_real_t *pi = m->evaluator.pi;
-    bool other = perturbed >= 0 && (vehicle->thrust_parameters >> perturbed & 1u) != 0;
-    if (vehicle->thrust == NULL || other) {
-        auvid_vehicle_residual(vehicle, sample, pi, residual);
-        return;
-    }
-    if (!auvid_metric_has_thrust(m, row)) {
-        bool known = vehicle->thrust(vehicle->context, sample, pi, row->late[0]);
-        row->late[0][METRIC_THRUST_OF] = known ? m->evaluator.thrust : AUVID_C(0.0);
-    }
-    auvid_clear(residual, AUVID_DOF_COUNT);
-    if (auvid_metric_has_thrust(m, row)) {
-        auvid_sample_t s = *sample;
-        memcpy(s.tau, row->late[0], sizeof s.tau);
-        vehicle->residual(vehicle->context, &s, pi, residual);
     }
 }
 

@@ -137,11 +137,14 @@ static auvid_thrusters_carry_t *thrusters_resume(const auvid_thrusters_t *th, ui
                                                  row_slots_t *slots)
 {
     auvid_thrusters_carry_t *carry = th->carry;
-    size_t bytes = (size_t)(th->vehicle.parameters - th->cfg.hull->parameters) * sizeof *group_pi;
-    if (memcmp(carry->pi, group_pi, bytes) != 0) {
-        memcpy(carry->pi, group_pi, bytes);
-        carry->ready[0] = carry->ready[1] = false;
+    int count = th->vehicle.parameters - th->cfg.hull->parameters;
+    bool same = true;
+    for (int i = 0; i < count; ++i) { /* never the same if not a number */
+        same = same && group_pi[i] <= carry->pi[i] && group_pi[i] >= carry->pi[i];
+        carry->pi[i] = group_pi[i];
     }
+    carry->ready[0] = carry->ready[0] && same;
+    carry->ready[1] = carry->ready[1] && same;
     uint32_t at = carry->slot[kind], skipped = at - slots->first, lead = th->grid.lead;
     skipped += at < slots->first ? th->cfg.slots : 0u;
     if (carry->ready[kind] && t_us >= carry->t_us[kind] &&
@@ -262,7 +265,8 @@ static void thrusters_mean_forces(const auvid_thrusters_t *th, const group_t *gr
         for (int i = 0; i < th->cfg.thrusters; ++i) {
             const group_t *group = &groups[th->cfg.group[i]];
             if (at == 0) { /* else from steady state */
-                x[i] = slots->resumes ? carry->force[i] : thrusters_static_force(group, run.slot[i]);
+                x[i] = slots->resumes ? carry->force[i]
+                                      : thrusters_static_force(group, run.slot[i]);
             }
             thrusters_follow_force(group, &run, i, &x[i], sum[i]);
         }
@@ -331,10 +335,11 @@ static void thrusters_follow_response(const group_t *source, const run_t *run, i
     for (uint32_t k = 0; k < run->count; ++k, slot += run->stride) {
         const auvid_real_t *weight = run->weight[k];
         thrusters_static_response(&group, *slot, u);
-        auvid_real_t off =
-            group.gain[0] * thrusters_follow_one(&group, u[0], weight, &x[0], &force[0], &moment[0]);
-        off +=
-            group.gain[1] * thrusters_follow_one(&group, u[1], weight, &x[1], &force[1], &moment[1]);
+        auvid_real_t ahead =
+            thrusters_follow_one(&group, u[0], weight, &x[0], &force[0], &moment[0]);
+        auvid_real_t back =
+            thrusters_follow_one(&group, u[1], weight, &x[1], &force[1], &moment[1]);
+        auvid_real_t off = group.gain[0] * ahead + group.gain[1] * back;
         (void)thrusters_follow_one(&group, u[2], weight, &x[2], &force[2], &moment[2]);
         auvid_real_t mean = x[3] * group.mean + off * group.mean_slope;
         force[3] += weight[0] * mean;

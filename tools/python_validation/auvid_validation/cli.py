@@ -13,6 +13,7 @@ from auvid_validation.user_error import UserError
 COMMANDS = {
     "references": "compare every module with independent tools",
     "optimizer": "compare the optimizer with others, on the same cost",
+    "peers": "compare whole searches with other optimizers: evaluations and time",
     "paper": "the paper's experiment in simulation: figures, tables, initialisation",
     "campaign": "many simulated runs: errors and the Cramer-Rao bound",
     "residuals": "identify a vehicle from your own log: have the residuals a pattern?",
