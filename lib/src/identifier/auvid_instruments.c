@@ -53,8 +53,8 @@ static void instruments_rotate_waiting(instruments_t *n, int most)
     for (int j = 0; j < AUVID_DOF_COUNT && most > 0; ++j) {
         const auvid_instrument_t *of = &n->of[j];
         if ((n->waiting >> j & 1) != 0 && !auvid_uncertain_reads(n->uncertain, j)) {
-            auvid_qr_update_top(n->factor + of->factor_at, instruments_order(n, j), of->count,
-                                instruments_waiting(n, j));
+            auvid_qr_update_rows(n->factor + of->factor_at, instruments_order(n, j), 0, of->count,
+                                 instruments_waiting(n, j));
             n->rows[j] += AUVID_C(1.0);
             n->waiting = (uint8_t)(n->waiting & ~(1u << j));
             --most;
@@ -87,12 +87,12 @@ static const auvid_real_t *instruments_at(instruments_t *n, uint64_t t_us)
 }
 
 static void instruments_cell(void *context, const auvid_metric_t *m, const auvid_sample_t *cell,
-                             bool first)
+                             const auvid_regressor_t *measured, bool first)
 {
     instruments_t *n = context;
     auvid_real_t cell_s = (auvid_real_t)auvid_metric_cell_us(m) * AUVID_C(1e-6);
     const auvid_real_t *reference = instruments_at(n, cell->t_us);
-    auvid_uncertain_extra.cell(n->uncertain, m, cell, first);
+    auvid_uncertain_extra.cell(n->uncertain, m, cell, measured, first);
     instruments_restart(n);
     instruments_rotate_waiting(n, INSTRUMENTS_ROTATED_PER_CELL);
     for (int l = 0; l < n->lags; ++l) {

@@ -35,9 +35,10 @@ enum {
 /** Lay out the columns of all equations. @return AUVID_OK; AUVID_ERR_SIZE */
 auvid_status_t auvid_uncertain_lay_out(auvid_uncertain_t *u, const auvid_metric_t *m);
 
-/** Compute the channels of a cell: the inputs of each equation, and last its thrust. */
+/** Compute the channels of a cell: the inputs of each equation, and last its thrust.
+ * @param y the model's regressor of the cell */
 void auvid_uncertain_channels(auvid_uncertain_t *u, const auvid_metric_t *m,
-                              const auvid_sample_t *cell, bool first, auvid_real_t *channel);
+                              const auvid_sample_t *cell, const auvid_regressor_t *y, bool first);
 
 /** Rotate rows that wait into the factors, at most this many, one band of a DoF each. */
 void auvid_uncertain_rotate(auvid_uncertain_t *u, int most);

@@ -35,7 +35,7 @@ static bool uncertain_takes_rows(auvid_uncertain_t *u)
 
 void auvid_uncertain_rotate(auvid_uncertain_t *u, int most)
 {
-    for (int k = 0; k < 2 * AUVID_DOF_COUNT && most > 0; ++k) {
+    for (int k = 0; u->recorded.pending >> k != 0 && most > 0; ++k) {
         if ((u->recorded.pending >> k & 1) != 0 && !auvid_uncertain_reads(u, k / 2)) {
             const auvid_uncertain_equation_t *e = &u->equation[k / 2];
             auvid_qr_update(u->factor[k % 2] + e->factor_at, e->order, 0,
@@ -47,7 +47,7 @@ void auvid_uncertain_rotate(auvid_uncertain_t *u, int most)
 }
 
 static void uncertain_cell(void *context, const auvid_metric_t *m, const auvid_sample_t *cell,
-                           bool first)
+                           const auvid_regressor_t *y, bool first)
 {
     auvid_uncertain_t *u = context;
     auvid_uncertain_rotate(u, (u->rows_at_once + 4) / 5); /* all are done within five cells */
@@ -62,7 +62,7 @@ static void uncertain_cell(void *context, const auvid_metric_t *m, const auvid_s
     /* in units of 1024 us: 50 days fit */
     uint32_t elapsed = (uint32_t)((cell->t_us - u->begin_us) >> 10);
     u->recorded.elapsed = AUVID_C(1.024e-3) / AUVID_UNCERTAIN_SAG_S * (auvid_real_t)elapsed;
-    auvid_uncertain_channels(u, m, cell, first, u->recorded.channel);
+    auvid_uncertain_channels(u, m, cell, y, first);
 }
 
 static void uncertain_accumulate(void *context, uint32_t slot, bool begins,

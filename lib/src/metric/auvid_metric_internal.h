@@ -59,7 +59,8 @@ struct auvid_path {
  * smoother (regressor path). */
 typedef struct auvid_metric_extra {
     /** A cell, before `accumulate`. @param first the first one after a gap */
-    void (*cell)(void *context, const auvid_metric_t *m, const auvid_sample_t *cell, bool first);
+    void (*cell)(void *context, const auvid_metric_t *m, const auvid_sample_t *cell,
+                 const auvid_regressor_t *y, bool first);
     /** Adds the cell to the row under construction at `slot`. @param begins it is its first cell
      * @param motion, thrust the weights of columns of motion and of thrust, for forces [0] and for
      * moments [1] */

@@ -276,7 +276,7 @@ static void metric_add_equations(auvid_metric_t *m, const auvid_sample_t *sample
     metric_evaluate(m, sample, y);
     bool any = metric_row_channels(m, y, late, channel, fixed);
     if (m->extra != NULL) {
-        m->extra->cell(m->extra_context, m, sample, n == 0);
+        m->extra->cell(m->extra_context, m, sample, y, n == 0);
     }
     for (uint32_t age = n % step; age < m->layout.taps && age <= n; age += step) {
         metric_accumulate_rows(m, slot, age, channel, any ? fixed : NULL, sample->missing);
