@@ -267,7 +267,7 @@ static bool uncertain_step(uncertain_t *u, const auvid_metric_t *m)
         if (u->work.strong != 0) {
             auvid_uncertain_add_row(u, j, 0, i);
         } else {
-            auvid_uncertain_add_row(u, j, i / e->order, i % e->order);
+            auvid_uncertain_add_row(u, j, i % 2, e->order - 1 - i / 2); /* short rows first */
         }
         break;
     case SOLVE_OWN:
