@@ -251,24 +251,7 @@ static void uncertain_thrust_columns(auvid_uncertain_t *u, const auvid_metric_t 
     }
 }
 
-/* Write Y pi of the equations of these DoF, a bit each. */
-static void uncertain_multiply(const auvid_uncertain_t *u, const auvid_metric_t *m,
-                               const auvid_regressor_t *y, uint32_t dofs,
-                               auvid_real_t wrench[AUVID_DOF_COUNT])
-{
-    for (int j = 0; dofs >> j != 0; ++j) {
-        const auvid_real_t *row = y->row[j], *pi = u->pi;
-        const uint8_t *index = auvid_metric_row_parameters(m, j);
-        auvid_real_t sum = AUVID_C(0.0);
-        int k = (dofs >> j & 1u) != 0 ? u->equation[j].order - 1 - u->equation[j].inputs : 0;
-        for (; k > 0; --k, ++index) {
-            sum += row[*index] * pi[*index];
-        }
-        wrench[j] = sum;
-    }
-}
-
-/* The same of another motion. */
+/* Write Y(sample) pi of the equations of these DoF, a bit each. */
 static void uncertain_predict(const auvid_uncertain_t *u, const auvid_metric_t *m,
                               const auvid_sample_t *sample, uint32_t dofs,
                               auvid_real_t wrench[AUVID_DOF_COUNT])
@@ -277,7 +260,16 @@ static void uncertain_predict(const auvid_uncertain_t *u, const auvid_metric_t *
     auvid_regressor_t y;
     auvid_zero(&y, sizeof y);
     vehicle->regressor(vehicle->context, sample, NULL, &y);
-    uncertain_multiply(u, m, &y, dofs, wrench);
+    for (int j = 0; dofs >> j != 0; ++j) {
+        const auvid_real_t *row = y.row[j], *pi = u->pi;
+        const uint8_t *index = auvid_metric_row_parameters(m, j);
+        auvid_real_t sum = AUVID_C(0.0);
+        int k = (dofs >> j & 1u) != 0 ? u->equation[j].order - 1 - u->equation[j].inputs : 0;
+        for (; k > 0; --k, ++index) {
+            sum += row[*index] * pi[*index];
+        }
+        wrench[j] = sum;
+    }
 }
 
 /* c = a x b */
@@ -331,12 +323,12 @@ static void uncertain_late_columns(const auvid_uncertain_t *u, const auvid_metri
 }
 
 static void uncertain_motion_columns(const auvid_uncertain_t *u, const auvid_metric_t *m,
-                                     const auvid_sample_t *cell, const auvid_regressor_t *y,
-                                     auvid_real_t r[3][3], auvid_real_t sum[][SUMS])
+                                     const auvid_sample_t *cell, auvid_real_t r[3][3],
+                                     auvid_real_t sum[][SUMS])
 {
     auvid_real_t before[AUVID_DOF_COUNT], after[AUVID_DOF_COUNT];
     auvid_sample_t moved = *cell;
-    uncertain_multiply(u, m, y, FORCES | FORCES << AUVID_ROLL, before);
+    uncertain_predict(u, m, cell, FORCES | FORCES << AUVID_ROLL, before);
     if (u->cfg.dvl_late_s > AUVID_C(0.0)) {
         uncertain_late_columns(u, m, cell, before, sum);
     }
@@ -401,7 +393,7 @@ static void uncertain_write_channels(auvid_uncertain_t *u, const auvid_sample_t 
 }
 
 void auvid_uncertain_channels(auvid_uncertain_t *u, const auvid_metric_t *m,
-                              const auvid_sample_t *cell, const auvid_regressor_t *y, bool first)
+                              const auvid_sample_t *cell, bool first)
 {
     auvid_real_t r[3][3], sum[AUVID_DOF_COUNT][SUMS], force[AUVID_MAX_THRUSTERS];
     auvid_zero(sum, sizeof sum);
@@ -412,7 +404,7 @@ void auvid_uncertain_channels(auvid_uncertain_t *u, const auvid_metric_t *m,
     uncertain_compare(u, m, cell, force);
     uncertain_thrust_columns(u, m, cell, first, sum, force);
     if (u->cfg.current + u->cfg.arm_m + u->cfg.dvl_late_s > AUVID_C(0.0)) {
-        uncertain_motion_columns(u, m, cell, y, r, sum);
+        uncertain_motion_columns(u, m, cell, r, sum);
     }
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
         if (u->equation[j].order > 0) {
