@@ -42,8 +42,8 @@
  * wrench, there is no estimate with uncertain inputs.
  *
  * Regressor path only. Attach it once; a program without it does not contain it. A checkpoint
- * (checkpoint.h) contains its state. Cost: a tick of the example on a Cortex-M4F takes 24 thousand
- * instructions instead of 17 on average, 101 instead of 76 at most. Memory:
+ * (checkpoint.h) contains its state. Cost: a tick of the example on a Cortex-M4F takes 23 thousand
+ * instructions instead of 17 on average, 80 instead of 76 at most. Memory:
  * sizeof(auvid_uncertain_t), 26 KiB with default sizes; AUVID_MAX_UNCERTAIN chooses for how many
  * columns.
  *
@@ -197,18 +197,24 @@ typedef struct {
 
 /** Rows under construction, and those being rotated into the R factors. Private. */
 typedef struct {
+    uint32_t n; /* number of the last cell since the last gap */
     uint32_t since_gap;
     uint16_t pending; /* bit 2 j + band: to be rotated */
     uint8_t successive[AUVID_DOF_COUNT];
     uint8_t begun_before; /* rows under construction that began before begin_us */
+    uint8_t slot;         /* of the newest row under construction */
+    uint8_t complete;     /* slot of the row that the cell completes */
+    uint8_t dofs;         /* that have this row */
+    uint8_t waits;        /* calls until the next cell; > 1: the last one is to be added */
+    bool completes, counts;
     bool takes_rows;
-    uint8_t reserved[2];
     auvid_real_t accumulator[AUVID_MAX_OVERLAP][AUVID_UNCERTAIN_CHANNELS];
     auvid_real_t previous[AUVID_METRIC_LAGS][AUVID_UNCERTAIN_COLUMNS];
     auvid_real_t band[AUVID_METRIC_BANDS][AUVID_UNCERTAIN_COLUMNS];
     auvid_real_t channel[AUVID_UNCERTAIN_CHANNELS]; /* of the last cell */
     auvid_real_t speed[AUVID_MAX_THRUSTERS];        /* sqrt of force, behind the nominal lag */
     auvid_real_t lagged[AUVID_MAX_THRUSTERS];       /* behind the lag as last estimated */
+    auvid_real_t spread;                            /* of the interpolation at the last cell */
     auvid_real_t elapsed;                           /* since begin_us, over AUVID_UNCERTAIN_SAG_S */
     auvid_real_t wrench, difference; /* squares of the wrench; of the thrusters' less the wrench */
 } auvid_uncertain_rows_t;
@@ -268,6 +274,7 @@ typedef struct auvid_uncertain {
     uint8_t rows_at_once;                   /* of both bands, from one row of the metric */
     /* state: from here on, see checkpoint.h */
     uint64_t begin_us;         /* of the first cell of the rows; 0: none */
+    auvid_sample_t cell;       /* the last one */
     auvid_estimate_t estimate; /* read auvid_identifier_estimate */
     auvid_uncertain_rows_t recorded;
     auvid_uncertain_solution_t work;

@@ -21,13 +21,17 @@ static inline int auvid_qr_row(int n, int i)
     return i * n - i * (i - 1) / 2;
 }
 
-/** Rotates row[n] into the factor; the contents of row[] are undefined afterwards. The entries
- * before column `first` must be zero. Cost: about 6 flops for each remaining pair of entries, and
- * one square root for each column. */
-void auvid_qr_update(auvid_real_t *factor, int n, int first, auvid_real_t *row);
+/** Rotates row[n] into rows first..end-1 of the factor; the contents of row[] are undefined
+ * afterwards. The entries before column `first` must be zero. Rows from `end` on are not read: they
+ * need not be stored. Cost: about 6 flops for each remaining pair of entries, and one square root
+ * for each column. */
+void auvid_qr_update_rows(auvid_real_t *factor, int n, int first, int end, auvid_real_t *row);
 
-/** The same for a factor of which only the first `rows` rows are stored. */
-void auvid_qr_update_top(auvid_real_t *factor, int n, int rows, auvid_real_t *row);
+/** Rotates row[n] into all rows of the factor, likewise. */
+static inline void auvid_qr_update(auvid_real_t *factor, int n, int first, auvid_real_t *row)
+{
+    auvid_qr_update_rows(factor, n, first, n, row);
+}
 
 /** Returns the norm of column i of R. It equals the norm of column i of all rows rotated in. */
 auvid_real_t auvid_qr_column_norm(const auvid_real_t *factor, int n, int i);
@@ -37,6 +41,10 @@ auvid_real_t auvid_qr_column_norm(const auvid_real_t *factor, int n, int i);
  * the data do not determine it.
  * @return number of such pivots */
 int auvid_qr_solve(const auvid_real_t *factor, int n, int m, auvid_real_t tiny, auvid_real_t *x);
+
+/** The same for x[from..m-1] only. The others are undefined afterwards. */
+int auvid_qr_solve_from(const auvid_real_t *factor, int n, int from, int m, auvid_real_t tiny,
+                        auvid_real_t *x);
 
 /** Solves R' x = b with the leading m columns (m <= n). x[m] is b on entry and the solution on
  * return. A zero pivot sets its x to zero; there is no other test of the pivots. */

@@ -111,6 +111,7 @@ const auvid_checkpoint_struct_t auvid_checkpoint_struct[] = {
     ENTIRE(validation, ROOT_PREDICTION, auvid_validation_t, PART_SIMULATED),
     STRUCTS(sample, ROOT_PREDICTION, auvid_validation_t, last, 1, PART_SIMULATED),
     ENTIRE(uncertain, ROOT_UNCERTAIN, auvid_uncertain_t, PART_UNCERTAIN),
+    STRUCTS(sample, ROOT_UNCERTAIN, auvid_uncertain_t, cell, 1, PART_UNCERTAIN),
     STRUCTS(estimate, ROOT_UNCERTAIN, auvid_uncertain_t, estimate, 1, PART_UNCERTAIN),
     STRUCTS(confidence, ROOT_UNCERTAIN, auvid_uncertain_t, estimate.confidence, 1, PART_UNCERTAIN),
     STRUCTS(cause, ROOT_UNCERTAIN, auvid_uncertain_t, causes.cause, AUVID_CAUSE_COUNT,

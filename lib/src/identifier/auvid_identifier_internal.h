@@ -75,6 +75,8 @@ typedef struct auvid_change_functions {
 
 /** What the identifier calls of the uncertain inputs, if they are attached. */
 typedef struct auvid_uncertain_functions {
+    /** Adds the last cell to the rows, if it waits. @return false: the next one may come */
+    bool (*add_cell)(auvid_identifier_t *id);
     /** No cell is complete: there is time for rows that wait. */
     void (*rotate)(auvid_identifier_t *id);
     /** After a search without them. @return true: a solution with them has begun */

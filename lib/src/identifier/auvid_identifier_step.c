@@ -31,11 +31,27 @@ static void identifier_watch_cell(auvid_identifier_t *id, const auvid_sample_t *
     auvid_metric_watch(&id->metric, cell, watched ? e->pi : NULL, e->excited);
 }
 
+/* Cells that the recorder has open where none piles up, at a DVL of 5 Hz. */
+enum { MAX_OPEN_CELLS = 6 };
+
+/* Returns how many cells this call may take. Uncertain inputs store a cell and add it to their rows
+ * later: until then none comes, unless cells pile up. */
+static int identifier_max_cells(auvid_identifier_t *id, int max_cells)
+{
+    const auvid_uncertain_functions_t *uncertain = id->attached.uncertain_functions;
+    bool pile = id->recorder.opened - id->recorder.next > MAX_OPEN_CELLS;
+    if (uncertain == NULL || pile || max_cells != AUVID_CELLS_PER_STEP) {
+        return max_cells;
+    }
+    return uncertain->add_cell(id) ? 0 : 1;
+}
+
 /* Pass complete cells, at most max_cells, to the metric and the simulation of velocity. */
 static void identifier_take_cells(auvid_identifier_t *id, int max_cells)
 {
     auvid_sample_t cell;
     uint32_t dropped = id->metric.sets.rows_dropped;
+    max_cells = identifier_max_cells(id, max_cells);
     for (int i = 0; i < max_cells; ++i) {
         auvid_status_t status = auvid_recorder_pop(&id->recorder, &cell);
         if (status == AUVID_GAP) {

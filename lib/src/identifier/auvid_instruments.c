@@ -53,8 +53,8 @@ static void instruments_rotate_waiting(instruments_t *n, int most)
     for (int j = 0; j < AUVID_DOF_COUNT && most > 0; ++j) {
         const auvid_instrument_t *of = &n->of[j];
         if ((n->waiting >> j & 1) != 0 && !auvid_uncertain_reads(n->uncertain, j)) {
-            auvid_qr_update_top(n->factor + of->factor_at, instruments_order(n, j), of->count,
-                                instruments_waiting(n, j));
+            auvid_qr_update_rows(n->factor + of->factor_at, instruments_order(n, j), 0, of->count,
+                                 instruments_waiting(n, j));
             n->rows[j] += AUVID_C(1.0);
             n->waiting = (uint8_t)(n->waiting & ~(1u << j));
             --most;
@@ -86,15 +86,12 @@ static const auvid_real_t *instruments_at(instruments_t *n, uint64_t t_us)
     return n->given > 0 && r->t_us <= t_us ? r->nu : NULL;
 }
 
-static void instruments_cell(void *context, const auvid_metric_t *m, const auvid_sample_t *cell,
-                             bool first)
+/* Compute the channels of a cell. */
+static void instruments_channels(instruments_t *n, const auvid_metric_t *m,
+                                 const auvid_sample_t *cell)
 {
-    instruments_t *n = context;
     auvid_real_t cell_s = (auvid_real_t)auvid_metric_cell_us(m) * AUVID_C(1e-6);
     const auvid_real_t *reference = instruments_at(n, cell->t_us);
-    auvid_uncertain_extra.cell(n->uncertain, m, cell, first);
-    instruments_restart(n);
-    instruments_rotate_waiting(n, INSTRUMENTS_ROTATED_PER_CELL);
     for (int l = 0; l < n->lags; ++l) {
         auvid_sample_t moves;
         auvid_regressor_t y;
@@ -130,7 +127,7 @@ static void instruments_accumulate(void *context, uint32_t slot, bool begins,
 {
     instruments_t *n = context;
     auvid_real_t *row = n->accumulator[slot];
-    auvid_uncertain_extra.accumulate(n->uncertain, slot, begins, motion, thrust);
+    (void)thrust;
     if (begins) {
         auvid_clear(row, AUVID_INSTRUMENT_COLUMNS);
     }
@@ -142,20 +139,28 @@ static void instruments_accumulate(void *context, uint32_t slot, bool begins,
     }
 }
 
-static void instruments_take(void *context, int j, uint32_t slot, const auvid_real_t *regressor,
-                             uint32_t lag)
+static void instruments_cell(void *context, const auvid_metric_t *m, const auvid_sample_t *cell,
+                             const auvid_metric_place_t *place)
 {
     instruments_t *n = context;
-    auvid_uncertain_t *u = n->uncertain;
+    auvid_uncertain_extra.cell(n->uncertain, m, cell, place);
+    instruments_restart(n);
+    instruments_rotate_waiting(n, INSTRUMENTS_ROTATED_PER_CELL);
+    instruments_channels(n, m, cell);
+    auvid_metric_add_extra(m, place, instruments_accumulate, n);
+}
+
+/* Let DoF j's row wait. */
+static void instruments_take_row(instruments_t *n, int j)
+{
+    const auvid_uncertain_t *u = n->uncertain;
     const auvid_uncertain_equation_t *e = &u->equation[j];
     const auvid_instrument_t *of = &n->of[j];
-    const auvid_real_t *columns = n->accumulator[slot] + of->column_at;
-    auvid_real_t before = u->rows[j];
-    auvid_uncertain_extra.take(u, j, slot, regressor, lag);
-    if (u->rows[j] > before && !u->excited && n->given > 0 && (n->waiting >> j & 1) == 0 &&
+    const auvid_real_t *columns = n->accumulator[u->recorded.complete] + of->column_at;
+    if (!u->excited && n->given > 0 && (n->waiting >> j & 1) == 0 &&
         auvid_all_within(columns, of->count, METRIC_LARGEST_ENTRY) == AUVID_OK) {
-        const auvid_real_t *row =
-            u->recorded.previous[u->recorded.since_gap % AUVID_METRIC_LAGS] + e->row_at;
+        uint32_t newest = u->recorded.since_gap - 1u;
+        const auvid_real_t *row = u->recorded.previous[newest % AUVID_METRIC_LAGS] + e->row_at;
         auvid_real_t *wide = instruments_waiting(n, j);
         memcpy(wide, columns, of->count * sizeof *wide);
         memcpy(wide + of->count, row, e->order * sizeof *wide);
@@ -163,13 +168,29 @@ static void instruments_take(void *context, int j, uint32_t slot, const auvid_re
     }
 }
 
-static void instruments_next(void *context)
+static void instruments_take(void *context, const auvid_metric_t *m, uint32_t slot, bool counts,
+                             uint8_t dofs)
 {
-    auvid_uncertain_extra.next(((instruments_t *)context)->uncertain);
+    auvid_uncertain_extra.take(((instruments_t *)context)->uncertain, m, slot, counts, dofs);
 }
 
-static const struct auvid_metric_extra instruments_extra = {
-    instruments_cell, instruments_accumulate, instruments_take, instruments_next};
+/* Take the rows that the uncertain inputs take. */
+static void instruments_finish(void *context, const auvid_metric_t *m)
+{
+    instruments_t *n = context;
+    const auvid_uncertain_t *u = n->uncertain;
+    auvid_real_t before[AUVID_DOF_COUNT];
+    memcpy(before, u->rows, sizeof before);
+    auvid_uncertain_extra.finish(n->uncertain, m);
+    for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
+        if (u->rows[j] > before[j]) {
+            instruments_take_row(n, j);
+        }
+    }
+}
+
+static const struct auvid_metric_extra instruments_extra = {instruments_finish, instruments_cell,
+                                                            instruments_take};
 
 /* ---- strength ---- */
 

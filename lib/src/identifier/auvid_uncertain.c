@@ -76,9 +76,14 @@ static void uncertain_withdraw(auvid_uncertain_t *u)
     memset(&u->causes, 0, sizeof u->causes);
 }
 
+static bool uncertain_add_cell(auvid_identifier_t *id)
+{
+    return auvid_uncertain_add_cell(uncertain_of(id));
+}
+
 static void uncertain_rotate(auvid_identifier_t *id)
 {
-    auvid_uncertain_rotate(uncertain_of(id), 1);
+    auvid_uncertain_rotate(uncertain_of(id));
 }
 
 static bool uncertain_begin(auvid_identifier_t *id)
@@ -198,8 +203,8 @@ static void uncertain_publish(auvid_identifier_t *id)
 }
 
 static const auvid_uncertain_functions_t uncertain_table = {
-    uncertain_rotate,  uncertain_begin,    uncertain_solve,
-    uncertain_publish, uncertain_estimate, uncertain_judge};
+    uncertain_add_cell, uncertain_rotate,   uncertain_begin, uncertain_solve,
+    uncertain_publish,  uncertain_estimate, uncertain_judge};
 
 auvid_status_t auvid_identifier_attach_uncertain(auvid_identifier_t *id, auvid_uncertain_t *storage,
                                                  const auvid_uncertain_config_t *cfg,

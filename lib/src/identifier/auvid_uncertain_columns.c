@@ -30,6 +30,7 @@
 #include "auvid_uncertain_parts_internal.h"
 #include "auvid_identifier_internal.h"
 #include "../base/auvid_checksum_internal.h"
+#include "../metric/auvid_metric_rows_internal.h"
 
 /* Width of the dead band's step, and smallest argument of the curve, relative to the force's limit.
  */
@@ -107,6 +108,20 @@ auvid_status_t auvid_uncertain_lay_out(auvid_uncertain_t *u, const auvid_metric_
 
 /* ---- columns ---- */
 
+/* Where the sums of a DoF's equation are: those over the thrusters, by input, then d f / dt and f;
+ * then the differences of the predicted wrench. */
+enum {
+    SUM_DELAY = AUVID_UNCERTAIN_LAG + 1,
+    SUM_THRUST,
+    THRUST_SUMS,
+    MOTION_AT = THRUST_SUMS - AUVID_UNCERTAIN_CURRENT_X, /* of an input from the current on */
+    SUMS = MOTION_AT + AUVID_UNCERTAIN_GAIN
+};
+
+/* Equations, a bit each: of the forces; with columns of current and lever arm. */
+#define FORCES 7u
+#define PLANAR (1u << AUVID_SURGE | 1u << AUVID_SWAY | 1u << AUVID_YAW)
+
 /* ln x for x > 0, error below 1e-6: x = m 2^e, ln m = 2 atanh((m - 1) / (m + 1)). */
 static auvid_real_t uncertain_ln(auvid_real_t x)
 {
@@ -156,42 +171,21 @@ static auvid_real_t uncertain_force(const auvid_uncertain_t *u, int i, auvid_rea
     return u->cfg.fractions ? command * largest : command;
 }
 
-/* Add a thruster to the columns of all equations: value[code] times its entry. */
-static void uncertain_add_thruster(const auvid_uncertain_t *u, int i, const auvid_real_t *value,
-                                   auvid_real_t force, auvid_real_t *channel)
-{
-    for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
-        const auvid_uncertain_equation_t *e = &u->equation[j];
-        auvid_real_t entry = u->allocation->cfg.thruster[i].wrench[j];
-        if (e->order == 0 || !(auvid_abs(entry) > AUVID_C(0.0))) {
-            continue;
-        }
-        const uint16_t *place = u->place + e->channel_at;
-        const uint8_t *code = u->code + e->channel_at;
-        for (uint32_t left = e->of_thrust; left != 0; left >>= 1, ++code, ++place) {
-            bool late = *code == AUVID_UNCERTAIN_DVL_LATE && j >= AUVID_ROLL;
-            if ((left & 1u) != 0 && !late) {
-                channel[*place] += entry * value[*code];
-            }
-        }
-        channel[auvid_uncertain_channel(u, e, e->inputs)] += entry * force;
-    }
-}
-
 /* Compare the thrusters' forces with the wrench that was recorded. */
 static void uncertain_compare(auvid_uncertain_t *u, const auvid_metric_t *m,
                               const auvid_sample_t *cell, const auvid_real_t *force)
 {
     const auvid_allocation_config_t *cfg = &u->allocation->cfg;
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
-        auvid_real_t difference = -cell->tau[j], max = m->cfg.tau_max[j];
+        auvid_real_t wrench = cell->tau[j], difference = -wrench, max = m->cfg.tau_max[j];
+        if (u->equation[j].order == 0 || !(max > AUVID_C(0.0))) {
+            continue;
+        }
         for (int i = 0; i < cfg->thrusters; ++i) {
             difference += cfg->thruster[i].wrench[j] * force[i];
         }
-        if (u->equation[j].order > 0 && max > AUVID_C(0.0)) {
-            u->recorded.wrench += cell->tau[j] / max * (cell->tau[j] / max);
-            u->recorded.difference += difference / max * (difference / max);
-        }
+        u->recorded.wrench += wrench / max * (wrench / max);
+        u->recorded.difference += difference / max * (difference / max);
     }
 }
 
@@ -210,11 +204,13 @@ static auvid_real_t uncertain_lag_step(const auvid_uncertain_t *u)
     return step > lowest ? step : lowest < -LEAST_STEP ? lowest : LEAST_STEP;
 }
 
+/* Sum the columns that are formed from the thrust over the thrusters. force_of[]: as supplied; on
+ * return behind the nominal lag. */
 static void uncertain_thrust_columns(auvid_uncertain_t *u, const auvid_metric_t *m,
-                                     const auvid_sample_t *cell, const auvid_real_t *told,
-                                     bool first, auvid_real_t *channel)
+                                     const auvid_sample_t *cell, bool first,
+                                     auvid_real_t sum[][SUMS], auvid_real_t *force_of)
 {
-    auvid_real_t value[INPUTS], difference;
+    auvid_real_t value[THRUST_SUMS], difference;
     auvid_real_t cell_s = (auvid_real_t)auvid_metric_cell_us(m) * AUVID_C(1e-6);
     auvid_real_t lag_s = u->cfg.nominal_lag_s, step = uncertain_lag_step(u);
     auvid_real_t keep = uncertain_decay(AUVID_C(0.5) * cell_s / lag_s);
@@ -223,21 +219,22 @@ static void uncertain_thrust_columns(auvid_uncertain_t *u, const auvid_metric_t 
         const auvid_thruster_t *t = &u->allocation->cfg.thruster[i];
         auvid_real_t max_N = auvid_max(t->max_N, -t->min_N), inflow = AUVID_C(0.0);
         auvid_real_t *speed = &u->recorded.speed[i], *later = &u->recorded.lagged[i];
-        auvid_real_t to = auvid_sqrt(auvid_abs(told[i]));
-        to = told[i] < AUVID_C(0.0) ? -to : to;
+        auvid_real_t to = auvid_sqrt(auvid_abs(force_of[i]));
+        to = force_of[i] < AUVID_C(0.0) ? -to : to;
         if (first) {
             *speed = *later = to;
         }
         auvid_real_t force = uncertain_advance(speed, to, keep, &difference);
         auvid_real_t late = uncertain_advance(later, to, keep_later, NULL);
         auvid_real_t size = auvid_abs(force), width = DEAD_BAND_WIDTH * max_N;
-        for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
-            inflow += t->wrench[j] * cell->nu[j];
-        }
+        force_of[i] = AUVID_C(0.0);
         if (!(max_N > AUVID_C(0.0))) {
             continue;
         }
-        auvid_clear(value, INPUTS);
+        for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
+            inflow += t->wrench[j] * cell->nu[j];
+        }
+        force_of[i] = value[SUM_THRUST] = force;
         value[AUVID_UNCERTAIN_BACKWARD] = auvid_min(force, AUVID_C(0.0));
         value[AUVID_UNCERTAIN_DEAD_BAND] = force / auvid_sqrt(size * size + width * width);
         value[AUVID_UNCERTAIN_CURVE] =
@@ -245,25 +242,31 @@ static void uncertain_thrust_columns(auvid_uncertain_t *u, const auvid_metric_t 
         value[AUVID_UNCERTAIN_INFLOW] = size * inflow;
         value[AUVID_UNCERTAIN_SAG] = force * u->recorded.elapsed;
         value[AUVID_UNCERTAIN_LAG] = (force - late) / step;
-        value[AUVID_UNCERTAIN_DVL_LATE] = value[INPUT_DELAY] = difference / cell_s;
-        value[AUVID_UNCERTAIN_GAIN + i] = -force;
-        uncertain_add_thruster(u, i, value, force, channel);
+        value[SUM_DELAY] = difference / cell_s;
+        for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
+            if (auvid_abs(t->wrench[j]) > AUVID_C(0.0)) {
+                auvid_metric_add_scaled(sum[j], t->wrench[j], value, THRUST_SUMS);
+            }
+        }
     }
 }
 
-/* Write Y(sample) pi of all equations. */
+/* Write Y(sample) pi of the equations of these DoF, a bit each. */
 static void uncertain_predict(const auvid_uncertain_t *u, const auvid_metric_t *m,
-                              const auvid_sample_t *sample, auvid_real_t wrench[AUVID_DOF_COUNT])
+                              const auvid_sample_t *sample, uint32_t dofs,
+                              auvid_real_t wrench[AUVID_DOF_COUNT])
 {
     const auvid_vehicle_t *vehicle = m->cfg.vehicle;
     auvid_regressor_t y;
     auvid_zero(&y, sizeof y);
     vehicle->regressor(vehicle->context, sample, NULL, &y);
-    for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
+    for (int j = 0; dofs >> j != 0; ++j) {
+        const auvid_real_t *row = y.row[j], *pi = u->pi;
         const uint8_t *index = auvid_metric_row_parameters(m, j);
         auvid_real_t sum = AUVID_C(0.0);
-        for (int k = u->equation[j].order - 1 - u->equation[j].inputs; k > 0; --k, ++index) {
-            sum += y.row[j][*index] * u->pi[*index];
+        int k = (dofs >> j & 1u) != 0 ? u->equation[j].order - 1 - u->equation[j].inputs : 0;
+        for (; k > 0; --k, ++index) {
+            sum += row[*index] * pi[*index];
         }
         wrench[j] = sum;
     }
@@ -272,15 +275,14 @@ static void uncertain_predict(const auvid_uncertain_t *u, const auvid_metric_t *
 /* c = a x b */
 static void uncertain_cross(const auvid_real_t *a, const auvid_real_t *b, auvid_real_t *c)
 {
-    for (int i = 0; i < 3; ++i) {
-        int p = (i + 1) % 3, q = (i + 2) % 3;
-        c[i] = a[p] * b[q] - a[q] * b[p];
-    }
+    c[0] = a[1] * b[2] - a[2] * b[1];
+    c[1] = a[2] * b[0] - a[0] * b[2];
+    c[2] = a[0] * b[1] - a[1] * b[0];
 }
 
 /* Move a sample by `step` of a current, or of a lever arm. */
-static void uncertain_move(auvid_sample_t *moved, const auvid_sample_t *cell,
-                           auvid_real_t r[3][3], int input, auvid_real_t step)
+static void uncertain_move(auvid_sample_t *moved, const auvid_sample_t *cell, auvid_real_t r[3][3],
+                           int input, auvid_real_t step)
 {
     static const auvid_real_t axis[2][3] = {{AUVID_C(1.0)}, {AUVID_C(0.0), AUVID_C(1.0)}};
     auvid_real_t velocity[3], rate[3];
@@ -299,24 +301,10 @@ static void uncertain_move(auvid_sample_t *moved, const auvid_sample_t *cell,
     }
 }
 
-/* Add (after - before) / step to an input's columns, from DoF `from` to `to`. */
-static void uncertain_add_difference(const auvid_uncertain_t *u, int input, int from, int to,
-                                     const auvid_real_t *before, const auvid_real_t *after,
-                                     auvid_real_t step, auvid_real_t *channel)
-{
-    for (int j = from; j <= to; ++j) {
-        const auvid_uncertain_equation_t *e = &u->equation[j];
-        for (int k = e->own; k < e->inputs; ++k) {
-            if (u->code[e->channel_at + k] == input) {
-                channel[auvid_uncertain_channel(u, e, k)] += (after[j] - before[j]) / step;
-            }
-        }
-    }
-}
-
+/* The sum over the thrusters of d f / dt is part of the columns of the forces. */
 static void uncertain_late_columns(const auvid_uncertain_t *u, const auvid_metric_t *m,
                                    const auvid_sample_t *cell, const auvid_real_t *measured,
-                                   auvid_real_t *channel)
+                                   auvid_real_t sum[][SUMS])
 {
     for (int first = AUVID_SURGE; first <= AUVID_ROLL; first += AUVID_ROLL) {
         auvid_real_t wrench[AUVID_DOF_COUNT];
@@ -325,29 +313,34 @@ static void uncertain_late_columns(const auvid_uncertain_t *u, const auvid_metri
         for (int i = first; i < first + 3; ++i) {
             moved.nu[i] += (first == AUVID_SURGE ? LEAST_STEP : -LEAST_STEP) * cell->nu_dot[i];
         }
-        uncertain_predict(u, m, &moved, wrench);
-        uncertain_add_difference(u, AUVID_UNCERTAIN_DVL_LATE, other, other + 2, measured, wrench,
-                                 LEAST_STEP, channel);
+        uncertain_predict(u, m, &moved, FORCES << other, wrench);
+        for (int j = other; j < other + 3; ++j) {
+            sum[j][MOTION_AT + AUVID_UNCERTAIN_DVL_LATE] =
+                (other == AUVID_SURGE ? sum[j][SUM_DELAY] : AUVID_C(0.0)) +
+                (wrench[j] - measured[j]) / LEAST_STEP;
+        }
     }
 }
 
 static void uncertain_motion_columns(const auvid_uncertain_t *u, const auvid_metric_t *m,
-                                     const auvid_sample_t *cell, auvid_real_t *channel)
+                                     const auvid_sample_t *cell, auvid_real_t r[3][3],
+                                     auvid_real_t sum[][SUMS])
 {
-    auvid_real_t r[3][3], before[AUVID_DOF_COUNT], after[AUVID_DOF_COUNT];
+    auvid_real_t before[AUVID_DOF_COUNT], after[AUVID_DOF_COUNT];
     auvid_sample_t moved = *cell;
-    auvid_rotation(cell->phi, cell->theta, cell->psi, r);
-    uncertain_predict(u, m, cell, before);
+    uncertain_predict(u, m, cell, FORCES | FORCES << AUVID_ROLL, before);
     if (u->cfg.dvl_late_s > AUVID_C(0.0)) {
-        uncertain_late_columns(u, m, cell, before, channel);
+        uncertain_late_columns(u, m, cell, before, sum);
     }
     for (int n = AUVID_UNCERTAIN_CURRENT_X; n <= (int)AUVID_UNCERTAIN_ARM_Y; ++n) {
         auvid_real_t step = uncertain_difference_step(u, n);
         if (auvid_uncertain_configured(u, n) > AUVID_C(0.0)) {
             uncertain_move(&moved, cell, r, n, step);
-            uncertain_predict(u, m, &moved, after);
-            uncertain_add_difference(u, n, AUVID_SURGE, AUVID_YAW, before, after, step, channel);
-            memcpy(before, after, sizeof before);
+            uncertain_predict(u, m, &moved, PLANAR, after);
+            for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
+                sum[j][MOTION_AT + n] = (after[j] - before[j]) / step;
+                before[j] = after[j];
+            }
         }
     }
 }
@@ -375,31 +368,48 @@ static auvid_real_t uncertain_motion(const auvid_sample_t *cell, const auvid_rea
     }
 }
 
-void auvid_uncertain_channels(auvid_uncertain_t *u, const auvid_metric_t *m,
-                              const auvid_sample_t *cell, bool first, auvid_real_t *channel)
+/* Write the channels of DoF j's equation. */
+static void uncertain_write_channels(auvid_uncertain_t *u, const auvid_sample_t *cell,
+                                     const auvid_real_t angle[2], const auvid_real_t *sum,
+                                     const auvid_real_t *force, int j)
 {
-    auvid_real_t sin_phi, cos_phi, sin_theta, cos_theta, force[AUVID_MAX_THRUSTERS];
-    auvid_sincos(cell->phi, &sin_phi, &cos_phi);
-    auvid_sincos(cell->theta, &sin_theta, &cos_theta);
-    const auvid_real_t angle[2] = {cos_theta * sin_phi, sin_theta};
-    auvid_clear(channel, AUVID_UNCERTAIN_CHANNELS);
-    for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
-        const auvid_uncertain_equation_t *e = &u->equation[j];
-        for (int k = 0; k < e->inputs; ++k) {
-            int code = u->code[e->channel_at + k];
-            if ((e->of_thrust >> k & 1u) == 0 &&
-                auvid_uncertain_row(code)->from >= INPUT_FROM_HULL) {
-                channel[auvid_uncertain_channel(u, e, k)] = uncertain_motion(cell, angle, code, j);
-            }
-        }
+    const auvid_uncertain_equation_t *e = &u->equation[j];
+    const uint16_t *place = u->place + e->channel_at;
+    const uint8_t *code = u->code + e->channel_at, *shared = code + e->own, *end = code + e->inputs;
+    auvid_real_t *channel = u->recorded.channel;
+    for (; code < shared; ++code) {
+        channel[*place++] =
+            *code == INPUT_DELAY ? sum[SUM_DELAY] : uncertain_motion(cell, angle, *code, j);
     }
-    auvid_clear(force, AUVID_MAX_THRUSTERS);
+    for (; code < end && *code < (int)AUVID_UNCERTAIN_GAIN; ++code) {
+        bool thrust = *code <= (int)AUVID_UNCERTAIN_LAG;
+        channel[*place++] = sum[thrust ? (int)*code : (int)MOTION_AT + *code];
+    }
+    for (; code < end; ++code) {
+        int i = *code - (int)AUVID_UNCERTAIN_GAIN;
+        channel[*place++] = -u->allocation->cfg.thruster[i].wrench[j] * force[i];
+    }
+    channel[*place] = sum[SUM_THRUST];
+}
+
+void auvid_uncertain_channels(auvid_uncertain_t *u, const auvid_metric_t *m,
+                              const auvid_sample_t *cell, bool first)
+{
+    auvid_real_t r[3][3], sum[AUVID_DOF_COUNT][SUMS], force[AUVID_MAX_THRUSTERS];
+    auvid_zero(sum, sizeof sum);
+    auvid_rotation(cell->phi, cell->theta, cell->psi, r);
     for (int i = 0; i < u->allocation->cfg.thrusters; ++i) {
         force[i] = uncertain_force(u, i, cell->command[i]);
     }
     uncertain_compare(u, m, cell, force);
-    uncertain_thrust_columns(u, m, cell, force, first, channel);
+    uncertain_thrust_columns(u, m, cell, first, sum, force);
     if (u->cfg.current + u->cfg.arm_m + u->cfg.dvl_late_s > AUVID_C(0.0)) {
-        uncertain_motion_columns(u, m, cell, channel);
+        uncertain_motion_columns(u, m, cell, r, sum);
+    }
+    for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
+        if (u->equation[j].order > 0) {
+            uncertain_write_channels(u, cell, (auvid_real_t[2]){r[2][1], -r[2][0]}, sum[j], force,
+                                     j);
+        }
     }
 }

@@ -37,10 +37,13 @@ auvid_status_t auvid_uncertain_lay_out(auvid_uncertain_t *u, const auvid_metric_
 
 /** Compute the channels of a cell: the inputs of each equation, and last its thrust. */
 void auvid_uncertain_channels(auvid_uncertain_t *u, const auvid_metric_t *m,
-                              const auvid_sample_t *cell, bool first, auvid_real_t *channel);
+                              const auvid_sample_t *cell, bool first);
 
-/** Rotate rows that wait into the factors, at most this many, one band of a DoF each. */
-void auvid_uncertain_rotate(auvid_uncertain_t *u, int most);
+/** Add the last cell to the rows, if it waits. @return false: the next one may come */
+bool auvid_uncertain_add_cell(auvid_uncertain_t *u);
+
+/** Rotate one band of a complete row of a DoF into its factor, if one waits. */
+void auvid_uncertain_rotate(auvid_uncertain_t *u);
 
 /** Forget the rows. */
 void auvid_uncertain_restart(auvid_uncertain_t *u);

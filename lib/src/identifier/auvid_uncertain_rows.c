@@ -2,8 +2,10 @@
  * Uncertain inputs: rows, from cells to two R factors for each DoF.
  *
  * The columns pass the metric's smoother. Sums and differences of successive rows are the low and
- * the high band, as in auvid_metric_regressor.c. A row is rotated in while the next one is formed,
- * one band of a DoF in each call that brings no cell: the work of a tick stays small.
+ * the high band, as in auvid_metric_regressor.c. The work of a tick stays small: a cell is stored,
+ * and added to the rows in a later tick, before the next cell. A row is rotated in while the next
+ * one is formed, one band of a DoF in each call that brings no cell. Where there are none, cells do
+ * both.
  */
 #include <string.h>
 
@@ -11,12 +13,17 @@
 #include "auvid_uncertain_parts_internal.h"
 #include "../metric/auvid_metric_rows_internal.h"
 
+/* Where each tick makes two calls, a cell, its addition to the rows and the next cell are in ticks
+ * of their own. CALLS_TO_WAIT: the largest recorded.waits. */
+enum { CELL_IS_ADDED = 1, CALLS_TO_WAIT = 3 };
+
 void auvid_uncertain_restart(auvid_uncertain_t *u)
 {
     auvid_zero(u->factor, sizeof u->factor);
     memset(u->rows, 0, sizeof u->rows);
     u->begin_us = 0;
     u->recorded.pending = 0;
+    u->recorded.waits = 0;
     u->recorded.wrench = u->recorded.difference = AUVID_C(0.0);
     memset(u->recorded.successive, 0, sizeof u->recorded.successive);
 }
@@ -33,9 +40,20 @@ static bool uncertain_takes_rows(auvid_uncertain_t *u)
     return excites || !u->excited;
 }
 
-void auvid_uncertain_rotate(auvid_uncertain_t *u, int most)
+/* Returns how many rows wait, one band of a DoF each. */
+static int uncertain_waiting(const auvid_uncertain_t *u)
 {
-    for (int k = 0; k < 2 * AUVID_DOF_COUNT && most > 0; ++k) {
+    int waiting = 0;
+    for (uint32_t bits = u->recorded.pending; bits != 0; bits &= bits - 1u) {
+        ++waiting;
+    }
+    return waiting;
+}
+
+/* Rotate rows that wait into the factors, at most this many. */
+static void uncertain_rotate(auvid_uncertain_t *u, int most)
+{
+    for (int k = 0; u->recorded.pending >> k != 0 && most > 0; ++k) {
         if ((u->recorded.pending >> k & 1) != 0 && !auvid_uncertain_reads(u, k / 2)) {
             const auvid_uncertain_equation_t *e = &u->equation[k / 2];
             auvid_qr_update(u->factor[k % 2] + e->factor_at, e->order, 0,
@@ -44,25 +62,6 @@ void auvid_uncertain_rotate(auvid_uncertain_t *u, int most)
             --most;
         }
     }
-}
-
-static void uncertain_cell(void *context, const auvid_metric_t *m, const auvid_sample_t *cell,
-                           bool first)
-{
-    auvid_uncertain_t *u = context;
-    auvid_uncertain_rotate(u, (u->rows_at_once + 4) / 5); /* all are done within five cells */
-    u->recorded.takes_rows = uncertain_takes_rows(u);
-    if (first) {
-        memset(u->recorded.successive, 0, sizeof u->recorded.successive);
-    }
-    if (u->begin_us == 0) { /* after a restart, or that of the program */
-        u->begin_us = cell->t_us;
-        u->recorded.begun_before = (uint8_t)(first ? 0 : AUVID_MAX_OVERLAP);
-    }
-    /* in units of 1024 us: 50 days fit */
-    uint32_t elapsed = (uint32_t)((cell->t_us - u->begin_us) >> 10);
-    u->recorded.elapsed = AUVID_C(1.024e-3) / AUVID_UNCERTAIN_SAG_S * (auvid_real_t)elapsed;
-    auvid_uncertain_channels(u, m, cell, first, u->recorded.channel);
 }
 
 static void uncertain_accumulate(void *context, uint32_t slot, bool begins,
@@ -83,14 +82,14 @@ static void uncertain_accumulate(void *context, uint32_t slot, bool begins,
     }
 }
 
-static void uncertain_take(void *context, int j, uint32_t slot, const auvid_real_t *regressor,
-                           uint32_t lag)
+/* Take DoF j's row; regressor: NULL if it has none. */
+static void uncertain_take_row(auvid_uncertain_t *u, int j, const auvid_real_t *regressor,
+                               uint32_t lag)
 {
-    auvid_uncertain_t *u = context;
     auvid_uncertain_rows_t *r = &u->recorded;
     const auvid_uncertain_equation_t *e = &u->equation[j];
     int at = e->row_at;
-    const auvid_real_t *channel = r->accumulator[slot];
+    const auvid_real_t *channel = r->accumulator[r->complete];
     auvid_real_t row[AUVID_UNCERTAIN_ORDER];
     if (regressor == NULL || e->order == 0 || r->begun_before > 0) {
         r->successive[j] = 0;
@@ -121,12 +120,87 @@ static void uncertain_take(void *context, int j, uint32_t slot, const auvid_real
     r->successive[j] = (uint8_t)(r->successive[j] + (r->successive[j] < AUVID_METRIC_LAGS));
 }
 
-static void uncertain_next(void *context)
+/* Add the last cell to the rows, and take the one that it completes. */
+static void uncertain_finish(void *context, const auvid_metric_t *m)
 {
-    auvid_uncertain_rows_t *r = &((auvid_uncertain_t *)context)->recorded;
-    ++r->since_gap;
-    r->begun_before = (uint8_t)(r->begun_before - (r->begun_before > 0));
+    auvid_uncertain_t *u = context;
+    auvid_uncertain_rows_t *r = &u->recorded;
+    if (r->waits <= CELL_IS_ADDED) {
+        return;
+    }
+    r->waits = 0;
+    auvid_uncertain_channels(u, m, &u->cell, r->n == 0);
+    auvid_metric_add_extra(m, &(auvid_metric_place_t){r->n, r->slot, r->spread},
+                           uncertain_accumulate, u);
+    for (int j = 0; j < AUVID_DOF_COUNT && r->completes; ++j) {
+        bool has = (r->dofs >> j & 1) != 0;
+        uncertain_take_row(u, j, has ? auvid_metric_complete_row(m, r->complete, j) : NULL,
+                           m->cfg.lag[j >= AUVID_ROLL]);
+    }
+    if (r->completes && r->counts) {
+        ++r->since_gap;
+        r->begun_before = (uint8_t)(r->begun_before - (r->begun_before > 0));
+    }
 }
 
-const struct auvid_metric_extra auvid_uncertain_extra = {uncertain_cell, uncertain_accumulate,
-                                                         uncertain_take, uncertain_next};
+/* How many rows may wait at cell n, the k-th one after a row was complete: none at the next row. */
+static int uncertain_may_wait(const auvid_metric_t *m, uint32_t n)
+{
+    uint32_t step = m->cfg.row_cells, last = m->layout.taps - 1u;
+    uint32_t k = (n % step + step - last % step) % step;
+    return k > 0 ? 3 * (int)(step - k) : 0;
+}
+
+static void uncertain_cell(void *context, const auvid_metric_t *m, const auvid_sample_t *cell,
+                           const auvid_metric_place_t *place)
+{
+    auvid_uncertain_t *u = context;
+    auvid_uncertain_rows_t *r = &u->recorded;
+    uncertain_rotate(u, uncertain_waiting(u) - uncertain_may_wait(m, place->n));
+    r->takes_rows = uncertain_takes_rows(u);
+    if (place->n == 0) {
+        memset(r->successive, 0, sizeof r->successive);
+    }
+    if (u->begin_us == 0) { /* after a restart, or that of the program */
+        u->begin_us = cell->t_us;
+        r->begun_before = (uint8_t)(place->n == 0 ? 0 : AUVID_MAX_OVERLAP);
+    }
+    /* in units of 1024 us: 50 days fit */
+    uint32_t elapsed = (uint32_t)((cell->t_us - u->begin_us) >> 10);
+    r->elapsed = AUVID_C(1.024e-3) / AUVID_UNCERTAIN_SAG_S * (auvid_real_t)elapsed;
+    u->cell = *cell;
+    r->n = place->n;
+    r->slot = (uint8_t)place->slot;
+    r->spread = place->spread;
+    r->waits = CALLS_TO_WAIT;
+    r->completes = false;
+}
+
+static void uncertain_take(void *context, const auvid_metric_t *m, uint32_t slot, bool counts,
+                           uint8_t dofs)
+{
+    auvid_uncertain_rows_t *r = &((auvid_uncertain_t *)context)->recorded;
+    (void)m;
+    r->complete = (uint8_t)slot;
+    r->dofs = dofs;
+    r->counts = counts;
+    r->completes = true;
+}
+
+bool auvid_uncertain_add_cell(auvid_uncertain_t *u)
+{
+    uint8_t left = u->recorded.waits;
+    if (left == CELL_IS_ADDED + 1) {
+        u->id->metric.extra->finish(u->id->metric.extra_context, &u->id->metric);
+    }
+    u->recorded.waits = (uint8_t)(left - (left > 0));
+    return left > 0;
+}
+
+void auvid_uncertain_rotate(auvid_uncertain_t *u)
+{
+    uncertain_rotate(u, 1);
+}
+
+const struct auvid_metric_extra auvid_uncertain_extra = {uncertain_finish, uncertain_cell,
+                                                         uncertain_take};

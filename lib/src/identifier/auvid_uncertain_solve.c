@@ -120,8 +120,8 @@ static void uncertain_scale(uncertain_t *u, const auvid_metric_t *m, int k)
 static void uncertain_solve_side(uncertain_t *u, int j)
 {
     auvid_qr_solve_transposed(u->work.joint, JOINT_ORDER, JOINT_ORDER - 1, u->work.side[j]);
-    (void)auvid_qr_solve(u->work.joint, JOINT_ORDER, JOINT_ORDER - 1, AUVID_C(1e-6),
-                         u->work.side[j]);
+    (void)auvid_qr_solve_from(u->work.joint, JOINT_ORDER, PARAMETERS_AT, JOINT_ORDER - 1,
+                              AUVID_C(1e-6), u->work.side[j]);
 }
 
 /* Row i of the covariance of the parameters, packed, where the DoF's factor was. */
@@ -132,7 +132,8 @@ static void uncertain_find_covariance(uncertain_t *u, const auvid_metric_t *m, i
     auvid_clear(x, JOINT_ORDER);
     x[PARAMETERS_AT + i] = AUVID_C(1.0);
     auvid_qr_solve_transposed(u->work.joint, JOINT_ORDER, JOINT_ORDER - 1, x);
-    (void)auvid_qr_solve(u->work.joint, JOINT_ORDER, JOINT_ORDER - 1, AUVID_C(1e-6), x);
+    (void)auvid_qr_solve_from(u->work.joint, JOINT_ORDER, PARAMETERS_AT + i, JOINT_ORDER - 1,
+                              AUVID_C(1e-6), x);
     for (int k = i; k < n; ++k) {
         auvid_real_t sides = AUVID_C(0.0);
         for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
@@ -266,7 +267,7 @@ static bool uncertain_step(uncertain_t *u, const auvid_metric_t *m)
         if (u->work.strong != 0) {
             auvid_uncertain_add_row(u, j, 0, i);
         } else {
-            auvid_uncertain_add_row(u, j, i / e->order, i % e->order);
+            auvid_uncertain_add_row(u, j, i % 2, e->order - 1 - i / 2); /* short rows first */
         }
         break;
     case SOLVE_OWN:

@@ -55,23 +55,38 @@ struct auvid_path {
     const auvid_path_start_t *start;
 };
 
+/** Where a cell is in the record. */
+typedef struct {
+    uint32_t n;          /**< its number since the last gap */
+    uint32_t slot;       /**< of the newest row under construction, begun n % row_cells cells ago */
+    auvid_real_t spread; /**< of the interpolation between samples of the velocity */
+} auvid_metric_place_t;
+
+/** Adds a cell to the row under construction at `slot`. @param begins it is its first cell
+ * @param motion, thrust the weights of columns of motion and of thrust, for forces [0] and for
+ * moments [1] */
+typedef void auvid_metric_add_t(void *context, uint32_t slot, bool begins,
+                                const auvid_real_t motion[2], const auvid_real_t thrust[2]);
+
 /** Columns that are formed outside of the metric from the same cells as its rows, with the same
  * smoother (regressor path). */
 typedef struct auvid_metric_extra {
-    /** A cell, before `accumulate`. @param first the first one after a gap */
-    void (*cell)(void *context, const auvid_metric_t *m, const auvid_sample_t *cell, bool first);
-    /** Adds the cell to the row under construction at `slot`. @param begins it is its first cell
-     * @param motion, thrust the weights of columns of motion and of thrust, for forces [0] and for
-     * moments [1] */
-    void (*accumulate)(void *context, uint32_t slot, bool begins, const auvid_real_t motion[2],
-                       const auvid_real_t thrust[2]);
-    /** Takes DoF j's row of the complete one at `slot`. @param row its regressor; NULL: it has no
-     * row
-     * @param lag distance in rows of the two rows of a sum or difference */
-    void (*take)(void *context, int j, uint32_t slot, const auvid_real_t *row, uint32_t lag);
-    /** The row is complete. */
-    void (*next)(void *context);
+    /** Before a cell: finishes the one before, whose row may be overwritten. */
+    void (*finish)(void *context, const auvid_metric_t *m);
+    /** A cell, to be added to the rows by auvid_metric_add_extra. */
+    void (*cell)(void *context, const auvid_metric_t *m, const auvid_sample_t *cell,
+                 const auvid_metric_place_t *place);
+    /** The cell completes the row at `slot`. @param counts false: the row is left out
+     * @param dofs those that have a row, a bit each */
+    void (*take)(void *context, const auvid_metric_t *m, uint32_t slot, bool counts, uint8_t dofs);
 } auvid_metric_extra_t;
+
+/** Call `add` for each row under construction that the cell meets. */
+void auvid_metric_add_extra(const auvid_metric_t *m, const auvid_metric_place_t *place,
+                            auvid_metric_add_t *add, void *context);
+
+/** Returns DoF j's regressor in the complete row at `slot`. */
+const auvid_real_t *auvid_metric_complete_row(const auvid_metric_t *m, uint32_t slot, int j);
 
 /** Larger entries of a row are treated as a fault. The squares of 60000 rows up to this limit are
  * finite in single precision. */

@@ -143,12 +143,41 @@ static bool metric_row_channels(const auvid_metric_t *m, const auvid_regressor_t
 }
 
 /* Returns the weight of the wrench of forces in addition to kernel[age]: see the top. */
-static auvid_real_t metric_spread_weight(const auvid_metric_t *m, uint32_t age)
+static auvid_real_t metric_spread_weight(const auvid_metric_t *m, auvid_real_t spread, uint32_t age)
 {
     const auvid_real_t *kernel = m->layout.kernel[0];
     auvid_real_t before = age > 0 ? kernel[age - 1] : AUVID_C(0.0);
     auvid_real_t after = age + 1u < m->layout.taps ? kernel[age + 1u] : AUVID_C(0.0);
-    return m->layout.interpolation_spread * (before - AUVID_C(2.0) * kernel[age] + after);
+    return spread * (before - AUVID_C(2.0) * kernel[age] + after);
+}
+
+/* The slot of the row that began before the one at `slot`. */
+static uint32_t metric_earlier_slot(const auvid_metric_t *m, uint32_t slot)
+{
+    return slot > 0 ? slot - 1u : m->layout.overlap - 1u;
+}
+
+void auvid_metric_add_extra(const auvid_metric_t *m, const auvid_metric_place_t *place,
+                            auvid_metric_add_t *add, void *context)
+{
+    uint32_t slot = place->slot, n = place->n, step = m->cfg.row_cells;
+    for (uint32_t age = n % step; age < m->layout.taps && age <= n; age += step) {
+        const auvid_real_t motion[2] = {m->layout.kernel[0][age], m->layout.kernel[1][age]};
+        auvid_real_t spread = metric_spread_weight(m, place->spread, age);
+        const auvid_real_t thrust[2] = {motion[0] + spread, motion[1]};
+        add(context, slot, age == 0, motion, thrust);
+        slot = metric_earlier_slot(m, slot);
+    }
+}
+
+const auvid_real_t *auvid_metric_complete_row(const auvid_metric_t *m, uint32_t slot, int j)
+{
+    int first = j < AUVID_ROLL ? AUVID_SURGE : AUVID_ROLL;
+    const auvid_real_t *row = m->rows.accumulator[slot] + metric_section(m, j < AUVID_ROLL ? 0 : 2);
+    for (int i = first; i < j; ++i) {
+        row += m->layout.count[i];
+    }
+    return row;
 }
 
 /* Add weight * channel to the row under construction `slot`, which has `age` cells. fixed: NULL if
@@ -163,18 +192,14 @@ static void metric_accumulate_rows(auvid_metric_t *m, uint32_t slot, uint32_t ag
     auvid_real_t *row = m->rows.accumulator[slot];
     auvid_metric_record_missing(m, slot, age, missing);
     auvid_metric_add_scaled(row, force, channel, wrench);
-    auvid_metric_add_scaled(row + wrench, force + metric_spread_weight(m, age), channel + wrench,
-                            moments - wrench);
+    auvid_metric_add_scaled(row + wrench,
+                            force + metric_spread_weight(m, m->layout.interpolation_spread, age),
+                            channel + wrench, moments - wrench);
     if (auvid_abs(moment) > AUVID_C(0.0)) { /* the kernel of moments is shorter */
         auvid_metric_add_scaled(row + moments, moment, channel + moments, end - moments);
     }
     for (int j = 0; fixed != NULL && j < AUVID_DOF_COUNT; ++j) {
         m->rows.fixed_wrench[slot][j] += (j < AUVID_ROLL ? force : moment) * fixed[j];
-    }
-    if (m->extra != NULL) {
-        const auvid_real_t motion_weight[2] = {force, moment};
-        const auvid_real_t thrust_weight[2] = {force + metric_spread_weight(m, age), moment};
-        m->extra->accumulate(m->extra_context, slot, age == 0, motion_weight, thrust_weight);
     }
 }
 
@@ -201,12 +226,11 @@ static void metric_rotate_row(auvid_metric_t *m, int j, const auvid_real_t *row)
         (uint8_t)(rows->successive[j] + (rows->successive[j] < AUVID_METRIC_LAGS));
 }
 
-/* Pass DoF j's row, or that it has none, to the columns from outside; j = -1: no DoF has one. */
-static void metric_take_extra(auvid_metric_t *m, int j, uint32_t slot, const auvid_real_t *row)
+/* Pass the complete row to the columns from outside. */
+static void metric_take_extra(auvid_metric_t *m, uint32_t slot, bool counts, uint8_t dofs)
 {
-    int last = j < 0 ? AUVID_DOF_COUNT - 1 : j;
-    for (int k = j < 0 ? 0 : j; m->extra != NULL && k <= last; ++k) {
-        m->extra->take(m->extra_context, k, slot, row, m->cfg.lag[k >= AUVID_ROLL]);
+    if (m->extra != NULL) {
+        m->extra->take(m->extra_context, m, slot, counts, dofs);
     }
 }
 
@@ -223,10 +247,10 @@ static void metric_take_row(auvid_metric_t *m, uint64_t t_us, uint32_t slot)
             AUVID_OK ||
         auvid_all_within(fixed, AUVID_DOF_COUNT, METRIC_LARGEST_ENTRY) != AUVID_OK) {
         memset(rows->successive, 0, sizeof rows->successive);
-        metric_take_extra(m, -1, slot, NULL);
+        metric_take_extra(m, slot, false, 0);
         return;
     }
-    bool any = false;
+    uint8_t taken = 0;
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
         auvid_real_t row[AUVID_MAX_PARAMETERS + AUVID_METRIC_DELAYS];
         int count = m->layout.count[j];
@@ -239,26 +263,22 @@ static void metric_take_row(auvid_metric_t *m, uint64_t t_us, uint32_t slot)
         }
         if ((excluded >> j & 1) != 0) {
             rows->successive[j] = 0;
-            metric_take_extra(m, j, slot, NULL);
             motion += count;
             wrench += AUVID_METRIC_DELAYS;
             continue;
         }
-        any = true;
+        taken = (uint8_t)(taken | 1u << j);
         auvid_metric_update_wrench_moments(&rows->set, j, *wrench);
         memcpy(row, motion, (size_t)count * sizeof *row);
-        metric_take_extra(m, j, slot, motion);
         motion += count;
         for (int d = 0; d < AUVID_METRIC_DELAYS; ++d) {
             row[count + d] = *wrench++ - fixed[j];
         }
         metric_rotate_row(m, j, row);
     }
-    auvid_metric_count_row(&rows->set, any);
+    auvid_metric_count_row(&rows->set, taken != 0);
     ++rows->since_gap;
-    if (m->extra != NULL) {
-        m->extra->next(m->extra_context);
-    }
+    metric_take_extra(m, slot, true, taken);
 }
 
 /* Add the equations of cell n of the record to all rows under construction. The newest, begun
@@ -276,11 +296,12 @@ static void metric_add_equations(auvid_metric_t *m, const auvid_sample_t *sample
     metric_evaluate(m, sample, y);
     bool any = metric_row_channels(m, y, late, channel, fixed);
     if (m->extra != NULL) {
-        m->extra->cell(m->extra_context, m, sample, n == 0);
+        m->extra->cell(m->extra_context, m, sample,
+                       &(auvid_metric_place_t){n, slot, m->layout.interpolation_spread});
     }
     for (uint32_t age = n % step; age < m->layout.taps && age <= n; age += step) {
         metric_accumulate_rows(m, slot, age, channel, any ? fixed : NULL, sample->missing);
-        slot = slot > 0 ? slot - 1u : m->layout.overlap - 1u;
+        slot = metric_earlier_slot(m, slot);
     }
 }
 

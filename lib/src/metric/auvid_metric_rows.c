@@ -21,6 +21,9 @@ static int metric_add_to_rows(auvid_metric_t *m, const auvid_sample_t *sample)
     }
     uint32_t n = rows->cells + 1 - METRIC_PAST, step = m->cfg.row_cells, last = m->layout.taps - 1u;
     uint32_t slot = n / step % m->layout.overlap;
+    if (m->extra != NULL) {
+        m->extra->finish(m->extra_context, m);
+    }
     if (n % step == 0) {
         auvid_clear(rows->accumulator[slot], AUVID_MAX_COLUMNS);
         auvid_clear(rows->fixed_wrench[slot], AUVID_DOF_COUNT);
