@@ -397,6 +397,7 @@ void auvid_uncertain_channels(auvid_uncertain_t *u, const auvid_metric_t *m,
 {
     auvid_real_t r[3][3], sum[AUVID_DOF_COUNT][SUMS], force[AUVID_MAX_THRUSTERS];
     auvid_zero(sum, sizeof sum);
+    auvid_clear(force, AUVID_MAX_THRUSTERS);
     auvid_rotation(cell->phi, cell->theta, cell->psi, r);
     for (int i = 0; i < u->allocation->cfg.thrusters; ++i) {
         force[i] = uncertain_force(u, i, cell->command[i]);
