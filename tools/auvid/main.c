@@ -175,8 +175,8 @@ static const char columns_help[] =
     "reference of a controller along its own axes, which identifies a vehicle in closed loop.\n"
     "An empty cell is no new sample, so each sensor may have its own rate. Velocities that are\n"
     "held between samples are recognised. Several logs are records of their own.\n"
-    "check compares more columns: north_m east_m depth_m, and fx_mps2 fy_mps2 fz_mps2, the specific\n"
-    "force of an accelerometer in body axes (fz_mps2 is -9.8 at rest).\n"
+    "check compares more columns: north_m east_m depth_m, and fx_mps2 fy_mps2 fz_mps2, the\n"
+    "specific force of an accelerometer in body axes (fz_mps2 is -9.8 at rest).\n"
     "\n";
 static const char fit_exit_help[] =
     "exit status of fit: 0 at least one parameter is identifiable; 1 a log is refused; 2 bad\n"
