@@ -122,7 +122,8 @@ TESTED = $(call objects,$(1),$(LIB) $(SIMULATOR) $(WORLD) $(SUPPORT)) build/$(1)
 # Under the sanitizers these take a minute, and others run the same code: the long form only.
 SLOW_SANITIZED := $(addprefix build/sanitized/tests/unit/identifier/,\
     test_adaptive test_uncertain test_uncertain_causes test_width) \
-    $(addprefix build/sanitized/tests/unit/tools/,test_doctor test_doctor_campaign)
+    $(addprefix build/sanitized/tests/unit/tools/,test_doctor test_doctor_sensors \
+    test_doctor_campaign)
 TEST_PROGRAMS := $(filter-out $(SLOW_SANITIZED),$(foreach way,release sanitized double,\
         $(UNIT:tests/unit/%.c=build/$(way)/tests/unit/%))) \
     $(REFERENCE:%.cpp=build/release/%) \
