@@ -127,7 +127,8 @@ TESTED = $(call objects,$(1),$(LIB) $(SIMULATOR) $(WORLD) $(SUPPORT)) build/$(1)
 # form only. The program itself is never built in double.
 SLOW := $(addprefix %/tests/unit/identifier/,\
     test_adaptive test_change_test test_uncertain test_uncertain_causes test_width)
-SLOW_SANITIZED := $(SLOW) $(addprefix %/tests/unit/tools/,test_doctor test_doctor_campaign)
+SLOW_SANITIZED := $(SLOW) $(addprefix %/tests/unit/tools/,test_doctor test_doctor_sensors \
+    test_doctor_campaign)
 SLOW_DOUBLE := $(SLOW) %/tests/unit/identifier/test_checkpoint_uncertain
 unit_tests = $(UNIT:tests/unit/%.c=build/$(1)/tests/unit/%)
 TEST_PROGRAMS := $(call unit_tests,release) \

@@ -12,6 +12,7 @@
 #define TOGETHER 0.8  /* share of the changes of a velocity that all make together */
 #define OUTAGE_S 1.5  /* velocities that stand still for longer are no samples */
 #define COARSE 0.3    /* step of a column, relative to its standard deviation */
+#define TOO_COARSE 2.5 /* .. with which fit finds no parameter */
 #define SATURATED 0.3 /* share of the samples at the limit */
 #define SAG 0.1
 #define MIN_SAMPLES 200.0
@@ -226,8 +227,8 @@ static void find_steps(doctor_t *d, int column)
         step = fmin(step, c->distinct[i] - c->distinct[i - 1]);
     }
     if (step > COARSE * spread) {
-        doctor_add(d, step > 1.5 * spread ? DOCTOR_ERROR : DOCTOR_WARNING, DOCTOR_QUANTISED, column,
-                   -1, NULL,
+        doctor_add(d, step > TOO_COARSE * spread ? DOCTOR_ERROR : DOCTOR_WARNING, DOCTOR_QUANTISED,
+                   column, -1, NULL,
                    "%s has steps of %.3g, coarse against its variation of %.3g (1 sigma): log more "
                    "digits",
                    csv_name[column], step, spread);
