@@ -29,20 +29,20 @@ export EIGEN_DIR ?= /usr/include/eigen3
 LIB := $(wildcard lib/src/*/*.c)
 PUBLIC := $(wildcard lib/include/auvid/*.h lib/include/auvid/detail/*.h)
 SIMULATOR := $(wildcard tools/simulator/*.c)
-PROGRAM := $(wildcard tools/auvid/*.c)
+PROGRAM := $(wildcard tools/auvid/*.c tools/auvid/*/*.c)
 # A real bus needs Linux: elsewhere the program has the bus in memory alone.
 MEMORY := $(addprefix port/linux_socketcan/,bus.c bus_memory.c)
 PORT := $(if $(filter Linux,$(shell uname -s)),$(wildcard port/linux_socketcan/*.c),$(MEMORY))
-PROGRAM := $(if $(filter %/tick.c,$(PORT)),$(PROGRAM),$(filter-out tools/auvid/bus_%,$(PROGRAM)))
+PROGRAM := $(if $(filter %/tick.c,$(PORT)),$(PROGRAM),\
+    $(filter-out tools/auvid/bus/bus_%,$(PROGRAM)))
 # These record which statuses they have seen: see tests/statuses/statuses.py.
 RECORDED = $(foreach test,$(UNIT:tests/%.c=release/tests/%) $(VEHICLES:tests/%.c=wide/tests/%),\
     build/$(test))
 # What of the program tests run as well: the demo's world.
-WORLD := $(addprefix tools/auvid/,world.c frames.c vehicles.c vehicles_ready.c vehicle_file.c \
-    vehicle_thrusters.c vehicle_keys.c vehicle_terms.c thrust_map.c ini.c field_run.c \
-    field_table.c statistics.c report.c report_error.c csv.c csv_header.c csv_lines.c \
-    columns.c) $(MEMORY) \
-    $(filter-out %/doctor_report.c,$(wildcard tools/auvid/doctor*.c))
+WORLD := $(wildcard $(addprefix tools/auvid/,base/*.c vehicle/*.c log/c*.c)) \
+    $(filter-out %/doctor_report.c,$(wildcard tools/auvid/doctor/*.c)) \
+    $(addprefix tools/auvid/,bus/frames.c bus/world.c field/field_run.c field/field_table.c \
+    report/report.c report/statistics.c) $(MEMORY)
 SUPPORT := $(wildcard tests/support/*.c)
 # What of it needs nothing of the program, as on a microcontroller.
 SUPPORT_FIRMWARE := $(filter-out %/dive.c,$(SUPPORT))

@@ -15,8 +15,8 @@ sanitize="-fsanitize=address,undefined,float-cast-overflow -fno-sanitize-recover
 export COMPILE="clang -std=c11 -O2 -g $sanitize ${CFLAGS:-} -Ilib/include -Ilib/src \
 -Iport/linux_socketcan -Itools/auvid -Itools/simulator"
 sources=(lib/src/*/*.c port/linux_socketcan/bus.c port/linux_socketcan/bus_candump.c
-    tools/auvid/{ini,thrust_map,vehicle_keys,vehicle_terms,vehicle_thrusters,vehicle_file}.c
-    tools/auvid/report_error.c
+    tools/auvid/base/{ini,report_error}.c
+    tools/auvid/vehicle/{thrust_map,vehicle_keys,vehicle_terms,vehicle_thrusters,vehicle_file}.c
     tools/simulator/{simulator,sensors,noise,fossen}.c)
 objects=("${sources[@]##*/}")
 objects=("${objects[@]/#/$OUT/objects/}")

@@ -7,8 +7,8 @@
 #include <string.h>
 
 #include "fuzz_frames.h"
-#include "ini.h"
-#include "vehicle_file.h"
+#include "base/ini.h"
+#include "vehicle/vehicle_file.h"
 
 static void check_message(const char *message)
 {

@@ -6,7 +6,7 @@
 #include "own_thrusters.h"
 #include "unity.h"
 #include "vector.h"
-#include "world.h"
+#include "bus/world.h"
 
 enum { IDS = 0x800 }; /* of frames */
 

@@ -19,8 +19,8 @@ TOOLS="-std=c11 -ffp-contract=off -Wall -Wextra -Wpedantic -Wshadow \
 -Ilib/include -Ilib/src -Itools/simulator -Iport/linux_socketcan -Iport/cortex_m"
 shopt -s nullglob
 lib=(lib/src/*/*.c)
-tools=(tools/*/*.c port/linux_socketcan/*.c port/cortex_m/example/*.c port/cortex_m/passive/*.c
-    port/cortex_m/optional/*.c)
+tools=(tools/*/*.c tools/auvid/*/*.c port/linux_socketcan/*.c port/cortex_m/example/*.c
+    port/cortex_m/passive/*.c port/cortex_m/optional/*.c)
 broken=0
 
 # step NAME COMMAND...: run a check, say how it went.

@@ -92,6 +92,9 @@ text dependency lib/include/auvid/nav.h '#include "auvid/vehicle.h"'
 text dependency lib/include/auvid/unheard_of.h ''
 text dependency lib/src/auvid_flat.c '#include "base/auvid_math_internal.h"'
 text dependency lib/src/unheard_of/auvid_x.c "$math"
+text '' tools/auvid/log/csv.c '#include "../base/ini.h"' '#include "../commands.h"'
+text dependency tools/auvid/log/csv.c '#include "../report/report.h"'
+text dependency tools/auvid/unheard_of/x.c ''
 calls_low() { # RULE FILE: a file that calls what auvid_crs_low.c defines
     text "$1" "$2" "$math" 'int auvid_crs_go(void)' '{' '    return auvid_crs_low();' '}'
 }

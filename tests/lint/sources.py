@@ -4,7 +4,8 @@
 usage: sources.py [ROOT]
 Prints one line a breach; exit status 1 when there is any.
   include     lib/ includes only stdint, stddef, stdbool, string.h and auvid headers
-  dependency  the rooms of lib/ include each other only as ROOMS allows
+  dependency  the rooms of lib/ include each other only as ROOMS allows, those of tools/auvid as
+              PROGRAM_ROOMS allows
   circle      no circle between the files of lib/src: X.c and X_internal.h are one; a file needs
               those whose headers it includes, and those whose functions and tables it names,
               except the path of a model
@@ -53,6 +54,9 @@ PUBLIC = {
     "can": "can can_messages",
     "node": "node",
 }
+
+# The rooms of tools/auvid, each after those that it may include.
+PROGRAM_ROOMS = "base vehicle options log report doctor fit bus field demo check".split()
 
 # The paths of the metric. A model names one by its address, so that the linker drops the other.
 PATHS = {"auvid_path_regressor", "auvid_path_residual"}
@@ -120,6 +124,16 @@ def check_includes(path, text):
             yield "dependency", f"{here} must not use {name} ({room_of(other)})"
 
 
+def check_program_rooms(path, text):
+    if path.parent.name not in PROGRAM_ROOMS:
+        yield "dependency", "is in no room"
+        return
+    allowed = PROGRAM_ROOMS[:PROGRAM_ROOMS.index(path.parent.name)]
+    for room in re.findall(r'#include "\.\./(\w+)/', text):
+        if room not in allowed:
+            yield "dependency", f"{path.parent.name} must not use {room}"
+
+
 def reaches_math(path, seen):
     if path.name == "auvid_math_internal.h":
         return True
@@ -180,6 +194,8 @@ def check_file(path, text):
             not path.name.startswith(("auvid_metric", "auvid_checkpoint")):
         for match in OBJECT.finditer(without_comments(text)):
             yield "object", match[1]
+    if parts[:2] == ("tools", "auvid") and len(parts) > 3 and path.suffix in {".c", ".h"}:
+        yield from check_program_rooms(path, text)
     if parts[0] == "lib" and path.suffix in {".c", ".h"}:
         yield from check_includes(path, text)
         if path.name != "types.h":  # where AUVID_C() and its like are defined

@@ -5,10 +5,9 @@
 # also writes the figure in README.
 . "$(dirname "$0")/common.sh"
 
-template=$ROOT/tools/auvid/report.html
-check "the program holds tools/auvid/report.html as it is" \
-    "$ROOT/tools/auvid/embed.py" --check "$ROOT/tools/auvid/report_template.c" report_template \
-    "$template"
+template=$ROOT/tools/auvid/report/report.html
+check "the program holds tools/auvid/report/report.html as it is" "$ROOT/tools/auvid/embed.py" \
+    --check "$ROOT/tools/auvid/report/report_template.c" report_template "$template"
 
 # ---- logs ----
 sets=4

@@ -13,11 +13,11 @@ block ini >minnow.ini
 
 # ---- the ready vehicles ----
 embedded() {
-    ready=$(grep -o '{"[a-z0-9_]*\.ini"' "$tools/vehicles_ready.c" | tr -d '{"')
+    ready=$(grep -o '{"[a-z0-9_]*\.ini"' "$tools/vehicle/vehicles_ready.c" | tr -d '{"')
     [ "$(echo "$ready" | sort)" = "$(cd "$tools/vehicles" && ls -- *.ini)" ] &&
         cd "$tools/vehicles" &&
         # shellcheck disable=SC2086
-        ../embed.py --check ../vehicles_ready.c vehicles_ready $ready
+        ../embed.py --check ../vehicle/vehicles_ready.c vehicles_ready $ready
 }
 check "the program contains vehicles/*.ini as they are" embedded
 same() {
@@ -210,7 +210,7 @@ int main(void)
 END
 cat >from_program.c <<'END'
 #include "vehicle_config.h"
-#include "vehicles.h"
+#include "vehicle/vehicles.h"
 int main(int count, char **word)
 {
     static auvid_identifier_config_t identifier;
@@ -230,11 +230,8 @@ int main(int count, char **word)
 END
 wide=(-std=c11 -O1 -DAUVID_MAX_PARAMETERS=32 -I"$ROOT/lib/include" -I.)
 objects=("$ROOT"/build/wide/lib/src/*/*.o)
-of_tools=()
-for name in vehicles vehicles_ready vehicle_file vehicle_thrusters vehicle_keys vehicle_terms \
-    thrust_map ini report_error; do
-    of_tools+=("$ROOT/build/wide/tools/auvid/$name.o")
-done
+of_tools=("$ROOT"/build/wide/tools/auvid/vehicle/*.o
+    "$ROOT"/build/wide/tools/auvid/base/{ini,report_error}.o)
 check "the program's configuration, as text" "$CC" "${wide[@]}" -I"$tools" \
     -I"$ROOT/tools/simulator" -I"$ROOT/lib/src" from_program.c "${of_tools[@]}" \
     "$ROOT"/build/wide/tools/simulator/*.o "${objects[@]}" -lm -o from_program

@@ -8,7 +8,7 @@
 #include <vector>
 
 extern "C" {
-#include "field_run.h"
+#include "field/field_run.h"
 #include "unity.h"
 
 // auvid_uncertain_parts_internal.h, which is C

@@ -6,7 +6,7 @@
 #ifndef SUPPORT_DIVE_H
 #define SUPPORT_DIVE_H
 
-#include "csv.h"
+#include "log/csv.h"
 #include "field.h"
 
 #ifdef __cplusplus

@@ -14,7 +14,7 @@
 #include "binomial.h"
 #include "finish.h"
 #include "unity.h"
-#include "world.h"
+#include "bus/world.h"
 
 #ifdef __SANITIZE_ADDRESS__
 enum { SEEDS = 1, SEEDS_LONG = 2 };

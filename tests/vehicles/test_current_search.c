@@ -12,7 +12,7 @@
 #include "binomial.h"
 #include "finish.h"
 #include "unity.h"
-#include "world.h"
+#include "bus/world.h"
 
 enum { SETS = 8, SET_ROWS = 60, HULL = 13, N = HULL + 2, NORTH = AUVID_G500_COUNT, DOFS = 4 };
 enum { BUDGET = 1000 }; /* with less a search takes longer than a set, and rows are dropped */

@@ -5,7 +5,7 @@
 
 #include "auvid/fossen.h"
 #include "unity.h"
-#include "world.h"
+#include "bus/world.h"
 
 static world_t world;
 static const vehicle_t *rov;

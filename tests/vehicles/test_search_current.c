@@ -4,7 +4,7 @@
  */
 #include "auvid/current.h"
 #include "search_campaign.h"
-#include "world.h"
+#include "bus/world.h"
 
 enum { SETS = 8, SET_ROWS = 60, WANTED = AUVID_G500_FREE | 3u << AUVID_G500_COUNT };
 

@@ -8,7 +8,7 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "field_run.h"
+#include "field/field_run.h"
 #include "terms_girona500.h"
 #include "unity.h"
 #include "binomial.h"

@@ -10,8 +10,8 @@
 #include "auvid/prior.h"
 #include "auvid/thrusters.h"
 #include "binomial.h"
-#include "field_run.h"
-#include "field_table.h"
+#include "field/field_run.h"
+#include "field/field_table.h"
 #include "unity.h"
 
 enum { OWN = AUVID_G500_COUNT, SETS = 8, SET_S = 30, PERIOD_US = 40000, ROW_CELLS = 2 };

@@ -6,7 +6,7 @@
 #ifndef PROGRAM_COMMANDS_H
 #define PROGRAM_COMMANDS_H
 
-#include "options.h"
+#include "options/options.h"
 
 int demo(const options_t *options);
 int scenario(const options_t *options);   /**< demo --scenario */

@@ -8,9 +8,9 @@
 
 #include "auvid/config.h"
 #include "commands.h"
-#include "report_error.h"
-#include "options.h"
-#include "report.h"
+#include "base/report_error.h"
+#include "options/options.h"
+#include "report/report.h"
 
 static const char about[] =
     "auvid " AUVID_VERSION_STRING ": identify the dynamics of an underwater vehicle\n\n";

@@ -11,7 +11,7 @@
 #include <string.h>
 
 #include "unity.h"
-#include "world.h"
+#include "bus/world.h"
 
 enum { SETS = 2, TICKS = 4000, FRAMES = 60000, NEVER = TICKS + 1 };
 

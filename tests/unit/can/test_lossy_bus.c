@@ -11,7 +11,7 @@
 
 #include "binomial.h"
 #include "unity.h"
-#include "world.h"
+#include "bus/world.h"
 
 #define LOSS 0.1
 #define DOUBLED 0.05

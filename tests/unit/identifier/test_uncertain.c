@@ -8,7 +8,7 @@
 #include "auvid/uncertain.h"
 #include "by_residual.h"
 #include "chain.h"
-#include "field_run.h"
+#include "field/field_run.h"
 #include "unity.h"
 
 static chain_config_t cfg;

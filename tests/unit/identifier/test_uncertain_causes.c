@@ -6,7 +6,7 @@
 #include <string.h>
 
 #include "auvid/uncertain.h"
-#include "field_run.h"
+#include "field/field_run.h"
 #include "identifier/auvid_identifier_internal.h"
 #include "unity.h"
 

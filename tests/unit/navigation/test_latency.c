@@ -7,7 +7,7 @@
 #include <stdlib.h>
 
 #include "unity.h"
-#include "world.h"
+#include "bus/world.h"
 
 static world_t world;
 

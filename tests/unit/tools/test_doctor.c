@@ -1,6 +1,6 @@
 /* The log doctor on a simulated vehicle without noise: each sentence, and what must not matter.
  * The statistics of noisy vehicles are in test_doctor_campaign.c. */
-#include "doctor.h"
+#include "doctor/doctor.h"
 
 #include <math.h>
 #include <stdlib.h>

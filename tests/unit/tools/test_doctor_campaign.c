@@ -8,7 +8,7 @@
 #include <string.h>
 
 #include "dive.h"
-#include "doctor.h"
+#include "doctor/doctor.h"
 #include "unity.h"
 
 static dive_t clean, wrong, twice;

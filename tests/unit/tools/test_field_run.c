@@ -1,5 +1,5 @@
 /* One field run: its record, and the configuration of its identifier. */
-#include "field_run.h"
+#include "field/field_run.h"
 
 #include <math.h>
 #include <string.h>

@@ -1,10 +1,10 @@
 /* Statistics over field runs: wrong flags, and intervals. */
-#include "field_table.h"
+#include "field/field_table.h"
 
 #include <math.h>
 #include <string.h>
 
-#include "report.h"
+#include "report/report.h"
 #include "unity.h"
 
 enum { RUNS = 160 };

@@ -4,7 +4,7 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "report_error.h"
+#include "base/report_error.h"
 #include "unity.h"
 
 static auvid_identifier_config_t cfg;

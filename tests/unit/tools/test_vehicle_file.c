@@ -4,10 +4,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "ini.h"
+#include "base/ini.h"
 #include "unity.h"
-#include "vehicles.h"
-#include "vehicles_ready.h"
+#include "vehicle/vehicles.h"
+#include "vehicle/vehicles_ready.h"
 
 static char message[INI_MESSAGE];
 

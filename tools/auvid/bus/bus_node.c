@@ -1,0 +1,244 @@
+/*
+ * auvid node: the identifier on a CAN bus.
+ */
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "auvid/node.h"
+#include "bus_link.h"
+#include "../commands.h"
+#include "../base/report_error.h"
+#include "../report/report.h"
+#include "../fit/prior_file.h"
+#include "world.h"
+
+/* Largest number of frames per turn of the loop: more than a full bus transmits in a tick. */
+#define MAX_FRAMES 512
+
+/* Upper end of the histogram of tick times [us]: longer ticks count in the last bin. */
+#define MAX_US 40000
+
+typedef struct {
+    const options_t *options;
+    auvid_node_t node;
+    auvid_actuation_t actuation;
+    auvid_validation_t prediction;
+    auvid_change_detector_t change;
+    auvid_uncertain_t uncertain;
+    auvid_prior_t prior;
+    link_t link;
+    vehicle_sim_t vehicle_sim; /* --bus memory: the vehicle in this process */
+    bus_memory_t hub;          /* its ends: node, vehicle */
+    bool simulated, silent;
+    uint64_t last_tick_us;          /* time of the last tick */
+    uint32_t linger;                /* ticks since all work was done */
+    uint32_t histogram[MAX_US + 1]; /* ticks by execution time of step and work [us] */
+} run_t;
+
+static int begin(run_t *run)
+{
+    const options_t *o = run->options;
+    const world_config_t world = {.vehicle = o->vehicle, .seed = o->seed, .sets = o->sets};
+    auvid_identifier_config_t identifier;
+    auvid_node_config_t cfg;
+    world_identifier(&identifier, &world);
+    options_uncertainty(o, &identifier.uncertainty);
+    identifier.exact_inputs = o->plain;
+    auvid_node_defaults(&cfg);
+    cfg.answer = o->lock_step || run->simulated;
+    auvid_status_t status = auvid_node_init(&run->node, &cfg, o->vehicle->allocation, &identifier);
+    if (status < 0) {
+        return report_refused("node", status, &run->node.id.refusal, &identifier);
+    }
+    (void)auvid_identifier_attach_prediction(&run->node.id, &run->prediction);
+    (void)auvid_identifier_attach_change_test(&run->node.id, &run->change);
+    status = o->plain ? AUVID_OK : world_uncertain(&run->node, &run->uncertain, o->vehicle);
+    if (status < 0) {
+        return report_error("node: uncertain inputs: %s", auvid_status_str(status));
+    }
+    status = o->excite ? world_excite(&run->node, &run->actuation, &world) : AUVID_OK;
+    if (status < 0) {
+        return report_refused("node", status, &run->actuation.refusal, NULL);
+    }
+    if (o->prior != NULL) {
+        (void)prior_file_read(&run->node.id, &run->prior, o->prior);
+    }
+    if (!run->simulated) {
+        return link_open(&run->link, "node", o);
+    }
+    vehicle_sim_config_t vehicle_sim;
+    vehicle_simulation(o->vehicle, &vehicle_sim);
+    vehicle_sim.sim.seed = o->seed;
+    vehicle_sim.sim.lag_s = o->lag_s;
+    vehicle_sim.no_arm = !o->excite;
+    if (bus_memory_init(&run->hub, 2, o->seed) != BUS_OK ||
+        !vehicle_sim_init(&run->vehicle_sim, &vehicle_sim)) {
+        return report_error("node: the simulator refused its configuration");
+    }
+    link_take(&run->link, "node", &run->hub.end[0].bus);
+    return o->realtime ? link_tick(&run->link, o) : 0;
+}
+
+/* Does all work of one tick. clock_us: time of the node's own clock, or NULL. */
+static int serve(run_t *run, const uint64_t *clock_us)
+{
+    auvid_can_frame_t frame[AUVID_NODE_FRAMES];
+    auvid_node_t *node = &run->node;
+    uint64_t began_us = tick_now_us();
+    int count = 0;
+    (void)auvid_node_step(node, clock_us, frame, &count);
+    int status = link_send(&run->link, frame, count);
+    bool busy = auvid_node_work(node, AUVID_DEFAULT_BUDGET) == AUVID_PENDING;
+    uint64_t took_us = tick_now_us() - began_us;
+    ++run->histogram[took_us < MAX_US ? took_us : MAX_US];
+    (void)auvid_node_report(node, (uint32_t)(100u * took_us / LINK_TICK_US), frame, &count);
+    status = status == 0 ? link_send(&run->link, frame, count) : status;
+    bool over = !busy && node->id.metric.sets.recorded >= run->options->sets;
+    run->linger = over ? run->linger + 1 : 0;
+    run->last_tick_us = began_us;
+    run->silent = false;
+    return status;
+}
+
+/* Receives pending frames up to a tick. The limit lets signals through on a saturated bus. */
+static int receive(run_t *run)
+{
+    auvid_can_frame_t frame;
+    int got = 0;
+    for (int k = 0; k < MAX_FRAMES && (got = link_receive(&run->link, &frame)) > 0; ++k) {
+        if (auvid_node_take(&run->node, &frame) == AUVID_TICK && !run->options->clock_own) {
+            return serve(run, NULL);
+        }
+    }
+    return got < 0 ? EXIT_REFUSED : 0;
+}
+
+/* Waits for frames or for the tick. Returns TICK_..., or a negative number after an error. */
+static int wait(run_t *run)
+{
+    int events = run->link.ticking ? tick_wait(&run->link.tick, 500) : TICK_DUE;
+    if (events < 0) {
+        report_error_line("node: %s", run->link.tick.text);
+    }
+    if (run->simulated) {
+        if (events > 0 && (events & TICK_DUE) != 0) {
+            frames_vehicle(&run->hub.end[1], &run->vehicle_sim);
+        }
+        return events;
+    }
+    if (!run->silent && tick_now_us() - run->last_tick_us > LINK_SILENCE_US) {
+        report_error_line("node: no tick frame on %s: waiting", run->options->bus);
+        run->silent = true;
+    }
+    return events;
+}
+
+static int loop(run_t *run)
+{
+    int status = 0, events = 0;
+    bool own_clock = run->options->clock_own;
+    run->last_tick_us = tick_now_us();
+    while (status == 0 && (events & TICK_STOP) == 0 &&
+           run->linger < run->options->vehicle->linger_ticks) {
+        events = wait(run);
+        status = events < 0 ? EXIT_REFUSED : receive(run);
+        if (status == 0 && own_clock && (events & TICK_DUE) != 0) {
+            const tick_t *tick = &run->link.tick;
+            uint64_t t_us = tick->start_us + tick->ticks * tick->period_us;
+            run->node.counters.ticks_missed = (uint32_t)tick->missed;
+            status = serve(run, &t_us);
+        }
+    }
+    return status;
+}
+
+static void print_counters(const run_t *run)
+{
+    const auvid_node_counters_t *c = &run->node.counters;
+    const bus_statistics_t *s = &run->link.bus->statistics;
+    unsigned long long lost = s->send_busy + s->send_failed + s->dropped;
+    printf("  bus   %s: %llu frames received, %llu sent, %llu lost; %u ticks, %u missed;\n"
+           "        refused: %u frames, %u samples; clock set %u times; %u foreign commands\n"
+           "        link down %llu times, bus off %llu times, wall clock set %llu times\n",
+           run->options->bus, (unsigned long long)s->received, (unsigned long long)s->sent, lost,
+           (unsigned)c->ticks, (unsigned)c->ticks_missed, (unsigned)c->refused,
+           (unsigned)c->samples_dropped, (unsigned)c->clock_steps, (unsigned)c->foreign_commands,
+           (unsigned long long)s->link_downs, (unsigned long long)s->bus_offs,
+           (unsigned long long)s->clock_steps);
+}
+
+/* The execution time that a fraction `part` of the ticks did not exceed [us]. */
+static unsigned quantile(const run_t *run, double part)
+{
+    double below = part * run->node.counters.ticks;
+    unsigned us = 0;
+    for (double sum = run->histogram[0]; sum < below && us < MAX_US; sum += run->histogram[us]) {
+        ++us;
+    }
+    return us;
+}
+
+static void print_ticks(const run_t *run)
+{
+    printf("  tick  step and work: p50 %u, p99 %u, max %u us", quantile(run, 0.5),
+           quantile(run, 0.99), quantile(run, 1.0));
+    if (run->link.ticking) {
+        const tick_t *tick = &run->link.tick;
+        printf("; of %llu ticks in %.0f s, missed %llu", (unsigned long long)tick->ticks,
+               1e-6 * (double)(tick->ticks * tick->period_us), (unsigned long long)tick->missed);
+    }
+    putchar('\n');
+}
+
+static int finish(run_t *run)
+{
+    static result_t result;
+    report_gather(&result, &run->node.id, run->options->seed);
+    result.has_guard = run->options->excite;
+    if (run->simulated) {
+        report_add_truth(&result, &run->vehicle_sim);
+    }
+    if (run->options->json) {
+        report_json(stdout, &result, NULL, NULL, NULL);
+    } else {
+        printf("auvid %s node on %s, %s\n\n", AUVID_VERSION_STRING, run->options->bus,
+               run->options->excite ? "exciting" : "passive");
+        report_result(&result, NULL);
+        print_counters(run);
+        print_ticks(run);
+    }
+    return report_exit(&result);
+}
+
+int bus_node(const options_t *options)
+{
+    run_t *run = calloc(1, sizeof *run);
+    if (run == NULL) {
+        return report_error("node: not enough memory");
+    }
+    run->options = options;
+    run->simulated = strcmp(options->bus, "memory") == 0;
+    int status = begin(run);
+    if (status == 0) {
+        auvid_can_frame_t frame[AUVID_NODE_FRAMES];
+        int count = 0;
+        const char *name = run->simulated ? "memory" : options->bus;
+        status = options->log != NULL ? link_log(&run->link, options->log, name) : 0;
+        status = status == 0 ? loop(run) : status;
+        if (run->node.commanding) {
+            (void)auvid_node_halt(&run->node, frame, &count);
+            (void)link_send(&run->link, frame, count);
+        }
+        int report = status == 0 ? finish(run) : 0;
+        if (status == 0 && options->save != NULL &&
+            !prior_file_write(&run->node.id, options->save)) {
+            report = EXIT_REFUSED;
+        }
+        int closed = link_close(&run->link);
+        status = status == 0 ? closed : status;
+        status = status == 0 ? report : status;
+    }
+    free(run);
+    return status;
+}

@@ -1,0 +1,168 @@
+/*
+ * The log doctor on a file: auvid check LOG.csv, and the lines before the result of fit.
+ */
+#include <stdio.h>
+#include <stdlib.h>
+
+#include "auvid/config.h"
+#include "doctor.h"
+#include "doctor_report.h"
+#include "../base/report_error.h"
+
+static const char *const severity_name[] = {"note", "warning", "error"};
+
+/* Of the codes, in JSON. */
+static const char *const code_name[DOCTOR_CODES] = {
+    [DOCTOR_ANGLE_DEGREES] = "angle_degrees",
+    [DOCTOR_RATE_DEGREES] = "rate_degrees",
+    [DOCTOR_ANGLE_SIGN] = "angle_sign",
+    [DOCTOR_RATE_SIGN] = "rate_sign",
+    [DOCTOR_RATE_EXCHANGED] = "rate_exchanged",
+    [DOCTOR_FRAME] = "frame",
+    [DOCTOR_ATTITUDE_SHIFT] = "attitude_shift",
+    [DOCTOR_ATTITUDE] = "attitude",
+    [DOCTOR_INPUT_SIGN] = "input_sign",
+    [DOCTOR_VELOCITY_SIGN] = "velocity_sign",
+    [DOCTOR_EITHER_SIGN] = "either_sign",
+    [DOCTOR_INPUT_EXCHANGED] = "input_exchanged",
+    [DOCTOR_VELOCITY_EXCHANGED] = "velocity_exchanged",
+    [DOCTOR_EITHER_EXCHANGED] = "either_exchanged",
+    [DOCTOR_INPUT_SHIFT] = "input_shift",
+    [DOCTOR_INPUT_WITHOUT_EFFECT] = "input_without_effect",
+    [DOCTOR_DEPTH_SIGN] = "depth_sign",
+    [DOCTOR_DEPTH] = "depth",
+    [DOCTOR_POSITION] = "position",
+    [DOCTOR_SCALE] = "scale",
+    [DOCTOR_HELD] = "held",
+    [DOCTOR_OUTAGE] = "outage",
+    [DOCTOR_STUCK] = "stuck",
+    [DOCTOR_MISSING] = "missing",
+    [DOCTOR_QUANTISED] = "quantised",
+    [DOCTOR_SATURATED] = "saturated",
+    [DOCTOR_VOLTAGE] = "voltage",
+    [DOCTOR_TIME] = "time",
+    [DOCTOR_GAPS] = "gaps",
+    [DOCTOR_SLOW] = "slow",
+    [DOCTOR_SHORT] = "short",
+    [DOCTOR_MOTION] = "motion",
+};
+
+/* Reads a whole open log. Returns 0, or EXIT_REFUSED after one line on stderr. */
+static int examine(doctor_t *doctor, csv_log_t *log)
+{
+    csv_row_t row;
+    int status = csv_rewind(log);
+    if (status != 0) {
+        return status;
+    }
+    doctor_init(doctor, log->has);
+    while ((status = csv_next(log, &row)) == 0) {
+        doctor_feed(doctor, &row);
+    }
+    if (status == CSV_END) {
+        doctor_finish(doctor);
+        status = 0;
+    }
+    return status;
+}
+
+static void print_string(const char *text)
+{
+    putchar('"');
+    for (; *text != '\0'; ++text) {
+        if (*text == '"' || *text == '\\') {
+            printf("\\%c", *text);
+        } else if ((unsigned char)*text < ' ') {
+            printf("\\u%04x", (unsigned)(unsigned char)*text);
+        } else {
+            putchar(*text);
+        }
+    }
+    putchar('"');
+}
+
+static void print_column(const char *key, int column)
+{
+    printf(", \"%s\": ", key);
+    if (column >= 0) {
+        print_string(csv_name[column]);
+    } else {
+        fputs("null", stdout);
+    }
+}
+
+static void print_json(const doctor_t *d, const csv_log_t *log)
+{
+    static const char *const dof[6] = {"surge", "sway", "heave", "roll", "pitch", "yaw"};
+    printf("{\"version\": \"%s\", \"log\": ", AUVID_VERSION_STRING);
+    print_string(log->path);
+    printf(", \"rows\": %.0f, \"seconds\": %.6g, \"usable\": %s, \"verdict\": ", d->rows,
+           d->last_s - d->start_s, d->usable ? "true" : "false");
+    print_string(d->verdict);
+    fputs(", \"usable_motion_s\": {", stdout);
+    for (int j = 0; j < 6; ++j) {
+        printf("%s\"%s\": %.4g", j > 0 ? ", " : "", dof[j], d->usable_s[j]);
+    }
+    fputs("}, \"findings\": [", stdout);
+    for (int i = 0; i < d->findings; ++i) {
+        const doctor_finding_t *f = &d->finding[i];
+        printf("%s\n  {\"severity\": \"%s\", \"code\": \"%s\"", i > 0 ? "," : "",
+               severity_name[f->severity], code_name[f->code]);
+        print_column("column", f->column);
+        print_column("other", f->other);
+        printf(", \"value\": %.6g, \"from_s\": %.9g, \"to_s\": %.9g, \"sentence\": ", f->value,
+               f->from_s, f->to_s);
+        print_string(f->text);
+        putchar('}');
+    }
+    puts("]}");
+}
+
+static void print_text(const doctor_t *d, const csv_log_t *log)
+{
+    printf("auvid %s check: %s\n  %.0f rows in %.0f s\n", AUVID_VERSION_STRING, log->path, d->rows,
+           d->last_s - d->start_s);
+    for (int i = 0; i < d->findings; ++i) {
+        const doctor_finding_t *f = &d->finding[i];
+        printf("  %-8s %s\n", severity_name[f->severity], f->text);
+    }
+    printf("%s\n", d->verdict);
+}
+
+int doctor_check(const char *file, const options_t *options)
+{
+    csv_log_t log = {0};
+    doctor_t *doctor = malloc(sizeof *doctor);
+    if (doctor == NULL) {
+        return report_error("check: not enough memory");
+    }
+    int status = csv_open(&log, file);
+    status = status != 0 ? status : examine(doctor, &log);
+    if (status == 0) {
+        csv_notes(&log);
+        (options->json ? print_json : print_text)(doctor, &log);
+        status = doctor->usable ? 0 : 1;
+    }
+    csv_close(&log);
+    free(doctor);
+    return status;
+}
+
+int doctor_warn(csv_log_t *log)
+{
+    doctor_t *doctor = malloc(sizeof *doctor);
+    if (doctor == NULL) {
+        return report_error("%s: not enough memory", log->path);
+    }
+    int status = examine(doctor, log);
+    for (int i = 0; status == 0 && i < doctor->findings; ++i) {
+        const doctor_finding_t *f = &doctor->finding[i];
+        if (f->severity == DOCTOR_ERROR) {
+            report_error_line("%s: %s", log->path, f->text);
+        } else if (f->severity == DOCTOR_WARNING) {
+            report_warning("%s: %s", log->path, f->text);
+        }
+    }
+    free(doctor);
+    return status;
+}

@@ -1,0 +1,205 @@
+/*
+ * auvid fit: identifies a vehicle from recorded logs, with the recorder, metric and optimizer that
+ * run on board.
+ */
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "../commands.h"
+#include "../doctor/doctor_report.h"
+#include "fit.h"
+#include "heldout.h"
+#include "../report/html.h"
+#include "../report/report.h"
+#include "../base/report_error.h"
+
+/* Exit statuses beside 0, at least one parameter is identifiable, and EXIT_REFUSED, bad usage. */
+enum { EXIT_LOG_REFUSED = 1, EXIT_NOTHING = 3 };
+
+/* Why nothing can be trusted. */
+static const char *why_nothing(const result_t *result, const auvid_identifier_t *id)
+{
+    if (result->estimate.number == 0 || result->estimate.identified == 0) {
+        return "no input varies enough in an unbroken part of the log";
+    }
+    if (result->estimate.not_converged) {
+        return "the search did not converge";
+    }
+    if (!id->exact_inputs && id->attached.uncertain == NULL) {
+        return "the errors of thrust and sensors are not examined: see --thrusters, --plain";
+    }
+    return "each parameter misses something, which the list says";
+}
+
+/* The first line: the exit status in words. Returns the status. */
+static int conclude(const job_t *job, const result_t *result, const auvid_identifier_t *id)
+{
+    int sure = result->estimate.not_converged ? 0 : report_identifiable(&result->estimate), all = 0;
+    for (int i = 0; i < result->vehicle->parameters; ++i) {
+        all += (int)(result->free >> i & 1u);
+    }
+    if (!job->options->json && sure > 0) {
+        printf("%d of %d parameters identified\n", sure, all);
+    } else if (!job->options->json) {
+        printf("nothing identified: %s\n", why_nothing(result, id));
+    }
+    return sure > 0 ? 0 : EXIT_NOTHING;
+}
+
+static const char *input_words(const job_t *job)
+{
+    static const char *const words[] = {"forces and moments", "commands (cmd_*)",
+                                        "forces of the thrusters", "commands of the thrusters"};
+    return job->use.kind == INPUT_COMMAND && job->options->has_gain
+               ? "commands (cmd_*), in newtons by --gain"
+               : words[job->use.kind];
+}
+
+static void print_inputs(const job_t *job, const auvid_identifier_t *id)
+{
+    printf("  inputs   %s, %s\n", input_words(job),
+           job->options->linear_input ? "interpolated linearly between rows"
+                                      : "held until the next row");
+    if (fit_in_commands(job)) {
+        printf("           Parameters are in units of command (cmd). Multiply them by the newtons\n"
+               "           (yaw: newton metres) of one unit of command to get SI units.\n");
+        if (job->options->coupling != COUPLING_OFF) {
+            printf("           Coupling terms assume the same unit in all degrees of freedom.\n");
+        }
+    }
+    if (!id->exact_inputs && id->attached.uncertain == NULL) {
+        printf("           Their errors are not examined: see --thrusters, --plain\n");
+    }
+}
+
+static void print_heading(const job_t *job, const auvid_identifier_t *id)
+{
+    const survey_t *survey = &job->survey;
+    double set_s =
+        1e-6 * id->recorder.cfg.cell_us * id->metric.cfg.row_cells * id->metric.cfg.set_rows;
+    printf("auvid %s fit: %s", AUVID_VERSION_STRING, job->log[0].csv.path);
+    for (int i = 1; i < job->train.logs; ++i) {
+        printf(", %s", job->log[i].csv.path);
+    }
+    printf("\n  log      %zu rows in %.0f s, %zu gap%s over %g s\n", survey->rows, survey->span_s,
+           survey->gaps, survey->gaps == 1 ? "" : "s", survey->gap_s);
+    print_inputs(job, id);
+    printf("  metric   %s, %u set%s of at most %.0f s\n",
+           job->options->literal ? "literal smoothing of the paper: smoothed states, raw wrench"
+                                 : "states and wrench smoothed with the same filter",
+           (unsigned)id->metric.sets.recorded, id->metric.sets.recorded == 1 ? "" : "s", set_s);
+    printf("  model    %s\n", id->metric.cfg.vehicle->name);
+    if (job->error[0] >= 0.0 && job->error[1] >= 0.0) {
+        printf("           chosen by cross-validation: rms residual %.4f coupled, %.4f decoupled,\n"
+               "           relative to the largest input\n",
+               sqrt(job->error[0]), sqrt(job->error[1]));
+    }
+    putchar('\n');
+}
+
+/* The ring of sets holds the newest part of very long logs. */
+static void warn_too_long(const job_t *job, const auvid_identifier_t *id)
+{
+    const auvid_metric_config_t *cfg = &id->metric.cfg;
+    double row_s = 1e-6 * id->recorder.cell_us * cfg->row_cells;
+    if (id->metric.sets.recorded > cfg->sets) {
+        report_warning("%s: only about the last %.1f of %.1f hours are in the estimate, which "
+                       "holds %u rows of %g s: fit parts of the log",
+                       job->log[job->train.logs - 1].csv.path,
+                       row_s * cfg->sets * cfg->set_rows / 3600.0, job->survey.span_s / 3600.0,
+                       (unsigned)cfg->sets * cfg->set_rows, row_s);
+    }
+}
+
+/* What the report says of the logs. */
+static void gather_logs(const job_t *job, const auvid_identifier_t *id, result_t *result)
+{
+    const survey_t *survey = &job->survey;
+    const csv_log_t *test = &job->test_log.csv;
+    result->log = (report_log_t){.path = job->options->train,
+                                 .paths = job->options->trains,
+                                 .rows = survey->rows,
+                                 .duration_s = survey->span_s,
+                                 .velocity_s = 1e-6 * survey_velocity_us(survey),
+                                 .gaps = survey->gaps,
+                                 .gap_s = survey->gap_s};
+    if (job->options->validate != NULL) {
+        result->held_out = (report_log_t){.path = &job->options->validate,
+                                          .paths = 1,
+                                          .rows = test->rows,
+                                          .duration_s = test->last_s - test->first_s};
+    }
+    result->trace = &job->trace;
+    if (id->metric.sets.recorded == 0 && job->use.dofs != 0) {
+        result->remedy = survey->gaps > 0
+                             ? "the log: record a row every 0.2 s or more often, without gaps"
+                             : "the log: record for longer";
+    }
+}
+
+static void gather(const job_t *job, const auvid_identifier_t *id, result_t *result)
+{
+    report_gather(result, id, job->options->seed);
+    gather_logs(job, id, result);
+    result->in_commands = fit_in_commands(job);
+    for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
+        bool excited = (id->estimate.excited >> j & 1u) != 0;
+        result->why[j] = job->why[j];
+        if (!excited && job->why[j] == NULL) {
+            result->why[j] = id->metric.sets.recorded > 0 ? "input hardly varies"
+                             : job->survey.gaps > 0       ? "no 6 s without a gap in the log"
+                                                          : "the log is too short";
+        }
+    }
+}
+
+static int run(job_t *job)
+{
+    const options_t *options = job->options;
+    result_t result;
+    if (fit_choose_free(job) != 0) {
+        return EXIT_REFUSED;
+    }
+    int refused = fit_read_logs(job);
+    for (int i = 0; i < options->trains && refused == 0; ++i) {
+        refused = doctor_warn(&job->log[i].csv);
+    }
+    const fitted_t *fitted = refused == 0 ? fit_choose_model(job) : NULL;
+    if (fitted == NULL) {
+        return EXIT_LOG_REFUSED;
+    }
+    const auvid_identifier_t *id = &fitted->id;
+    gather(job, id, &result);
+    warn_too_long(job, id);
+    if (options->validate != NULL && result.estimate.number > 0 &&
+        heldout_r2(&job->test, &job->use, &id->recorder.cfg, options->seed, &job->trace, &result) !=
+            0) {
+        return EXIT_LOG_REFUSED;
+    }
+    int status = conclude(job, &result, id);
+    if (options->json) {
+        report_json(stdout, &result, NULL, NULL, NULL);
+    } else {
+        print_heading(job, id);
+        report_result(&result, NULL);
+    }
+    return report_html(options, &result, NULL) == 0 ? status : EXIT_REFUSED;
+}
+
+int fit(const options_t *options)
+{
+    job_t *job = calloc(1, sizeof *job);
+    if (job == NULL) {
+        return report_error("fit: not enough memory");
+    }
+    job->options = options;
+    job->error[0] = job->error[1] = -1.0;
+    int status = run(job);
+    fit_close_logs(job);
+    free(job->coupled);
+    free(job->decoupled);
+    free(job);
+    return status;
+}

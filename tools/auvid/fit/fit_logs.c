@@ -1,0 +1,340 @@
+/*
+ * The logs of a fit: which inputs they have, and which degrees of freedom these excite.
+ */
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "fit.h"
+#include "../base/report_error.h"
+
+/* Relative to the largest of all inputs. An input that stays below this value is rounding noise of
+ * zero and does not count as excited. */
+#define NEGLIGIBLE 1e-3
+
+/* Relative to a thruster's largest force. Beyond, the forces are in another unit, or commands. */
+#define MOST_THRUST 2.0
+#define LEAST_THRUST 0.02
+
+/* ---- inputs ---- */
+
+/* Has the log inputs of the model in these six columns? */
+static bool has_dofs(const csv_log_t *log, const auvid_vehicle_t *model, int first)
+{
+    bool any = false;
+    for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
+        any = any || (model->columns[j] != 0 && log->has[first + j]);
+    }
+    return any;
+}
+
+static bool has_thrusters(const csv_log_t *log, int first)
+{
+    bool any = false;
+    for (int k = 0; k < CSV_THRUSTERS; ++k) {
+        any = any || log->has[first + k];
+    }
+    return any;
+}
+
+/* Has the log inputs of the kind in use? */
+static bool has_inputs(const csv_log_t *log, const job_t *job)
+{
+    const log_use_t *use = &job->use;
+    return log_has_thrusters(use) ? log->has[log_input(use, 0)]
+                                  : has_dofs(log, job->options->model, log_input(use, 0));
+}
+
+/* Does the input act in this DoF? */
+static bool acts(const job_t *job, const csv_log_t *log, int j)
+{
+    const log_use_t *use = &job->use;
+    const auvid_allocation_config_t *cfg = &use->allocation.cfg;
+    bool any = false;
+    if (!log_has_thrusters(use)) {
+        return log->has[log_input(use, j)];
+    }
+    for (int k = 0; k < cfg->thrusters; ++k) {
+        any = any || fabs((double)cfg->thruster[k].wrench[j]) > 0.0;
+    }
+    return any && (cfg->dofs == 0 || (cfg->dofs >> j & 1u) != 0);
+}
+
+static int no_inputs(const job_t *job, const csv_log_t *log)
+{
+    bool six = job->options->model->columns[AUVID_ROLL] != 0;
+    return report_error("%s:1:1: no input column (X_N Y_N Z_N %sN_Nm, or cmd_surge cmd_sway "
+                        "cmd_heave %scmd_yaw) in the header",
+                        log->path, six ? "K_Nm M_Nm " : "", six ? "cmd_roll cmd_pitch " : "");
+}
+
+/* Each thruster of the vehicle needs its column, and there may be no other. */
+static int check_thrusters(const job_t *job, const csv_log_t *log)
+{
+    const log_use_t *use = &job->use;
+    int first = use->kind == INPUT_THRUST ? CSV_THRUSTER_N : CSV_THRUSTER;
+    char why[80];
+    (void)snprintf(why, sizeof why, ": %s has %d thrusters", use->vehicle->word, log_inputs(use));
+    for (int k = 0; k < CSV_THRUSTERS; ++k) {
+        if (k < log_inputs(use) && !log->has[log_input(use, k)]) {
+            return csv_missing(log, log_input(use, k), why);
+        }
+        if (k >= log_inputs(use) && log->has[first + k]) {
+            return report_error("%s:%zu:1: there is a column %s%s", log->path, log->header,
+                                csv_name[first + k], why);
+        }
+    }
+    return 0;
+}
+
+/* All thrusters have one delay, because the recorder has one stream of inputs. */
+static int take_delay(job_t *job)
+{
+    const vehicle_t *vehicle = job->use.vehicle;
+    double delay_s = vehicle->map[vehicle->thruster[0].map].delay_s;
+    for (int k = 1; k < log_inputs(&job->use); ++k) {
+        if (fabs(vehicle->map[vehicle->thruster[k].map].delay_s - delay_s) > 0.0) {
+            return report_error("fit: the thrusters of %s have different delays: fit takes one",
+                                vehicle->word);
+        }
+    }
+    job->use.delay_us = job->use.kind == INPUT_THRUST ? 0u : (uint32_t)(1e6 * delay_s + 0.5);
+    return 0;
+}
+
+/* Has the log the commands or speeds of the vehicle's thrusters? */
+static bool has_commands(const job_t *job, const csv_log_t *log)
+{
+    const log_use_t use = {.kind = INPUT_THRUSTER_COMMAND,
+                           .vehicle = job->use.vehicle,
+                           .allocation = job->use.allocation};
+    bool any = false;
+    for (int k = 0; k < log_inputs(&use); ++k) {
+        any = any || log->has[log_input(&use, k)];
+    }
+    return any;
+}
+
+/* Takes the vehicle of the thrusters. Their own forces or commands come before the wrench. */
+static int take_vehicle(job_t *job, const csv_log_t *log)
+{
+    const options_t *options = job->options;
+    log_use_t *use = &job->use;
+    bool newtons = has_thrusters(log, CSV_THRUSTER_N);
+    use->uncertain = options->thrusters != NULL;
+    use->vehicle = options->thrusters != NULL ? options->thrusters
+                   : options->whole           ? options->vehicle
+                                              : NULL;
+    if (use->vehicle == NULL) {
+        return 0;
+    }
+    if (auvid_allocation_init(&use->allocation, use->vehicle->allocation) != AUVID_OK) {
+        return report_error("fit: the thrusters of %s cannot be used", use->vehicle->word);
+    }
+    if (newtons || has_commands(job, log)) {
+        use->kind = newtons ? INPUT_THRUST : INPUT_THRUSTER_COMMAND;
+        return take_delay(job);
+    }
+    return use->kind == INPUT_COMMAND && use->uncertain
+               ? report_error("fit: --%s needs forces and moments (X_N ..), or thruster_1 .., not "
+                              "commands of the axes (cmd_*)%s",
+                              options->whole ? "vehicle" : "thrusters",
+                              options->whole ? "; --model takes the vehicle's model alone" : "")
+               : 0;
+}
+
+/* Finds the inputs of the first log. */
+static int find_inputs(job_t *job)
+{
+    const csv_log_t *log = &job->log[0].csv;
+    const auvid_vehicle_t *model = job->options->model;
+    bool wrench = has_dofs(log, model, CSV_WRENCH), command = has_dofs(log, model, CSV_COMMAND);
+    bool thrusters = has_thrusters(log, CSV_THRUSTER) || has_thrusters(log, CSV_THRUSTER_N);
+    job->use.kind = wrench || !command ? INPUT_WRENCH : INPUT_COMMAND;
+    int status = take_vehicle(job, log);
+    if (status != 0 || log_has_thrusters(&job->use)) {
+        return status;
+    }
+    if (!wrench && !command) {
+        return thrusters ? report_error("%s:1:1: the inputs are those of thrusters: name their "
+                                        "vehicle (--thrusters, --vehicle)",
+                                        log->path)
+                         : no_inputs(job, log);
+    }
+    return job->options->has_gain && job->use.kind != INPUT_COMMAND
+               ? report_error("%s:1:1: --gain needs commands (cmd_*), but the log has forces",
+                              log->path)
+               : 0;
+}
+
+/* ---- columns ---- */
+
+/* Checks that the log has the velocity of each force, and the rate of each moment. */
+static int check_velocities(const job_t *job, const csv_log_t *log)
+{
+    const char *of = log_has_thrusters(&job->use) ? "the thrusters" : NULL;
+    for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
+        if (job->options->model->columns[j] != 0 && acts(job, log, j) && !log->has[CSV_NU + j]) {
+            char why[80];
+            (void)snprintf(why, sizeof why, ", but %s: a %s needs its %s",
+                           of != NULL ? of : csv_name[log_input(&job->use, j)],
+                           j <= AUVID_HEAVE ? "force" : "moment",
+                           j <= AUVID_HEAVE ? "velocity" : "rate");
+            return csv_missing(log, CSV_NU + j, why);
+        }
+    }
+    return 0;
+}
+
+/* Each command in use needs its gain. */
+static int check_gains(const job_t *job, const csv_log_t *log)
+{
+    for (int j = 0; j < AUVID_DOF_COUNT && job->options->has_gain; ++j) {
+        if (job->options->model->columns[j] != 0 && acts(job, log, j) &&
+            !(job->options->gain[j] > 0.0)) {
+            return report_error("%s: %s has no gain: give it too, as in --gain %s=40", log->path,
+                                csv_name[CSV_COMMAND + j], csv_name[CSV_COMMAND + j] + 4);
+        }
+    }
+    return 0;
+}
+
+/* Marks the known columns that are not used. */
+static void ignore_unused(const job_t *job, csv_log_t *log)
+{
+    uint64_t used = UINT64_C(15) << CSV_QUATERNION | UINT64_C(63) << CSV_REFERENCE;
+    for (int k = 0; k < log_inputs(&job->use); ++k) {
+        used |= UINT64_C(1) << log_input(&job->use, k);
+    }
+    if (job->use.kind == INPUT_THRUSTER_COMMAND) {
+        used |= UINT64_C(1) << CSV_VOLTAGE;
+    }
+    for (int c = CSV_WRENCH; c < CSV_COLUMNS; ++c) {
+        if (log->has[c] && !(used >> c & 1u)) {
+            csv_ignore(log, c);
+        }
+    }
+}
+
+static int check_columns(const job_t *job, csv_log_t *log)
+{
+    if (fit_in_commands(job) && job->options->dry_mass_kg > 0.0) {
+        return report_error("%s: --dry-mass needs forces, or commands with --gain: masses are in "
+                            "units of command",
+                            log->path);
+    }
+    int status = log_has_thrusters(&job->use) ? check_thrusters(job, log) : 0;
+    status = status != 0 ? status : check_velocities(job, log);
+    status = status != 0 ? status : check_gains(job, log);
+    ignore_unused(job, log);
+    return status;
+}
+
+/* Opens a log after the first one: its inputs must be of the same kind. */
+static int open_further(job_t *job, log_t *log, const char *path)
+{
+    int status = csv_open(&log->csv, path);
+    if (status == 0 && !has_inputs(&log->csv, job)) {
+        status = report_error("%s:1:1: no input column of the same kind as in %s (%s ..)", path,
+                              job->log[0].csv.path, csv_name[log_input(&job->use, 0)]);
+    }
+    return status != 0 ? status : check_columns(job, &log->csv);
+}
+
+/* ---- what is excited ---- */
+
+/* Are the forces of the thrusters of the size that the vehicle's have? */
+static int check_thrust(const job_t *job)
+{
+    const auvid_allocation_config_t *cfg = &job->use.allocation.cfg;
+    double largest = job->survey.largest_thrust, capacity = 0.0;
+    if (!log_has_thrusters(&job->use)) {
+        return 0;
+    }
+    for (int k = 0; k < cfg->thrusters; ++k) {
+        capacity = fmax(capacity, (double)cfg->thruster[k].max_N);
+    }
+    bool wrong =
+        largest > MOST_THRUST * capacity || (largest > 0.0 && largest < LEAST_THRUST * capacity);
+    return wrong ? report_error("%s: the largest force of a thruster is %.3g N, but those of %s "
+                                "have up to %.3g N: %s",
+                                job->log[0].csv.path, largest, job->use.vehicle->word, capacity,
+                                job->use.kind == INPUT_THRUST
+                                    ? "are the columns thruster_1_N .. in newtons?"
+                                    : "are the commands in the unit of the vehicle's thrust map?")
+                 : 0;
+}
+
+/* Finds the DoF that can be identified, and the largest values of their inputs. */
+static void find_excited(job_t *job)
+{
+    const double *largest = job->survey.largest;
+    double max_input = 0.0;
+    for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
+        max_input = fmax(max_input, largest[j]);
+    }
+    for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
+        bool all = true, reference = !job->options->literal;
+        for (int i = 0; i < job->train.logs; ++i) {
+            all = all && acts(job, &job->log[i].csv, j);
+            reference = reference && job->log[i].csv.has[CSV_REFERENCE + j];
+        }
+        job->use.reference = job->use.reference || reference;
+        if (job->options->model->columns[j] != 0 && !all) {
+            job->why[j] = "no input column";
+        } else if (job->options->model->columns[j] != 0 && !(largest[j] > NEGLIGIBLE * max_input)) {
+            job->why[j] = "input is always zero";
+        } else if (job->options->model->columns[j] != 0) {
+            job->use.dofs = (uint8_t)(job->use.dofs | 1u << j);
+        }
+        bool used = (job->use.dofs >> j & 1u) != 0;
+        job->tau_max[j] = used ? (auvid_real_t)largest[j] : AUVID_C(1.0);
+    }
+}
+
+static int survey_all(job_t *job)
+{
+    survey_t test;
+    int status = survey_begin(&job->survey, job->options->max_gap_s);
+    for (int i = 0; i < job->train.logs && status == 0; ++i) {
+        status = survey_read(&job->survey, &job->log[i], &job->use);
+    }
+    status = status != 0 ? status : check_thrust(job);
+    if (status == 0 && job->test.logs > 0) {
+        status = survey_begin(&test, job->options->max_gap_s);
+        status = status != 0 ? status : survey_read(&test, &job->test_log, &job->use);
+        survey_end(&test);
+    }
+    return status;
+}
+
+int fit_read_logs(job_t *job)
+{
+    const options_t *options = job->options;
+    job->train = (log_set_t){job->log, options->trains};
+    job->test = (log_set_t){&job->test_log, options->validate != NULL};
+    memcpy(job->use.gain, options->gain, sizeof job->use.gain);
+    int status = csv_open(&job->log[0].csv, options->train[0]);
+    status = status != 0 ? status : find_inputs(job);
+    status = status != 0 ? status : check_columns(job, &job->log[0].csv);
+    for (int i = 1; i < options->trains && status == 0; ++i) {
+        status = open_further(job, &job->log[i], options->train[i]);
+    }
+    if (status == 0 && options->validate != NULL) {
+        status = open_further(job, &job->test_log, options->validate);
+    }
+    status = status != 0 ? status : survey_all(job);
+    if (status == 0) {
+        find_excited(job);
+    }
+    return status;
+}
+
+void fit_close_logs(job_t *job)
+{
+    for (int i = 0; i < OPTIONS_LOGS; ++i) {
+        csv_close(&job->log[i].csv);
+    }
+    csv_close(&job->test_log.csv);
+    survey_end(&job->survey);
+}

@@ -1,0 +1,91 @@
+/**
+ * @file log_samples.h
+ * Turns the rows of logs into the samples of their streams: attitude with rates, velocity, inputs,
+ * reference. Each has its own rate; an empty cell is no new sample.
+ */
+#ifndef PROGRAM_LOG_SAMPLES_H
+#define PROGRAM_LOG_SAMPLES_H
+
+#include "auvid/allocation.h"
+#include "csv.h"
+#include "../vehicle/vehicle_file.h"
+
+/** Kind of the inputs of a log. */
+typedef enum {
+    INPUT_WRENCH,          /**< X_N .. */
+    INPUT_COMMAND,         /**< cmd_* */
+    INPUT_THRUST,          /**< thruster_*_N */
+    INPUT_THRUSTER_COMMAND /**< thruster_*, or rpm_* if the thruster's map is of the speed */
+} input_kind_t;
+
+/** How to use the logs. */
+typedef struct {
+    input_kind_t kind;
+    uint8_t dofs;                  /**< bit j: the input of DoF j is used (its velocity exists) */
+    bool reference;                /**< the log has the reference of a controller (ref_*) */
+    const vehicle_t *vehicle;      /**< whose thrusters make the wrench; NULL: not known */
+    bool uncertain;                /**< the errors of its thrusters are estimated */
+    auvid_allocation_t allocation; /**< of its thrusters */
+    uint32_t delay_us;             /**< known time from its commands to their forces */
+    double gain[AUVID_DOF_COUNT];  /**< of the commands: newtons per unit; 0: not known */
+} log_use_t;
+
+/** A log, and how it was found to be. */
+typedef struct {
+    csv_log_t csv;
+    uint64_t start_us; /**< time of its first row in the replay */
+    double held_s;     /**< time for which a velocity is held in the rows; 0: it is not held */
+} log_t;
+
+/** Logs, each a record of its own. */
+typedef struct {
+    log_t *log;
+    int logs;
+} log_set_t;
+
+/** The samples of a row. */
+typedef struct {
+    uint64_t t_us, input_us; /**< time of the row, and from which the inputs act */
+    bool has_attitude, has_input, has_reference;
+    unsigned velocity; /**< bit i: u, v, w is a new sample */
+    auvid_real_t attitude[3], nu[AUVID_DOF_COUNT], wrench[AUVID_DOF_COUNT];
+    auvid_real_t reference[AUVID_DOF_COUNT];
+    auvid_real_t force_N[AUVID_MAX_THRUSTERS]; /**< if the log has the thrusters */
+} log_sample_t;
+
+/** Reader of one log. Private but for the first two. */
+typedef struct {
+    log_t *log;
+    const log_use_t *use;
+    double turns[3];            /* whole revolutions that unwrap each angle so far */
+    double raw[3], angle[3];    /* last angles; unwrapped and propagated */
+    double angle_s, measured_s; /* time of the angles, and when they were measured */
+    double nu[AUVID_DOF_COUNT]; /* last velocities and rates */
+    double velocity_s;          /* time of the last velocity, if there is one */
+    bool has_velocity;
+    double input[AUVID_MAX_THRUSTERS]; /* last inputs */
+    double voltage_V;                  /* last voltage; 0: none yet */
+    double reference[AUVID_DOF_COUNT];
+    uint64_t known; /* bit c: column c had a value */
+} log_reader_t;
+
+/** Are the inputs those of thrusters? */
+bool log_has_thrusters(const log_use_t *use);
+
+/** Number of inputs, and the column of each. */
+int log_inputs(const log_use_t *use);
+int log_input(const log_use_t *use, int k);
+
+/** Computes the wrench of inputs in every DoF, and the forces of thrusters if these are the inputs.
+ * @param voltage_V of the supply; 0: not known
+ * @param force_N [AUVID_MAX_THRUSTERS] */
+void log_wrench(const log_use_t *use, const double *input, double voltage_V,
+                double wrench[AUVID_DOF_COUNT], auvid_real_t *force_N);
+
+/** Starts at the first row. Returns 0, or EXIT_REFUSED after one line on stderr. */
+int log_reader_begin(log_reader_t *reader, log_t *log, const log_use_t *use);
+
+/** Reads the next row. Returns 0, CSV_END, or EXIT_REFUSED after one line on stderr. */
+int log_reader_next(log_reader_t *r, log_sample_t *out);
+
+#endif

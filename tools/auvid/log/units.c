@@ -1,0 +1,153 @@
+#include "units.h"
+
+#include <math.h>
+
+#include "../base/report_error.h"
+
+#define TURN 6.283185307179586
+#define DEGREES 57.29577951308232 /* in a radian */
+#define FEW 0.01                  /* share of rows that may be outliers */
+#define GAP_S 0.5
+#define WINDOW_S 1.0 /* window in which changes of attitude are compared with rates */
+#define WINDOWS 10   /* smallest number of windows for a decision */
+
+#define CONVERT_ANGLES "if the attitude is in degrees, convert it to radians (times pi/180)"
+#define CONVERT_RATES "if the rates are in deg/s, convert them to rad/s (times pi/180)"
+
+/* Adds the step of an angle that wraps at `period`, and the integral of its rate. */
+static void add_step(units_change_t *c, double dt, double step, double rate_sum, double period)
+{
+    if (dt > GAP_S) {
+        c->span = c->turned = c->expected = 0.0;
+        return;
+    }
+    c->span += dt;
+    c->turned += step - period * floor(step / period + 0.5);
+    c->expected += 0.5 * dt * rate_sum;
+    if (c->span >= WINDOW_S) {
+        c->angle2 += c->turned * c->turned;
+        c->rate2 += c->expected * c->expected;
+        c->both += c->turned * c->expected;
+        c->fast += fabs(c->turned) > 1.5 * TURN * c->span;
+        ++c->windows;
+        c->span = c->turned = c->expected = 0.0;
+    }
+}
+
+static void take_angle(units_axis_t *a, double t, double angle)
+{
+    double dt = t - a->t, step = angle - a->angle;
+    if (a->known) {
+        add_step(&a->radians, dt, step, a->latest_rate + a->rate, TURN);
+        add_step(&a->degrees, dt, step, a->latest_rate + a->rate, TURN * DEGREES);
+        if (fabs(step) > 1.5 * TURN && dt <= GAP_S && !(a->step > 0.0)) {
+            a->step = fabs(step);
+            a->step_t = t;
+        }
+    }
+    a->known = true;
+    a->t = t;
+    a->angle = angle;
+    a->rate = a->latest_rate;
+}
+
+void units_row(units_t *units, const csv_row_t *row)
+{
+    for (int k = 0; k < 3; ++k) {
+        units_axis_t *a = &units->axis[k];
+        int angle = CSV_ATTITUDE + k, rate = CSV_NU + 3 + k;
+        if (csv_has(row, rate)) {
+            a->latest_rate = row->value[rate];
+            a->beyond += fabs(a->latest_rate) > TURN;
+            ++a->rates;
+        }
+        if (csv_has(row, angle)) {
+            take_angle(a, row->value[CSV_T], row->value[angle]);
+        }
+    }
+    if (csv_has(row, CSV_ATTITUDE + 1)) {
+        units->beyond += fabs(row->value[CSV_ATTITUDE + 1]) > 0.25 * TURN + 0.01;
+        ++units->pitches;
+    }
+}
+
+/* Does the angle change by about `factor` times the integral of its rate? */
+static bool follows(const units_change_t *c, double factor)
+{
+    double slope = c->rate2 > 0.0 ? c->both / c->rate2 : 0.0;
+    return c->windows >= WINDOWS && slope > 0.5 * factor && slope < 2.0 * factor &&
+           c->both * c->both > 0.81 * c->angle2 * c->rate2;
+}
+
+static double share(size_t part, size_t all)
+{
+    return all > 0 ? (double)part / (double)all : 0.0;
+}
+
+/* An angle in radians jumps by at most one revolution. */
+static int check_steps(const units_axis_t *a, const char *path, int column)
+{
+    return !(a->step > 0.0)
+               ? 0
+               : report_error(
+                     "%s: %s jumps by %.4g at t_s %.9g, but an angle in radians jumps by at "
+                     "most 6.28, one revolution: " CONVERT_ANGLES,
+                     path, csv_name[column], a->step, a->step_t);
+}
+
+static int check_pitch(const units_t *units, const char *path)
+{
+    double part = share(units->beyond, units->pitches);
+    return part <= FEW ? 0
+                       : report_error("%s: theta_rad is beyond +-pi/2 in %.0f %% of the rows, "
+                                      "which no pitch in radians can be: " CONVERT_ANGLES,
+                                      path, 100.0 * part);
+}
+
+static int check_angle(const units_axis_t *a, const char *path, int axis)
+{
+    int angle = CSV_ATTITUDE + axis, rate = CSV_NU + 3 + axis;
+    const units_change_t *c = &a->degrees;
+    if (follows(c, DEGREES)) {
+        return report_error("%s: %s changes 57 times as fast as %s says, so the attitude is in "
+                            "degrees: convert it to radians (times pi/180)",
+                            path, csv_name[angle], csv_name[rate]);
+    }
+    return c->windows < WINDOWS || c->fast <= FEW * c->windows
+               ? 0
+               : report_error(
+                     "%s: %s changes by more than 9.4 per second in %.0f %% of the log, too "
+                     "fast for radians: " CONVERT_ANGLES,
+                     path, csv_name[angle], 100.0 * c->fast / c->windows);
+}
+
+static int check_rate(const units_axis_t *a, const char *path, int axis)
+{
+    int angle = CSV_ATTITUDE + axis, rate = CSV_NU + 3 + axis;
+    double part = share(a->beyond, a->rates);
+    if (follows(&a->radians, 1.0 / DEGREES)) {
+        return report_error("%s: %s is 57 times as large as the change of %s, so the rates are "
+                            "in deg/s: convert them to rad/s (times pi/180)",
+                            path, csv_name[rate], csv_name[angle]);
+    }
+    return part <= FEW
+               ? 0
+               : report_error(
+                     "%s: %s is beyond +-6.28, one revolution per second, in %.0f %% of the "
+                     "rows: " CONVERT_RATES,
+                     path, csv_name[rate], 100.0 * part);
+}
+
+int units_check(const units_t *units, const char *path)
+{
+    int status = check_pitch(units, path);
+    for (int axis = 2; axis >= 0 && status == 0; --axis) {
+        const units_axis_t *a = &units->axis[axis];
+        status = check_steps(a, path, CSV_ATTITUDE + axis);
+        status = status != 0 ? status : check_angle(a, path, axis);
+    }
+    for (int axis = 2; axis >= 0 && status == 0; --axis) {
+        status = check_rate(&units->axis[axis], path, axis);
+    }
+    return status;
+}

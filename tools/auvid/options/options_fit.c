@@ -1,0 +1,152 @@
+#include "options_reader.h"
+
+#include <string.h>
+
+#include "../base/report_error.h"
+#include "../vehicle/decoupled.h"
+
+/* fit --vehicle: its model, thrusters and uncertainties. */
+static int take_whole_vehicle(reader_t *r, options_t *options)
+{
+    int status = take_vehicle(r, options, false);
+    if (status == 0) {
+        options->model = options->vehicle->model;
+        options->whole = true;
+    }
+    return status;
+}
+
+/* --fix or --free: kept as given, because only the model knows its parameter names. */
+static int take_choice(reader_t *r, options_t *options)
+{
+    if (options->choices == OPTIONS_CHOICES) {
+        return report_error("fit: more than %d options --fix and --free", OPTIONS_CHOICES);
+    }
+    const char *text = NULL;
+    if (take_value(r, &text) != 0) {
+        return EXIT_REFUSED;
+    }
+    if ((strchr(text, '=') != NULL) != option_is(r, "--fix")) {
+        return report_error("%s: '%s' is not %s", r->name, text,
+                            option_is(r, "--fix") ? "NAME=VALUE" : "NAME,NAME,..");
+    }
+    options->choice[options->choices++] = text;
+    return 0;
+}
+
+/* AXIS=NEWTONS: of one unit of this axis' command. */
+static int take_gain(reader_t *r, options_t *options)
+{
+    static const char *const axes[AUVID_DOF_COUNT] = {"surge", "sway",  "heave",
+                                                      "roll",  "pitch", "yaw"};
+    const char *text = NULL, *end = NULL;
+    if (take_value(r, &text) != 0) {
+        return EXIT_REFUSED;
+    }
+    size_t length = strcspn(text, "=");
+    for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
+        double x = 0.0;
+        if (strlen(axes[j]) == length && strncmp(text, axes[j], length) == 0 &&
+            text[length] == '=' && to_real(text + length + 1, &end, &x) && *end == '\0' &&
+            x > 0.0 && x <= 1e6) {
+            options->gain[j] = x;
+            options->has_gain = true;
+            return 0;
+        }
+    }
+    return report_error("--gain: '%s' is not AXIS=NEWTONS, as in surge=40; newtons above 0, at "
+                        "most 1e6",
+                        text);
+}
+
+/* Largest gap that the cells of the recorder span [s]. */
+#define MAX_GAP_S 1.0
+
+static int take_max_gap(reader_t *r, options_t *options)
+{
+    int status = take_number(r, MAX_GAP_S, &options->max_gap_s);
+    return status == 0 && options->max_gap_s < 0.1
+               ? report_error("--max-gap: %g s is shorter than a cell of 0.1 s", options->max_gap_s)
+               : status;
+}
+
+static int fit_option(reader_t *r, options_t *options)
+{
+    static const char *const inputs[] = {"hold", "linear"};
+    static const char *const couplings[] = {"auto", "on", "off"};
+    int choice = 0, status = 0;
+    if (option_is(r, "--validate")) {
+        return take_value(r, &options->validate);
+    }
+    if (option_is(r, "--report")) {
+        return take_value(r, &options->report);
+    }
+    if (option_is(r, "--bounds")) {
+        return take_bounds(r, options);
+    }
+    if (option_is(r, "--bias")) {
+        return take_flag(r, &options->bias);
+    }
+    if (option_is(r, "--input")) {
+        status = take_word(r, inputs, 2, &choice);
+        options->linear_input = choice == 1;
+        return status;
+    }
+    if (option_is(r, "--coupling")) {
+        status = take_word(r, couplings, 3, &choice);
+        options->coupling = (coupling_t)choice;
+        return status;
+    }
+    if (option_is(r, "--model")) {
+        return take_model(r, options);
+    }
+    if (option_is(r, "--thrusters")) {
+        return take_thrusters(r, options);
+    }
+    if (option_is(r, "--dry-mass")) {
+        return take_number(r, 1e6, &options->dry_mass_kg);
+    }
+    if (option_is(r, "--max-gap")) {
+        return take_max_gap(r, options);
+    }
+    if (option_is(r, "--gain")) {
+        return take_gain(r, options);
+    }
+    if (option_is(r, "--vehicle")) {
+        return take_whole_vehicle(r, options);
+    }
+    if (option_is(r, "--fix") || option_is(r, "--free")) {
+        return take_choice(r, options);
+    }
+    return report_error("fit: unknown option %s (see auvid --help)", r->name);
+}
+
+int options_fit(options_t *options, int count, char **argument)
+{
+    words_t train = {.room = OPTIONS_LOGS};
+    int status = options_read(options, count, argument, "fit", fit_option, &train);
+    memcpy(options->train, train.word, sizeof options->train);
+    options->trains = train.count;
+    if (status == 0 && train.count == 0) {
+        return report_error("fit: no TRAIN.csv given");
+    }
+    if (status == 0 && options->coupling == COUPLING_OFF && options->model != &auvid_girona500 &&
+        !decoupled_exists(options->model)) {
+        return report_error("fit: --coupling off needs the model of Girona500 or of Fossen: the "
+                            "model %s has no form without coupling",
+                            options->model->name);
+    }
+    if (status == 0 && options->dry_mass_kg > 0.0 && !(options->dry_mass_kg < options->upper)) {
+        return report_error("fit: --dry-mass %g is not below the upper bound of the masses, %g: "
+                            "see --bounds",
+                            options->dry_mass_kg, options->upper);
+    }
+    if (status == 0 && options->whole && options->thrusters == NULL && !options->plain &&
+        !options->literal) {
+        options->thrusters = options->vehicle;
+    } else if (status == 0 && options->thrusters != NULL && (options->plain || options->literal)) {
+        return report_error("fit: --thrusters and %s cannot be combined",
+                            options->plain ? "--plain" : "--literal");
+    }
+    return status;
+}

@@ -1,0 +1,242 @@
+#include "report.h"
+
+#include <errno.h>
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "../base/report_error.h"
+
+const char *const report_dof_name[AUVID_DOF_COUNT] = {"surge", "sway",  "heave",
+                                                      "roll",  "pitch", "yaw"};
+
+int report_dofs(const auvid_vehicle_t *model, auvid_dof_t dof[AUVID_DOF_COUNT])
+{
+    int count = 0;
+    for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
+        if (model->columns[j] != 0) {
+            dof[count++] = (auvid_dof_t)j;
+        }
+    }
+    return count;
+}
+
+const char *report_status(const result_t *result)
+{
+    if (result->estimate.number == 0 || result->estimate.identified == 0) {
+        return "not_excited";
+    }
+    return result->estimate.not_converged ? "not_converged" : "ok";
+}
+
+int report_exit(const result_t *result)
+{
+    return strcmp(report_status(result), "ok") == 0 ? 0 : 1;
+}
+
+void report_gather(result_t *result, const auvid_identifier_t *id, uint64_t seed)
+{
+    const auvid_actuation_t *a = id->actuation;
+    const auvid_estimate_t *estimate = auvid_identifier_estimate(id);
+    *result = (result_t){.seed = seed,
+                         .vehicle = id->metric.cfg.vehicle,
+                         .free = id->metric.cfg.free,
+                         .estimate = estimate != NULL ? *estimate : id->estimate,
+                         .budget = AUVID_DEFAULT_BUDGET,
+                         .max_work = id->work.max_units,
+                         .change_test = id->change_test,
+                         .cell_s = 1e-6 * id->recorder.cell_us,
+                         .has_guard = a != NULL && a->excitation.cfg.segments > 0,
+                         .guard = a != NULL ? a->guard.state : AUVID_GUARD_DISARMED};
+    if (a != NULL) {
+        result->trip = a->guard.trip;
+    }
+    result->inputs_estimated = id->attached.uncertain != NULL;
+    if (id->attached.uncertain != NULL) {
+        (void)auvid_uncertain_causes(id->attached.uncertain, &result->causes);
+    }
+}
+
+void report_add_truth(result_t *result, const vehicle_sim_t *vehicle_sim)
+{
+    double truth[VEHICLE_SIM_PARAMETERS];
+    vehicle_sim_truth(vehicle_sim, truth);
+    result->has_truth = true;
+    if (vehicle_sim->causes.number > 0) {
+        result->causes = vehicle_sim->causes;
+    }
+    for (int i = 0; i < result->vehicle->parameters; ++i) {
+        result->truth[i] = truth[i];
+        if (vehicle_sim->estimated >> i & 1u) {
+            result->estimate.pi[i] = (auvid_real_t)vehicle_sim->estimate[i];
+            result->estimate.confidence.sigma[i] =
+                (auvid_real_t)fmin(vehicle_sim->sigma[i], (double)AUVID_LARGEST);
+        }
+    }
+}
+
+double report_rms_percent(const auvid_estimate_t *estimate, const double *truth)
+{
+    double squares = 0.0;
+    int count = 0;
+    for (int i = 0; i < AUVID_MAX_PARAMETERS; ++i) {
+        if ((estimate->identified >> i & 1u) && fabs(truth[i]) > 0.0) {
+            double error = (double)estimate->pi[i] / truth[i] - 1.0;
+            squares += error * error;
+            ++count;
+        }
+    }
+    return count > 0 ? 100.0 * sqrt(squares / count) : 0.0;
+}
+
+int report_identifiable(const auvid_estimate_t *estimate)
+{
+    int count = 0;
+    for (int i = 0; i < AUVID_MAX_PARAMETERS && estimate->number > 0; ++i) {
+        count += (int)(estimate->confidence.identifiable >> i & 1u);
+    }
+    return count;
+}
+
+/* Units for inputs that are commands: a force is measured in commands. */
+static const char *unit_in_commands(const auvid_parameter_t *parameter)
+{
+    bool moment = parameter->dof >= AUVID_ROLL;
+    switch (parameter->kind) {
+    case AUVID_PARAMETER_MASS:
+        return "cmd s2/m";
+    case AUVID_PARAMETER_LINEAR_DRAG:
+        return moment ? "cmd s" : "cmd s/m";
+    case AUVID_PARAMETER_QUADRATIC_DRAG:
+        return moment ? "cmd s2" : "cmd s2/m2";
+    case AUVID_PARAMETER_FORCE:
+        return "cmd";
+    case AUVID_PARAMETER_INERTIA:
+    case AUVID_PARAMETER_OTHER:
+    default:
+        return strcmp(parameter->unit, "Nm") == 0 ? "cmd" : "cmd s2";
+    }
+}
+
+const char *report_unit(const result_t *result, int i)
+{
+    const auvid_parameter_t *parameter = &result->vehicle->parameter[i];
+    return result->in_commands ? unit_in_commands(parameter) : parameter->unit;
+}
+
+bool report_is_identified(const result_t *result, int i)
+{
+    return result->estimate.number > 0 && (result->estimate.identified >> i & 1u) != 0;
+}
+
+bool report_is_driven(const result_t *result, auvid_dof_t j)
+{
+    return result->estimate.number > 0 && (result->estimate.excited >> j & 1u) != 0;
+}
+
+bool report_is_modelled(const result_t *result, auvid_dof_t j)
+{
+    return result->vehicle->columns[j] != 0;
+}
+
+bool report_is_at_bound(const result_t *result, int i)
+{
+    return result->estimate.confidence.note[i] == AUVID_NOTE_AT_BOUND;
+}
+
+double report_sigma(const result_t *result, int i)
+{
+    auvid_real_t sigma = result->estimate.confidence.sigma[i];
+    return report_is_identified(result, i) && sigma < AUVID_LARGEST ? (double)sigma : HUGE_VAL;
+}
+
+double report_sigma_told(const result_t *result, int i)
+{
+    auvid_real_t variance = auvid_estimate_covariance(&result->estimate, result->vehicle, i, i);
+    return isfinite(report_sigma(result, i)) ? sqrt((double)variance) : HUGE_VAL;
+}
+
+const double report_drag_part[REPORT_DRAG_PARTS] = {0.3, 0.6, 1.0};
+
+bool report_drag(const result_t *result, auvid_dof_t j, bool backward, int part, auvid_drag_t *drag)
+{
+    double largest = (double)result->estimate.speed[j][backward] * (backward ? -1.0 : 1.0);
+    auvid_real_t speed = (auvid_real_t)(report_drag_part[part] * largest);
+    return fabs(largest) > 0.0 &&
+           auvid_estimate_drag(&result->estimate, result->vehicle, j, speed, drag) == AUVID_OK;
+}
+
+double report_true_drag(const result_t *result, auvid_dof_t j, double speed)
+{
+    double force = 0.0;
+    for (int i = 0; i < result->vehicle->parameters; ++i) {
+        const auvid_parameter_t *p = &result->vehicle->parameter[i];
+        if (p->dof == j && p->kind == AUVID_PARAMETER_LINEAR_DRAG) {
+            force += result->truth[i] * speed;
+        } else if (p->dof == j && p->kind == AUVID_PARAMETER_QUADRATIC_DRAG) {
+            force += result->truth[i] * speed * fabs(speed);
+        }
+    }
+    return force;
+}
+
+void report_note(const result_t *result, int i, char *text, size_t size)
+{
+    const auvid_parameter_t *parameter = &result->vehicle->parameter[i];
+    const char *why = result->why[parameter->dof];
+    const auvid_confidence_t *c = &result->estimate.confidence;
+    bool unactuated = c->note[i] == AUVID_NOTE_NOT_EXCITED && c->partner[i] != 0;
+    if (!report_is_identified(result, i) && (why != NULL || !unactuated)) {
+        (void)snprintf(text, size, "%s", why != NULL ? why : "not excited");
+    } else {
+        (void)auvid_confidence_note(&result->estimate.confidence, result->vehicle, i, text, size);
+    }
+}
+
+bool report_missing(const result_t *result, unsigned which, char *text, size_t size)
+{
+    const auvid_estimate_t *e = &result->estimate;
+    auvid_parameter_t parameter[AUVID_MAX_PARAMETERS];
+    if (result->remedy != NULL) {
+        (void)snprintf(text, size, "%s", which == 0 ? result->remedy : "");
+        return which == 0;
+    }
+    auvid_vehicle_t vehicle = *result->vehicle;
+    for (int i = 0; i < vehicle.parameters; ++i) {
+        parameter[i] = result->vehicle->parameter[i];
+        parameter[i].unit = report_unit(result, i);
+    }
+    vehicle.parameter = parameter;
+    return auvid_confidence_missing(e->number > 0 ? &e->confidence : NULL, &vehicle, result->free,
+                                    which, text, size) == AUVID_OK;
+}
+
+bool report_cause(const result_t *result, unsigned which, char *text, size_t size)
+{
+    return auvid_causes_sentence(&result->causes, result->vehicle, which, text, size) == AUVID_OK;
+}
+
+const char *report_cause_unit(auvid_guard_cause_t cause)
+{
+    static const char *const unit[AUVID_GUARD_CAUSE_COUNT] = {
+        [AUVID_GUARD_TIME] = "s",           [AUVID_GUARD_TICK] = "s",
+        [AUVID_GUARD_LINK] = "s",           [AUVID_GUARD_IMU_STALE] = "s",
+        [AUVID_GUARD_VELOCITY_STALE] = "s", [AUVID_GUARD_DEPTH_STALE] = "s",
+        [AUVID_GUARD_ALTITUDE_STALE] = "s", [AUVID_GUARD_APPLIED_STALE] = "s",
+        [AUVID_GUARD_DEPTH_MIN] = "m",      [AUVID_GUARD_DEPTH_MAX] = "m",
+        [AUVID_GUARD_ALTITUDE] = "m",       [AUVID_GUARD_ROLL] = "rad",
+        [AUVID_GUARD_PITCH] = "rad",        [AUVID_GUARD_SPEED] = "m/s",
+        [AUVID_GUARD_YAW_RATE] = "rad/s",   [AUVID_GUARD_DISTANCE] = "m",
+        [AUVID_GUARD_RUN_TIME] = "s",       [AUVID_GUARD_SATURATION] = "s"};
+    const char *found = (unsigned)cause < AUVID_GUARD_CAUSE_COUNT ? unit[cause] : NULL;
+    return found == NULL ? "" : found;
+}
+
+int report_finish(int status)
+{
+    errno = 0;
+    if (fflush(stdout) != 0 || ferror(stdout)) {
+        return report_error("standard output: cannot be written: %s", strerror(errno));
+    }
+    return status;
+}

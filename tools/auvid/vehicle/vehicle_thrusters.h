@@ -1,0 +1,24 @@
+/**
+ * @file vehicle_thrusters.h
+ * The sections [thruster.N], [group.NAME] and [excitation] of a vehicle file.
+ */
+#ifndef PROGRAM_VEHICLE_THRUSTERS_H
+#define PROGRAM_VEHICLE_THRUSTERS_H
+
+#include "../base/ini.h"
+#include "vehicle_file.h"
+
+/** Largest number of thrusters in a file. */
+enum {
+    VEHICLE_THRUSTERS = AUVID_MAX_THRUSTERS < SIM_THRUSTERS ? AUVID_MAX_THRUSTERS : SIM_THRUSTERS
+};
+
+/** Reads thrusters and the maps of their groups, for allocation and simulator.
+ * @return false after a message */
+bool vehicle_thrusters_read(ini_t *ini, vehicle_t *v);
+
+/** Checks that model and thrusters have the wrenches of [excitation], one by one and together.
+ * @return false after a message */
+bool vehicle_excitation_check(ini_t *ini, const vehicle_t *v);
+
+#endif
