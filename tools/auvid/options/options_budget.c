@@ -4,9 +4,9 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "../base/report_error.h"
 #include "auvid/identifier.h"
 #include "options_reader.h"
-#include "../base/report_error.h"
 
 #define HALF_A_TICK_S AUVID_C(0.01)
 
