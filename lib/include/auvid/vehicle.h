@@ -168,7 +168,8 @@ typedef struct {
  * @return AUVID_OK; AUVID_ERR_NULL (vehicle or its parameter table is NULL); AUVID_ERR_SIZE
  * (built_for is NULL or not AUVID_BUILD: the model may have been compiled with other sizes);
  * AUVID_ERR_PARAMETERS (n out of range); AUVID_ERR_MODEL (no path; neither residual nor regressor;
- * no DoF modelled; a mask or `affine` has a parameter >= n; a parameter's dof is not modelled;
+ * `thrust` without residual or ignores_inputs; no DoF modelled; a mask or `affine` has a parameter
+ * >= n; a parameter's dof is not modelled;
  * `reads` of a DoF has a velocity >= 6 or lacks the DoF's own). Cost: O(n). */
 auvid_status_t auvid_vehicle_check(const auvid_vehicle_t *vehicle);
 

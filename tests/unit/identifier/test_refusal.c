@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "auvid/node.h"
+#include "by_residual.h"
 #include "unity.h"
 
 static auvid_identifier_config_t cfg;
@@ -393,6 +394,16 @@ static void test_a_field_of_the_identifier_is_named(void)
     assert_why(&node.id.refusal, "", "selftest", -1, 0, 0);
 }
 
+static bool no_thrust(const void *context, const auvid_sample_t *sample, const auvid_real_t *pi,
+                      auvid_real_t *tau)
+{
+    (void)context;
+    (void)sample;
+    (void)pi;
+    (void)tau;
+    return false;
+}
+
 static void test_a_member_of_the_model_is_named(void)
 {
     static auvid_parameter_t parameter[AUVID_G500_COUNT];
@@ -406,6 +417,10 @@ static void test_a_member_of_the_model_is_named(void)
     NAMED(MODEL, "vehicle", "path", -1, 0, 0, vehicle.path = NULL);
     NAMED(MODEL, "vehicle", "residual", -1, 0, 0,
           (vehicle.regressor = NULL, vehicle.residual = NULL));
+    NAMED(MODEL, "vehicle", "residual", -1, 0, 0,
+          (vehicle.thrust = no_thrust, vehicle.ignores_inputs = true));
+    NAMED(MODEL, "vehicle", "thrust", -1, 0, 0,
+          (vehicle = by_residual_girona500(), vehicle.thrust = no_thrust));
     NAMED(MODEL, "vehicle", "reads", 2, 0, 0, vehicle.reads[2] = 1);
     NAMED(MODEL, "vehicle", "columns", 1, 0, 0, vehicle.columns[1] |= 1u << 31);
     NAMED(MODEL, "vehicle", "affine", -1, 0, 0, vehicle.affine = 1u << 31);
