@@ -66,6 +66,7 @@ POINTERS = PATHS | {
     r"functions->step\(": r"auvid_actuation\.c:actuation_step$",
     r"functions->refuse\(": r"auvid_actuation\.c:actuation_refuse$",
     r"a->shape\(": r"auvid_adaptive\.c:adaptive_apply$",
+    r"\bc->other->acceleration\(": r":vehicle_g500_acceleration",
     r"node->arm\(": r"auvid_actuation\.c:auvid_identifier_arm",
     r"(\bextra->|uncertain_extra\.)(finish|cell|take)\(": NOTHING,
     r"\badd\(context, slot": NOTHING,

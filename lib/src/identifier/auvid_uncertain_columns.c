@@ -119,8 +119,8 @@ enum {
 };
 
 /* Equations, a bit each: of the forces; with columns of current and lever arm. */
-#define FORCE_DOFS 7u
-#define PLANAR_DOFS (1u << AUVID_SURGE | 1u << AUVID_SWAY | 1u << AUVID_YAW)
+#define OF_FORCES 7u
+#define OF_PLANAR (1u << AUVID_SURGE | 1u << AUVID_SWAY | 1u << AUVID_YAW)
 
 /* ln x for x > 0, error below 1e-6: x = m 2^e, ln m = 2 atanh((m - 1) / (m + 1)). */
 static auvid_real_t uncertain_ln(auvid_real_t x)
@@ -313,7 +313,7 @@ static void uncertain_late_columns(const auvid_uncertain_t *u, const auvid_metri
         for (int i = first; i < first + 3; ++i) {
             moved.nu[i] += (first == AUVID_SURGE ? LEAST_STEP : -LEAST_STEP) * cell->nu_dot[i];
         }
-        uncertain_predict(u, m, &moved, FORCE_DOFS << other, wrench);
+        uncertain_predict(u, m, &moved, OF_FORCES << other, wrench);
         for (int j = other; j < other + 3; ++j) {
             sum[j][MOTION_AT + AUVID_UNCERTAIN_DVL_LATE] =
                 (other == AUVID_SURGE ? sum[j][SUM_DELAY] : AUVID_C(0.0)) +
@@ -328,7 +328,7 @@ static void uncertain_motion_columns(const auvid_uncertain_t *u, const auvid_met
 {
     auvid_real_t before[AUVID_DOF_COUNT], after[AUVID_DOF_COUNT];
     auvid_sample_t moved = *cell;
-    uncertain_predict(u, m, cell, FORCE_DOFS | FORCE_DOFS << AUVID_ROLL, before);
+    uncertain_predict(u, m, cell, OF_FORCES | OF_FORCES << AUVID_ROLL, before);
     if (u->cfg.dvl_late_s > AUVID_C(0.0)) {
         uncertain_late_columns(u, m, cell, before, sum);
     }
@@ -336,7 +336,7 @@ static void uncertain_motion_columns(const auvid_uncertain_t *u, const auvid_met
         auvid_real_t step = uncertain_difference_step(u, n);
         if (auvid_uncertain_configured(u, n) > AUVID_C(0.0)) {
             uncertain_move(&moved, cell, r, n, step);
-            uncertain_predict(u, m, &moved, PLANAR_DOFS, after);
+            uncertain_predict(u, m, &moved, OF_PLANAR, after);
             for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
                 sum[j][MOTION_AT + n] = (after[j] - before[j]) / step;
                 before[j] = after[j];

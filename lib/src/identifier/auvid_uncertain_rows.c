@@ -51,7 +51,7 @@ static int uncertain_waiting(const auvid_uncertain_t *u)
 }
 
 /* Rotate rows that wait into the factors, at most this many. */
-static void uncertain_rotate_waiting(auvid_uncertain_t *u, int most)
+static void uncertain_rotate_rows(auvid_uncertain_t *u, int most)
 {
     for (int k = 0; u->recorded.pending >> k != 0 && most > 0; ++k) {
         if ((u->recorded.pending >> k & 1) != 0 && !auvid_uncertain_reads(u, k / 2)) {
@@ -156,7 +156,7 @@ static void uncertain_cell(void *context, const auvid_metric_t *m, const auvid_s
 {
     auvid_uncertain_t *u = context;
     auvid_uncertain_rows_t *r = &u->recorded;
-    uncertain_rotate_waiting(u, uncertain_waiting(u) - uncertain_may_wait(m, place->n));
+    uncertain_rotate_rows(u, uncertain_waiting(u) - uncertain_may_wait(m, place->n));
     r->takes_rows = uncertain_takes_rows(u);
     if (place->n == 0) {
         memset(r->successive, 0, sizeof r->successive);
@@ -199,7 +199,7 @@ bool auvid_uncertain_add_cell(auvid_uncertain_t *u)
 
 void auvid_uncertain_rotate(auvid_uncertain_t *u)
 {
-    uncertain_rotate_waiting(u, 1);
+    uncertain_rotate_rows(u, 1);
 }
 
 const struct auvid_metric_extra auvid_uncertain_extra = {uncertain_finish, uncertain_cell,
