@@ -53,7 +53,7 @@ PATHS = {
     r"(phase->next|\)->restart)\(": r"auvid_identifier_begin_tests$|"
     r"_(work|validate)\.c:identifier_(begin|end|restart|publish)_\w+$",
 }
-NOTHING = r"(?!)"  # the example has no uncertain inputs
+NOTHING = r"(?!)"  # the example has no uncertain inputs, known forces or thrusters' model
 # What calls through pointers lead to in the example, by a pattern of the line of source: functions
 # of auvid_girona500, the metric's prior, the thrusters' log, and the driver's interrupt.
 POINTERS = PATHS | {
@@ -66,7 +66,8 @@ POINTERS = PATHS | {
     r"functions->step\(": r"auvid_actuation\.c:actuation_step$",
     r"functions->refuse\(": r"auvid_actuation\.c:actuation_refuse$",
     r"a->shape\(": r"auvid_adaptive\.c:adaptive_apply$",
-    r"\bc->other->acceleration\(": r":vehicle_g500_acceleration",
+    r"\bc->other->\w+\(": NOTHING,
+    r"\bvehicle->thrust\(": NOTHING,
     r"node->arm\(": r"auvid_actuation\.c:auvid_identifier_arm",
     r"(\bextra->|uncertain_extra\.)(finish|cell|take)\(": NOTHING,
     r"\badd\(context, slot": NOTHING,
