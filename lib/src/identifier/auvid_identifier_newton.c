@@ -41,11 +41,12 @@ static void identifier_try_newton(auvid_identifier_t *id)
     auvid_metric_cost_begin(&id->metric, id->work.candidate, id->work.delay_s);
 }
 
-/* Weight and mean of parameter p's prior in DoF j's equation; 0: it has none. */
+/* Weight and mean of parameter p's prior in DoF j's equation; both 0: it has none. */
 static auvid_real_t identifier_newton_prior(const auvid_identifier_t *id, int j, int p,
                                             auvid_real_t *mean)
 {
     const auvid_metric_t *m = &id->metric;
+    *mean = AUVID_C(0.0);
     return m->prior_weight == NULL ? AUVID_C(0.0) : m->prior_weight(m, j, p, mean);
 }
 
