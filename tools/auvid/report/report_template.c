@@ -380,6 +380,7 @@ static const char *const report_template_0[] = {
     "    \"identified.\"); }\n",
     "  const rows = Object.keys(found.drag).flatMap(dragRows);\n",
     "  return [\n",
+    "    found.thrust && make(\"p\", {}, sentence(found.thrust)),\n",
     "    make(\"div\", { class: \"soft\" }, \"Estimate and 95 % interval, as a part of the",
     " estimate: the \" +\n",
     "      \"axis is \\u00b150\\u00a0% (dashed: wider), grey is \\u00b120\\u00a0%. \",\n",
