@@ -9,8 +9,8 @@ mkdir -p "$LOGS"
 [ -z "${AUVID_TEST_LONG:-}" ] || which=list
 mapfile -t boards < <(port/cortex_m/board.sh $which)
 # Figures of all boards (rooms are of one that is in every list), and of these.
-grep -E "^(key|sizeof|rooms|[a-z]+/(all|$(IFS='|' && echo "${boards[*]}"))/)" tests/firmware/size.csv \
-    >"$baseline"
+grep -E "^(key|sizeof|rooms|[a-z]+/(all|$(IFS='|' && echo "${boards[*]}"))/)" \
+    tests/firmware/size.csv >"$baseline"
 if tests/firmware/size.py "${boards[@]}" >"$figures" &&
     out=$(tests/firmware/baseline.py "$baseline" "$figures"); then
     echo "ok $out"
