@@ -16,7 +16,7 @@ export COMPILE="clang -std=c11 -O1 -g1 $sanitize ${CFLAGS:-} -Ilib/include -Ilib
 -Iport/linux_socketcan -Itools/auvid -Itools/simulator"
 sources=(lib/src/*/*.c port/linux_socketcan/bus.c port/linux_socketcan/bus_candump.c
     tools/auvid/base/{ini,report_error}.c
-    tools/auvid/vehicle/{thrust_map,vehicle_keys,vehicle_terms,vehicle_thrusters,vehicle_file}.c
+    tools/auvid/vehicle/{thrust_map,vehicle_*}.c
     tools/simulator/{simulator,sensors,noise,fossen}.c)
 objects=("${sources[@]##*/}")
 objects=("${objects[@]/#/$OUT/objects/}")
