@@ -42,8 +42,8 @@
  * wrench, there is no estimate with uncertain inputs.
  *
  * Regressor path only. Attach it once; a program without it does not contain it. A checkpoint
- * (checkpoint.h) contains its state. Cost: a tick of the example on a Cortex-M4F takes 23 thousand
- * instructions instead of 17 on average, 80 instead of 76 at most. Memory:
+ * (checkpoint.h) contains its state. Cost: a tick of the example on a Cortex-M4F takes 22 thousand
+ * instructions instead of 17 on average, 79 instead of 75 at most. Memory:
  * sizeof(auvid_uncertain_t), 26 KiB with default sizes; AUVID_MAX_UNCERTAIN chooses for how many
  * columns.
  *
