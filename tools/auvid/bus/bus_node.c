@@ -11,7 +11,7 @@
 #include "../base/report_error.h"
 #include "../report/report.h"
 #include "../fit/prior_file.h"
-#include "world.h"
+#include "bus_identifier.h"
 
 /* Largest number of frames per turn of the loop: more than a full bus transmits in a tick. */
 #define MAX_FRAMES 512
@@ -21,11 +21,7 @@
 
 typedef struct {
     const options_t *options;
-    auvid_node_t node;
-    auvid_actuation_t actuation;
-    auvid_validation_t prediction;
-    auvid_change_detector_t change;
-    auvid_uncertain_t uncertain;
+    bus_identifier_t own;
     auvid_prior_t prior;
     link_t link;
     vehicle_sim_t vehicle_sim; /* --bus memory: the vehicle in this process */
@@ -39,30 +35,11 @@ typedef struct {
 static int begin(run_t *run)
 {
     const options_t *o = run->options;
-    const world_config_t world = {.vehicle = o->vehicle, .seed = o->seed, .sets = o->sets};
-    auvid_identifier_config_t identifier;
-    auvid_node_config_t cfg;
-    world_identifier(&identifier, &world);
-    options_uncertainty(o, &identifier.uncertainty);
-    identifier.exact_inputs = o->plain;
-    auvid_node_defaults(&cfg);
-    cfg.answer = o->lock_step || run->simulated;
-    auvid_status_t status = auvid_node_init(&run->node, &cfg, o->vehicle->allocation, &identifier);
-    if (status < 0) {
-        return report_refused("node", status, &run->node.id.refusal, &identifier);
-    }
-    (void)auvid_identifier_attach_prediction(&run->node.id, &run->prediction);
-    (void)auvid_identifier_attach_change_test(&run->node.id, &run->change);
-    status = o->plain ? AUVID_OK : world_uncertain(&run->node, &run->uncertain, o->vehicle);
-    if (status < 0) {
-        return report_error("node: uncertain inputs: %s", auvid_status_str(status));
-    }
-    status = o->excite ? world_excite(&run->node, &run->actuation, &world) : AUVID_OK;
-    if (status < 0) {
-        return report_refused("node", status, &run->actuation.refusal, NULL);
+    if (bus_identifier_begin(&run->own, o, o->lock_step || run->simulated, o->excite) != 0) {
+        return EXIT_REFUSED;
     }
     if (o->prior != NULL) {
-        (void)prior_file_read(&run->node.id, &run->prior, o->prior);
+        (void)prior_file_read(&run->own.node.id, &run->prior, o->prior);
     }
     if (!run->simulated) {
         return link_open(&run->link, "node", o);
@@ -84,7 +61,7 @@ static int begin(run_t *run)
 static int serve(run_t *run, const uint64_t *clock_us)
 {
     auvid_can_frame_t frame[AUVID_NODE_FRAMES];
-    auvid_node_t *node = &run->node;
+    auvid_node_t *node = &run->own.node;
     uint64_t began_us = tick_now_us();
     int count = 0;
     (void)auvid_node_step(node, clock_us, frame, &count);
@@ -107,7 +84,7 @@ static int receive(run_t *run)
     auvid_can_frame_t frame;
     int got = 0;
     for (int k = 0; k < MAX_FRAMES && (got = link_receive(&run->link, &frame)) > 0; ++k) {
-        if (auvid_node_take(&run->node, &frame) == AUVID_TICK && !run->options->clock_own) {
+        if (auvid_node_take(&run->own.node, &frame) == AUVID_TICK && !run->options->clock_own) {
             return serve(run, NULL);
         }
     }
@@ -146,7 +123,7 @@ static int loop(run_t *run)
         if (status == 0 && own_clock && (events & TICK_DUE) != 0) {
             const tick_t *tick = &run->link.tick;
             uint64_t t_us = tick->start_us + tick->ticks * tick->period_us;
-            run->node.counters.ticks_missed = (uint32_t)tick->missed;
+            run->own.node.counters.ticks_missed = (uint32_t)tick->missed;
             status = serve(run, &t_us);
         }
     }
@@ -155,7 +132,7 @@ static int loop(run_t *run)
 
 static void print_counters(const run_t *run)
 {
-    const auvid_node_counters_t *c = &run->node.counters;
+    const auvid_node_counters_t *c = &run->own.node.counters;
     const bus_statistics_t *s = &run->link.bus->statistics;
     unsigned long long lost = s->send_busy + s->send_failed + s->dropped;
     printf("  bus   %s: %llu frames received, %llu sent, %llu lost; %u ticks, %u missed;\n"
@@ -171,7 +148,7 @@ static void print_counters(const run_t *run)
 /* The execution time that a fraction `part` of the ticks did not exceed [us]. */
 static unsigned quantile(const run_t *run, double part)
 {
-    double below = part * run->node.counters.ticks;
+    double below = part * run->own.node.counters.ticks;
     unsigned us = 0;
     for (double sum = run->histogram[0]; sum < below && us < MAX_US; sum += run->histogram[us]) {
         ++us;
@@ -194,7 +171,7 @@ static void print_ticks(const run_t *run)
 static int finish(run_t *run)
 {
     static result_t result;
-    report_gather(&result, &run->node.id, run->options->seed);
+    report_gather(&result, &run->own.node.id, run->options->seed);
     result.has_guard = run->options->excite;
     if (run->simulated) {
         report_add_truth(&result, &run->vehicle_sim);
@@ -226,13 +203,13 @@ int bus_node(const options_t *options)
         const char *name = run->simulated ? "memory" : options->bus;
         status = options->log != NULL ? link_log(&run->link, options->log, name) : 0;
         status = status == 0 ? loop(run) : status;
-        if (run->node.commanding) {
-            (void)auvid_node_halt(&run->node, frame, &count);
+        if (run->own.node.commanding) {
+            (void)auvid_node_halt(&run->own.node, frame, &count);
             (void)link_send(&run->link, frame, count);
         }
         int report = status == 0 ? finish(run) : 0;
         if (status == 0 && options->save != NULL &&
-            !prior_file_write(&run->node.id, options->save)) {
+            !prior_file_write(&run->own.node.id, options->save)) {
             report = EXIT_REFUSED;
         }
         int closed = link_close(&run->link);

@@ -15,18 +15,14 @@
 #include "../report/html.h"
 #include "../report/report.h"
 #include "../fit/prior_file.h"
-#include "world.h"
+#include "bus_identifier.h"
 
 /* Largest number of sent frames that have not yet been found in the log. */
 enum { WAITING = 256 };
 
 typedef struct {
     const options_t *options;
-    auvid_node_t node;
-    auvid_actuation_t actuation; /* obeys the logged orders; the commands go nowhere */
-    auvid_validation_t prediction;
-    auvid_change_detector_t change;
-    auvid_uncertain_t uncertain;
+    bus_identifier_t own; /* obeys the logged orders; the commands go nowhere */
     auvid_prior_t prior;
     bus_candump_t log;
     csv_writer_t csv;
@@ -100,7 +96,7 @@ static void examine(run_t *run, csv_row_t row)
 static void take_row(run_t *run)
 {
     auvid_nav_state_t state;
-    const auvid_node_t *node = &run->node;
+    const auvid_node_t *node = &run->own.node;
     const auvid_allocation_config_t *cfg = &node->allocation.cfg;
     auvid_real_t force_N[AUVID_MAX_THRUSTERS] = {0}, wrench[AUVID_DOF_COUNT];
     if (!node->feedback || auvid_nav_state(&node->id.nav, &state) != AUVID_OK) {
@@ -138,15 +134,15 @@ static void take(run_t *run, const auvid_can_frame_t *frame)
         compare(run, frame);
         return;
     }
-    auvid_status_t status = auvid_node_take(&run->node, frame);
+    auvid_status_t status = auvid_node_take(&run->own.node, frame);
     if (status < 0) {
         ++run->refused[-(int)status];
     } else if (status == AUVID_TICK) {
-        run->start_us = run->start_us > 0 ? run->start_us : run->node.t_us;
+        run->start_us = run->start_us > 0 ? run->start_us : run->own.node.t_us;
         take_row(run);
-        (void)auvid_node_step(&run->node, NULL, out, &count);
-        (void)auvid_node_work(&run->node, AUVID_DEFAULT_BUDGET);
-        (void)auvid_node_report(&run->node, 0, out, &count);
+        (void)auvid_node_step(&run->own.node, NULL, out, &count);
+        (void)auvid_node_work(&run->own.node, AUVID_DEFAULT_BUDGET);
+        (void)auvid_node_report(&run->own.node, 0, out, &count);
         keep(run, out, count);
     }
 }
@@ -169,7 +165,7 @@ static int read_all(run_t *run)
         return report_error("replay: %s: no frame of auvid: check that this is a log of its bus",
                             run->options->log);
     }
-    return run->node.counters.ticks > 0
+    return run->own.node.counters.ticks > 0
                ? 0
                : report_error("replay: %s: no tick frame, so no time: record the whole bus",
                               run->options->log);
@@ -177,31 +173,12 @@ static int read_all(run_t *run)
 
 static int begin(run_t *run)
 {
-    const options_t *o = run->options;
-    const world_config_t world = {.vehicle = o->vehicle, .seed = o->seed, .sets = o->sets};
-    auvid_identifier_config_t identifier;
-    auvid_node_config_t cfg;
-    world_identifier(&identifier, &world);
-    options_uncertainty(o, &identifier.uncertainty);
-    identifier.exact_inputs = o->plain;
     begin_doctor(run);
-    auvid_node_defaults(&cfg);
-    auvid_status_t status = auvid_node_init(&run->node, &cfg, o->vehicle->allocation, &identifier);
-    if (status < 0) {
-        return report_refused("replay", status, &run->node.id.refusal, &identifier);
-    }
-    (void)auvid_identifier_attach_prediction(&run->node.id, &run->prediction);
-    (void)auvid_identifier_attach_change_test(&run->node.id, &run->change);
-    status = o->plain ? AUVID_OK : world_uncertain(&run->node, &run->uncertain, o->vehicle);
-    if (status < 0) {
-        return report_error("replay: uncertain inputs: %s", auvid_status_str(status));
-    }
-    status = world_excite(&run->node, &run->actuation, &world);
-    if (status < 0) {
-        return report_refused("replay", status, &run->actuation.refusal, NULL);
+    if (bus_identifier_begin(&run->own, run->options, false, true) != 0) {
+        return EXIT_REFUSED;
     }
     if (run->options->prior != NULL &&
-        !prior_file_read(&run->node.id, &run->prior, run->options->prior)) {
+        !prior_file_read(&run->own.node.id, &run->prior, run->options->prior)) {
         return EXIT_REFUSED;
     }
     if (bus_candump_open(&run->log, run->options->log, NULL) != BUS_OK) {
@@ -217,12 +194,12 @@ static void warn_left_out(const run_t *run)
     if (run->log.bus.text[0] != '\0') {
         report_warning("%s", run->log.bus.text);
     }
-    if (run->node.counters.refused > 0) {
+    if (run->own.node.counters.refused > 0) {
         report_warning(
             "%s: %u frames of auvid are refused: %u with a wrong checksum, %u of a wrong "
             "length, %u with a value out of range, %u repeated, %u after a gap of their counter, "
             "%u late ticks",
-            run->options->log, (unsigned)run->node.counters.refused,
+            run->options->log, (unsigned)run->own.node.counters.refused,
             (unsigned)refused[-AUVID_ERR_CHECKSUM], (unsigned)refused[-AUVID_ERR_LENGTH],
             (unsigned)refused[-AUVID_ERR_RANGE], (unsigned)refused[-AUVID_ERR_REPEATED],
             (unsigned)refused[-AUVID_ERR_COUNTER_JUMP], (unsigned)refused[-AUVID_ERR_STALE]);
@@ -232,7 +209,7 @@ static void warn_left_out(const run_t *run)
 static int report(run_t *run)
 {
     static result_t result;
-    report_gather(&result, &run->node.id, run->options->seed);
+    report_gather(&result, &run->own.node.id, run->options->seed);
     doctor_finish(&run->doctor);
     if (doctor_tell(&run->doctor, run->options->log, &run->findings) != 0) {
         return EXIT_REFUSED;
@@ -240,8 +217,8 @@ static int report(run_t *run)
     result.findings = &run->findings;
     result.log = (report_log_t){.path = &run->options->log,
                                 .paths = 1,
-                                .rows = run->node.counters.ticks,
-                                .duration_s = 1e-6 * (double)(run->node.t_us - run->start_us)};
+                                .rows = run->own.node.counters.ticks,
+                                .duration_s = 1e-6 * (double)(run->own.node.t_us - run->start_us)};
     if (run->options->json) {
         report_json(stdout, &result, NULL, NULL, NULL);
     } else {
@@ -249,8 +226,9 @@ static int report(run_t *run)
         report_result(&result, NULL);
         printf("  log   %u frames of auvid, %u refused, %u ticks; estimate frames: %u as in the "
                "log, %u different\n",
-               (unsigned)run->ours, (unsigned)run->node.counters.refused,
-               (unsigned)run->node.counters.ticks, (unsigned)run->same, (unsigned)run->different);
+               (unsigned)run->ours, (unsigned)run->own.node.counters.refused,
+               (unsigned)run->own.node.counters.ticks, (unsigned)run->same,
+               (unsigned)run->different);
     }
     int status = report_html(run->options, &result, NULL);
     status = status != 0 ? status : report_exit(&result);
