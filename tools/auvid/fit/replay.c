@@ -42,36 +42,53 @@ auvid_status_t replay_attach(const log_use_t *use, replay_inputs_t *inputs, auvi
     return status;
 }
 
-static void begin(const log_use_t *use)
+/* Takes the samples of all logs in the order of time; the known force of each is in the model. */
+static int each_sample(const log_set_t *logs, const log_use_t *use,
+                       void (*take)(void *context, const log_sample_t *now), void *context)
 {
-    if (use->calibrated != NULL) {
-        auvid_calibrated_clear(use->calibrated);
+    int status = 0;
+    auvid_calibrated_clear(use->calibrated);
+    for (int i = 0; i < logs->logs && status == 0; ++i) {
+        log_reader_t reader;
+        log_sample_t now;
+        status = log_reader_begin(&reader, &logs->log[i], use);
+        while (status == 0 && (status = log_reader_next(&reader, &now)) == 0) {
+            if (!log_set_has(logs, now.t_us)) {
+                continue;
+            }
+            if (use->calibrated != NULL) {
+                (void)auvid_calibrated_force(use->calibrated, now.t_us, &now.known);
+            }
+            take(context, &now);
+        }
+        status = status == CSV_END ? 0 : status;
     }
+    return status;
 }
 
-static void set_known_force(const log_use_t *use, const log_sample_t *now)
-{
-    if (use->calibrated != NULL) {
-        (void)auvid_calibrated_force(use->calibrated, now->t_us, &now->known);
-    }
-}
+/* An identifier, and what it needs of a sample. */
+typedef struct {
+    const log_use_t *use;
+    replay_inputs_t *inputs;
+    auvid_identifier_t *id;
+} feed_t;
 
 /* Feeds the samples of a row. */
-static void feed(const log_use_t *use, log_sample_t *now, replay_inputs_t *inputs,
-                 auvid_identifier_t *id)
+static void feed(void *context, const log_sample_t *now)
 {
+    feed_t *f = context;
+    auvid_identifier_t *id = f->id;
     auvid_allocation_result_t thrust = {0};
-    const auvid_real_t *force_N = log_has_thrusters(use) ? now->force_N : thrust.force_N;
+    bool has_thrusters = log_has_thrusters(f->use);
     if (id->attached.uncertain != NULL) {
-        if (!log_has_thrusters(use)) {
-            (void)auvid_allocation_solve(&inputs->allocation, now->wrench, &thrust);
+        if (!has_thrusters) {
+            (void)auvid_allocation_solve(&f->inputs->allocation, now->wrench, &thrust);
         }
         while (auvid_identifier_work(id, AUVID_DEFAULT_BUDGET) == AUVID_PENDING) {
         }
     }
-    set_known_force(use, now);
     if (now->has_reference) {
-        (void)auvid_instruments_reference(&inputs->instruments, now->t_us, now->reference);
+        (void)auvid_instruments_reference(&f->inputs->instruments, now->t_us, now->reference);
     }
     if (now->has_attitude) {
         (void)auvid_identifier_attitude(id, now->t_us, now->attitude, now->nu + AUVID_ROLL);
@@ -80,75 +97,56 @@ static void feed(const log_use_t *use, log_sample_t *now, replay_inputs_t *input
         (void)auvid_identifier_velocity(id, now->t_us, now->nu, now->velocity);
     }
     if (now->has_input) {
-        (void)auvid_identifier_applied(id, now->input_us, now->wrench, force_N);
+        (void)auvid_identifier_applied(id, now->input_us, now->wrench,
+                                       has_thrusters ? now->force_N : thrust.force_N);
     }
 }
 
 int replay_identify(const log_set_t *logs, const log_use_t *use, replay_inputs_t *inputs,
                     auvid_identifier_t *id)
 {
-    int status = 0;
-    begin(use);
-    for (int i = 0; i < logs->logs && status == 0; ++i) {
-        log_reader_t reader;
-        log_sample_t now;
-        status = log_reader_begin(&reader, &logs->log[i], use);
-        while (status == 0 && (status = log_reader_next(&reader, &now)) == 0) {
-            if (log_set_has(logs, now.t_us)) {
-                feed(use, &now, inputs, id);
-            }
-        }
-        status = status == CSV_END ? 0 : status;
-    }
+    int status = each_sample(logs, use, feed, &(feed_t){use, inputs, id});
     (void)auvid_identifier_close(id);
     return status;
 }
 
+/* A recorder, and who takes its cells. */
+typedef struct {
+    auvid_recorder_t recorder;
+    replay_take_t *take;
+    void *context;
+    bool gap;
+} cells_t;
+
 /* Records a sample and passes on the cells that it completes. */
-static bool record(auvid_recorder_t *recorder, const log_sample_t *now, replay_take_t *take,
-                   void *context, bool gap)
+static void record(void *context, const log_sample_t *now)
 {
+    cells_t *c = context;
     auvid_sample_t cell;
     auvid_status_t status = AUVID_OK;
     if (now->has_attitude) {
-        (void)auvid_recorder_attitude(recorder, now->t_us, now->attitude, now->nu + AUVID_ROLL);
+        (void)auvid_recorder_attitude(&c->recorder, now->t_us, now->attitude, now->nu + AUVID_ROLL);
     }
     if (now->velocity != 0) {
-        (void)auvid_recorder_velocity(recorder, now->t_us, now->nu, now->velocity);
+        (void)auvid_recorder_velocity(&c->recorder, now->t_us, now->nu, now->velocity);
     }
     if (now->has_input) {
-        (void)auvid_recorder_input(recorder, now->input_us, now->wrench, NULL);
+        (void)auvid_recorder_input(&c->recorder, now->input_us, now->wrench, NULL);
     }
     while (status == AUVID_OK || status == AUVID_GAP) {
-        status = auvid_recorder_pop(recorder, &cell);
-        gap = gap || status == AUVID_GAP;
+        status = auvid_recorder_pop(&c->recorder, &cell);
+        c->gap = c->gap || status == AUVID_GAP;
         if (status == AUVID_OK) {
-            take(context, &cell, gap);
-            gap = false;
+            c->take(c->context, &cell, c->gap);
+            c->gap = false;
         }
     }
-    return gap;
 }
 
 int replay_cells(const log_set_t *logs, const log_use_t *use, const auvid_recorder_config_t *cfg,
                  replay_take_t *take, void *context)
 {
-    auvid_recorder_t recorder;
-    bool gap = true;
-    int status = 0;
-    (void)auvid_recorder_init(&recorder, cfg);
-    begin(use);
-    for (int i = 0; i < logs->logs && status == 0; ++i) {
-        log_reader_t reader;
-        log_sample_t now;
-        status = log_reader_begin(&reader, &logs->log[i], use);
-        while (status == 0 && (status = log_reader_next(&reader, &now)) == 0) {
-            if (log_set_has(logs, now.t_us)) {
-                set_known_force(use, &now);
-                gap = record(&recorder, &now, take, context, gap);
-            }
-        }
-        status = status == CSV_END ? 0 : status;
-    }
-    return status;
+    cells_t cells = {.take = take, .context = context, .gap = true};
+    (void)auvid_recorder_init(&cells.recorder, cfg);
+    return each_sample(logs, use, record, &cells);
 }
