@@ -31,27 +31,11 @@ static void identifier_watch_cell(auvid_identifier_t *id, const auvid_sample_t *
     auvid_metric_watch(&id->metric, cell, watched ? e->pi : NULL, e->excited);
 }
 
-/* Cells that the recorder has open where none piles up, at a DVL of 5 Hz. */
-enum { MAX_OPEN_CELLS = 6 };
-
-/* Returns how many cells this call may take. Uncertain inputs store a cell and add it to their rows
- * later: until then none comes, unless cells pile up. */
-static int identifier_max_cells(auvid_identifier_t *id, int max_cells)
-{
-    const auvid_uncertain_functions_t *uncertain = id->attached.uncertain_functions;
-    bool pile = id->recorder.opened - id->recorder.next > MAX_OPEN_CELLS;
-    if (uncertain == NULL || pile || max_cells != AUVID_CELLS_PER_STEP) {
-        return max_cells;
-    }
-    return uncertain->add_cell(id) ? 0 : 1;
-}
-
 /* Pass complete cells, at most max_cells, to the metric and the simulation of velocity. */
 static void identifier_take_cells(auvid_identifier_t *id, int max_cells)
 {
     auvid_sample_t cell;
     uint32_t dropped = id->metric.sets.rows_dropped;
-    max_cells = identifier_max_cells(id, max_cells);
     for (int i = 0; i < max_cells; ++i) {
         auvid_status_t status = auvid_recorder_pop(&id->recorder, &cell);
         if (status == AUVID_GAP) {
@@ -71,6 +55,22 @@ static void identifier_take_cells(auvid_identifier_t *id, int max_cells)
             bool drops = id->metric.sets.rows_dropped != dropped;
             id->events |= drops ? AUVID_EVENT_ROWS_DROPPED : 0u;
         }
+    }
+}
+
+/* Cells that the recorder has open where none piles up, at a DVL of 5 Hz. */
+enum { MAX_OPEN_CELLS = 6 };
+
+/* The same in a tick. Uncertain inputs store a cell and add it to their rows later: until then none
+ * comes, unless cells pile up. */
+static void identifier_take_cells_of_tick(auvid_identifier_t *id)
+{
+    const auvid_uncertain_functions_t *uncertain = id->attached.uncertain_functions;
+    bool pile = id->recorder.opened - id->recorder.next > MAX_OPEN_CELLS;
+    if (uncertain == NULL || pile) {
+        identifier_take_cells(id, AUVID_CELLS_PER_STEP);
+    } else if (!uncertain->add_cell(id)) {
+        identifier_take_cells(id, 1);
     }
 }
 
@@ -209,7 +209,7 @@ auvid_status_t auvid_identifier_step(auvid_identifier_t *id, const auvid_input_t
         identifier_record_input(id, in->t_us, in->applied.wrench, in->applied.command) < 0) {
         id->events |= AUVID_EVENT_INPUT_DROPPED;
     }
-    identifier_take_cells(id, AUVID_CELLS_PER_STEP);
+    identifier_take_cells_of_tick(id);
     if (id->actuation != NULL) {
         id->actuation->functions->step(id, in, out);
     }
@@ -276,7 +276,7 @@ auvid_status_t auvid_identifier_applied(auvid_identifier_t *id, uint64_t t_us,
         return AUVID_ERR_STATE;
     }
     auvid_status_t status = identifier_record_input(id, t_us, wrench, command);
-    identifier_take_cells(id, AUVID_CELLS_PER_STEP);
+    identifier_take_cells_of_tick(id);
     return status;
 }
 

@@ -395,9 +395,55 @@ static void test_rows_of_a_dof_that_is_not_excited_belong_to_its_parameters(void
     TEST_ASSERT_DOUBLE_WITHIN(0.3, 0.0, error(SIM_X_UU));
 }
 
+/* Moves for 100 s, with a tick of this length and a DVL of 5 Hz. Returns the sets; *first_us: when
+ * the first one was complete. */
+static uint32_t sets_in_ticks_of(uint64_t tick_us, bool uncertain, uint64_t *first_us)
+{
+    *first_us = 0;
+    setUp();
+    if (uncertain) {
+        TEST_ASSERT_EQUAL(AUVID_OK, attach());
+    }
+    for (uint64_t t_us = tick_us; t_us <= 100000000; t_us += tick_us) {
+        double t = 1e-6 * (double)t_us;
+        auvid_output_t out;
+        auvid_input_t in = {.t_us = t_us,
+                            .imu = {.present = true, .t_us = t_us},
+                            .depth = {.present = true, .t_us = t_us, .depth_m = 5},
+                            .gps = {.present = t_us == tick_us, .t_us = t_us},
+                            .applied = {.present = true}};
+        in.dvl.present = t_us % 200000 == 0;
+        in.dvl.sample.t_us = t_us;
+        in.dvl.sample.valid = AUVID_DVL_X | AUVID_DVL_Y | AUVID_DVL_Z;
+        for (int i = 0; i < 3; ++i) {
+            in.dvl.sample.velocity[i] = (auvid_real_t)(0.3 * sin((0.3 + 0.1 * i) * t));
+            in.applied.wrench[i] = (auvid_real_t)(30.0 * sin((0.3 + 0.1 * i) * t + 1.0));
+        }
+        TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_step(&chain.id, &in, &out));
+        (void)auvid_identifier_work(&chain.id, AUVID_DEFAULT_BUDGET);
+        *first_us = chain.id.metric.sets.recorded > 0 && *first_us == 0 ? t_us : *first_us;
+    }
+    return chain.id.metric.sets.recorded;
+}
+
+/* A cell waits for the one before to be added to the rows; where ticks are as slow as cells, none
+ * waits. */
+static void test_no_cell_is_lost_and_a_set_is_at_most_five_ticks_later(void)
+{
+    const uint64_t tick_us[] = {10000, 20000, 50000, 100000, 200000};
+    for (size_t k = 0; k < sizeof tick_us / sizeof tick_us[0]; ++k) {
+        uint64_t with_us, without_us;
+        uint32_t without = sets_in_ticks_of(tick_us[k], false, &without_us);
+        TEST_ASSERT_EQUAL(3, without);
+        TEST_ASSERT_EQUAL(without, sets_in_ticks_of(tick_us[k], true, &with_us));
+        TEST_ASSERT_TRUE(with_us >= without_us && with_us <= without_us + 5 * tick_us[k]);
+    }
+}
+
 int main(void)
 {
     UNITY_BEGIN();
+    RUN_TEST(test_no_cell_is_lost_and_a_set_is_at_most_five_ticks_later);
     RUN_TEST(test_null_is_refused);
     RUN_TEST(test_it_attaches_once_and_before_the_first_step);
     RUN_TEST(test_a_prior_out_of_range_is_refused);
