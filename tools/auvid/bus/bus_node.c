@@ -64,7 +64,7 @@ static int serve(run_t *run, const uint64_t *clock_us)
     auvid_node_t *node = &run->own.node;
     uint64_t began_us = tick_now_us();
     int count = 0;
-    (void)auvid_node_step(node, clock_us, frame, &count);
+    bus_identifier_step(&run->own, clock_us, frame, &count);
     int status = link_send(&run->link, frame, count);
     bool busy = auvid_node_work(node, AUVID_DEFAULT_BUDGET) == AUVID_PENDING;
     uint64_t took_us = tick_now_us() - began_us;
@@ -91,6 +91,13 @@ static int receive(run_t *run)
     return got < 0 ? EXIT_REFUSED : 0;
 }
 
+/* Lets the known force of this time act on the vehicle. */
+static void load(run_t *run)
+{
+    const vehicle_t *v = run->options->vehicle;
+    (void)vehicle_load(v->calibration, v->calibrations, &run->vehicle_sim);
+}
+
 /* Waits for frames or for the tick. Returns TICK_..., or a negative number after an error. */
 static int wait(run_t *run)
 {
@@ -100,6 +107,7 @@ static int wait(run_t *run)
     }
     if (run->simulated) {
         if (events > 0 && (events & TICK_DUE) != 0) {
+            load(run);
             frames_vehicle(&run->hub.end[1], &run->vehicle_sim);
         }
         return events;
@@ -176,6 +184,7 @@ static int finish(run_t *run)
     if (run->simulated) {
         report_add_truth(&result, &run->vehicle_sim);
     }
+    bus_identifier_calibrate(&run->own, &result);
     if (run->options->json) {
         report_json(stdout, &result, NULL, NULL, NULL);
     } else {

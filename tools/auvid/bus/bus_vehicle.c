@@ -8,6 +8,7 @@
 #include "../commands.h"
 #include "../base/report_error.h"
 #include "../report/report.h"
+#include "../vehicle/vehicle_calibration.h"
 #include "../vehicle/vehicles.h"
 
 /* Largest number of frames per turn of the loop: more than a full bus transmits in a tick. */
@@ -60,12 +61,20 @@ static int pace(run_t *run)
     return status;
 }
 
+/* Lets the known force of this time act on the vehicle. */
+static void load(run_t *run)
+{
+    const vehicle_t *v = run->options->vehicle;
+    (void)vehicle_load(v->calibration, v->calibrations, &run->vehicle_sim);
+}
+
 static int loop(run_t *run)
 {
     auvid_can_frame_t frame[VEHICLE_SIM_FRAMES];
     int status = 0;
     while (status == 0 && !run->stop) {
         status = receive(run);
+        load(run);
         int count = vehicle_sim_tick(&run->vehicle_sim, frame);
         status = status == 0 ? link_send(&run->link, frame, count) : status;
         status = status == 0 ? pace(run) : status;

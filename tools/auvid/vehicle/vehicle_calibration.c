@@ -67,6 +67,21 @@ auvid_known_force_t vehicle_known_force(const vehicle_calibration_t *calibration
     return (auvid_known_force_t){0};
 }
 
+auvid_known_force_t vehicle_load(const vehicle_calibration_t *calibration, int count,
+                                 vehicle_sim_t *vehicle_sim)
+{
+    sim_config_t *sim = &vehicle_sim->sim.cfg;
+    auvid_known_force_t force =
+        vehicle_known_force(calibration, count, 1e-6 * (double)vehicle_sim->seen.t_us);
+    force.mass_kg = AUVID_C(0.0);
+    for (int i = 0; i < 3; ++i) {
+        sim->load_N[i] = (double)force.world[i];
+        sim->load_body_N[i] = (double)force.body[i];
+        sim->load_at_m[i] = (double)force.at[i];
+    }
+    return force;
+}
+
 auvid_status_t vehicle_use_known_force(auvid_identifier_config_t *cfg,
                                        const auvid_known_force_t *force,
                                        auvid_calibrated_t *calibrated)

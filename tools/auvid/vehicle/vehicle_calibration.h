@@ -8,6 +8,7 @@
 
 #include "../base/ini.h"
 #include "vehicle_file.h"
+#include "vehicle_sim.h"
 
 /** Reads the known forces. @return false after a message */
 bool vehicle_calibrations_read(ini_t *ini, vehicle_t *v);
@@ -15,6 +16,10 @@ bool vehicle_calibrations_read(ini_t *ini, vehicle_t *v);
 /** The known force at a time; all zeros: none. */
 auvid_known_force_t vehicle_known_force(const vehicle_calibration_t *calibration, int count,
                                         double t_s);
+
+/** Lets the known force of its time act on a simulated vehicle, without its mass. @return it */
+auvid_known_force_t vehicle_load(const vehicle_calibration_t *calibration, int count,
+                                 vehicle_sim_t *vehicle_sim);
 
 /** Selects the model with a known force for an identifier. k_tau is 1 until the force shows it.
  * @param force the axis in which it acts most must be excited
