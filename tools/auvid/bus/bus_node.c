@@ -35,7 +35,7 @@ typedef struct {
 static int begin(run_t *run)
 {
     const options_t *o = run->options;
-    if (bus_identifier_begin(&run->own, o, o->lock_step || run->simulated, o->excite) != 0) {
+    if (bus_identifier_begin(&run->own, o, NULL, o->lock_step || run->simulated, o->excite) != 0) {
         return EXIT_REFUSED;
     }
     if (o->prior != NULL) {
@@ -91,13 +91,6 @@ static int receive(run_t *run)
     return got < 0 ? EXIT_REFUSED : 0;
 }
 
-/* Lets the known force of this time act on the vehicle. */
-static void load(run_t *run)
-{
-    const vehicle_t *v = run->options->vehicle;
-    (void)vehicle_load(v->calibration, v->calibrations, &run->vehicle_sim);
-}
-
 /* Waits for frames or for the tick. Returns TICK_..., or a negative number after an error. */
 static int wait(run_t *run)
 {
@@ -107,7 +100,7 @@ static int wait(run_t *run)
     }
     if (run->simulated) {
         if (events > 0 && (events & TICK_DUE) != 0) {
-            load(run);
+            (void)vehicle_load(run->own.calibration, run->own.calibrations, &run->vehicle_sim);
             frames_vehicle(&run->hub.end[1], &run->vehicle_sim);
         }
         return events;

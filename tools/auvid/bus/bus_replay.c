@@ -172,7 +172,7 @@ static int read_all(run_t *run)
 static int begin(run_t *run)
 {
     begin_doctor(run);
-    if (bus_identifier_begin(&run->own, run->options, false, true) != 0) {
+    if (bus_identifier_begin(&run->own, run->options, run->options->log, false, true) != 0) {
         return EXIT_REFUSED;
     }
     if (run->options->prior != NULL &&
@@ -185,10 +185,20 @@ static int begin(run_t *run)
     return 0;
 }
 
-/* Warns on stderr about frames of the log that were ignored. */
+static double span_s(const run_t *run)
+{
+    return 1e-6 * (double)(run->own.node.t_us - run->own.start_us);
+}
+
+/* Warns on stderr about frames of the log that were ignored, and known forces outside it. */
 static void warn_left_out(const run_t *run)
 {
     const uint32_t *refused = run->refused;
+    char text[300];
+    if (vehicle_calibrations_miss(run->own.calibration, run->own.calibrations, 0.0, span_s(run),
+                                  text, sizeof text)) {
+        report_warning("%s: %s", run->options->log, text);
+    }
     if (run->log.bus.text[0] != '\0') {
         report_warning("%s", run->log.bus.text);
     }
@@ -217,7 +227,7 @@ static int report(run_t *run)
     result.log = (report_log_t){.path = &run->options->log,
                                 .paths = 1,
                                 .rows = run->own.node.counters.ticks,
-                                .duration_s = 1e-6 * (double)(run->own.node.t_us - run->own.start_us)};
+                                .duration_s = span_s(run)};
     if (run->options->json) {
         report_json(stdout, &result, NULL, NULL, NULL);
     } else {

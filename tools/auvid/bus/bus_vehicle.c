@@ -22,6 +22,8 @@ typedef struct {
     const options_t *options;
     vehicle_sim_t vehicle_sim;
     link_t link;
+    vehicle_calibration_t calibration[VEHICLE_CALIBRATIONS]; /* known forces */
+    int calibrations;
     uint64_t last_frame_us; /* time of the node's last frame */
     bool stop;
 } run_t;
@@ -61,20 +63,13 @@ static int pace(run_t *run)
     return status;
 }
 
-/* Lets the known force of this time act on the vehicle. */
-static void load(run_t *run)
-{
-    const vehicle_t *v = run->options->vehicle;
-    (void)vehicle_load(v->calibration, v->calibrations, &run->vehicle_sim);
-}
-
 static int loop(run_t *run)
 {
     auvid_can_frame_t frame[VEHICLE_SIM_FRAMES];
     int status = 0;
     while (status == 0 && !run->stop) {
         status = receive(run);
-        load(run);
+        (void)vehicle_load(run->calibration, run->calibrations, &run->vehicle_sim);
         int count = vehicle_sim_tick(&run->vehicle_sim, frame);
         status = status == 0 ? link_send(&run->link, frame, count) : status;
         status = status == 0 ? pace(run) : status;
@@ -122,6 +117,7 @@ int bus_vehicle(const options_t *options)
     cfg.no_arm = options->no_arm;
     cfg.arm_again = options->arm_again;
     run->options = options;
+    run->calibrations = vehicle_calibrations_of(options->vehicle, NULL, true, run->calibration);
     int status = vehicle_sim_init(&run->vehicle_sim, &cfg)
                      ? link_open(&run->link, "vehicle", options)
                      : report_error("vehicle: the simulator refused its configuration");

@@ -233,11 +233,9 @@ static void take_inputs(log_reader_t *r, const csv_row_t *row, log_sample_t *out
 /* The known force: of the vehicle file, or the weight of the log. */
 static void take_known_force(log_reader_t *r, const csv_row_t *row, log_sample_t *out)
 {
-    const vehicle_t *v = r->log->calibration;
     (void)take(r, row, CSV_WEIGHT, 1, &r->weight_N);
-    if (v != NULL) {
-        out->known = vehicle_known_force(v->calibration, v->calibrations, row->value[CSV_T]);
-    }
+    out->known =
+        vehicle_known_force(r->log->calibration, r->log->calibrations, row->value[CSV_T]);
     out->known.world[2] += (auvid_real_t)r->weight_N;
 }
 

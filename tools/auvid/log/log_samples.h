@@ -38,7 +38,8 @@ typedef struct {
     csv_log_t csv;
     uint64_t start_us; /**< time of its first row in the replay */
     double held_s;     /**< time for which a velocity is held in the rows; 0: it is not held */
-    const vehicle_t *calibration; /**< whose known forces act in this log; NULL: none */
+    vehicle_calibration_t calibration[VEHICLE_CALIBRATIONS]; /**< known forces of this log */
+    int calibrations;
 } log_t;
 
 /** Logs, each a record of its own, or a part of them. */
