@@ -202,16 +202,16 @@ static int check_gains(const job_t *job, const csv_log_t *log)
 /* Marks the known columns that are not used. */
 static void ignore_unused(const job_t *job, csv_log_t *log)
 {
-    uint64_t used =
-        UINT64_C(15) << CSV_QUATERNION | UINT64_C(63) << CSV_REFERENCE | UINT64_C(1) << CSV_WEIGHT;
+    bool used[CSV_COLUMNS] = {[CSV_WEIGHT] = true};
+    for (int c = CSV_REFERENCE; c < CSV_POSITION; ++c) { /* and the quaternion */
+        used[c] = true;
+    }
     for (int k = 0; k < log_inputs(&job->use); ++k) {
-        used |= UINT64_C(1) << log_input(&job->use, k);
+        used[log_input(&job->use, k)] = true;
     }
-    if (job->use.kind == INPUT_THRUSTER_COMMAND) {
-        used |= UINT64_C(1) << CSV_VOLTAGE;
-    }
+    used[CSV_VOLTAGE] = job->use.kind == INPUT_THRUSTER_COMMAND;
     for (int c = CSV_WRENCH; c < CSV_COLUMNS; ++c) {
-        if (log->has[c] && !(used >> c & 1u)) {
+        if (log->has[c] && !used[c]) {
             csv_ignore(log, c);
         }
     }

@@ -89,7 +89,7 @@ static bool take(log_reader_t *r, const csv_row_t *row, int first, int count, do
     for (int k = 0; k < count; ++k) {
         if (csv_has(row, first + k)) {
             last[k] = row->value[first + k];
-            r->known |= UINT64_C(1) << (first + k);
+            r->known[first + k] = true;
             any = true;
         }
     }
@@ -111,7 +111,7 @@ static bool complete(const log_reader_t *r, int first, int count)
 {
     bool all = true;
     for (int k = 0; k < count; ++k) {
-        all = all && (!r->log->csv.has[first + k] || (r->known >> (first + k) & 1u) != 0);
+        all = all && (!r->log->csv.has[first + k] || r->known[first + k]);
     }
     return all;
 }
@@ -147,11 +147,11 @@ static bool take_angles(log_reader_t *r, const csv_row_t *row)
     for (int k = 0; k < 3; ++k) {
         if (csv_has(row, CSV_ATTITUDE + k)) {
             double raw = row->value[CSV_ATTITUDE + k];
-            bool first = (r->known >> (CSV_ATTITUDE + k) & 1u) == 0;
+            bool first = !r->known[CSV_ATTITUDE + k];
             r->turns[k] -= floor((raw - (first ? raw : r->raw[k])) / revolution + 0.5);
             r->angle[k] = raw + r->turns[k] * revolution;
             r->raw[k] = raw;
-            r->known |= UINT64_C(1) << (CSV_ATTITUDE + k);
+            r->known[CSV_ATTITUDE + k] = true;
             any = true;
         }
     }

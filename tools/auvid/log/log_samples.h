@@ -81,7 +81,7 @@ typedef struct {
     double voltage_V;                  /* last voltage; 0: none yet */
     double weight_N;                   /* last weight */
     double reference[AUVID_DOF_COUNT];
-    uint64_t known; /* bit c: column c had a value */
+    bool known[CSV_COLUMNS]; /* the column had a value */
 } log_reader_t;
 
 /** Are the inputs those of thrusters? */
