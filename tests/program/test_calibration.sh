@@ -52,6 +52,58 @@ too_strong <log.csv >without.csv
 exits 0 fit column.csv --vehicle girona500 --validate without.csv --json >/dev/null
 check "  but not without its weight" is out 'assert d["r2_validation"]["w"] < 0.95, d'
 
+# ---- several logs ----
+sed 's/^to_s.*/&\nlog = strong1.csv/' dive.ini >named.ini
+"$AUVID" demo --seed 2 --disturbance 1 --csv log.csv >demo.out 2>&1
+too_strong <log.csv >second.csv
+check "a weight in the second log only" \
+    exits 0 fit second.csv strong1.csv --vehicle named.ini --json
+check "  calibrates" is out 'assert error("W-B") < 0.08 and error("m_w") < 0.08, P["k_tau"]'
+check "  nothing to say of its name" sh -c '! grep calibration err'
+cp out both.json
+check "  the same of a column" exits 0 fit second.csv column.csv --vehicle girona500 --json
+check "  to the same bits" same_result both.json
+check "a weight that names no log" exits 0 fit second.csv strong1.csv --vehicle dive.ini --json
+check "  acts in the first one, and fit says so" grep -q \
+    '^auvid: \[calibration\.1\] of the vehicle file acts in the first log, second.csv' err
+check "a weight of another log" exits 0 fit second.csv --vehicle named.ini --json
+check "  has no effect, and fit says so" grep -q \
+    '^auvid: \[calibration\.1\] of the vehicle file is of strong1.csv, which is not fitted' err
+weight 900 950 outside.ini
+check "a weight at no time of the log" rejects \
+    'strong1.csv: \[calibration\.1\] of the vehicle file is from 900 to 950 s, this log from 0.2 to ' \
+    fit strong1.csv --vehicle outside.ini
+awk -F, -v OFS=, '{ for (i = 1; i <= 5; ++i) $(NF + 1) = NR == 1 ? "thruster_" i "_N" : sin(NR / i)
+                    print }' strong1.csv >thrusters.csv
+check "  or of a log that is checked" exits 1 check thrusters.csv --vehicle outside.ini
+check "  is told" grep -q 'warning: thrusters.csv: \[calibration.1\] of the vehicle file is from 900' err
+
+# ---- on a bus: the same file, times from the first tick ----
+check "the node identifies its own vehicle" \
+    exits 0 node --bus memory --excite --vehicle dive.ini --log run.log --json
+check "  with the thrust as told" is out '
+assert error("m_w") < 0.08 and abs(P["k_tau"]["estimate"] - 1) < 0.08, P["k_tau"]
+assert P["k_tau"]["truth"] == 1 and d["thrust"].startswith("the known force agrees"), d["thrust"]'
+cp out node.json
+check "a replay finds the same" exits 0 replay run.log --vehicle dive.ini --json
+check "  to the last digit" is out '
+n = json.load(open("node.json"))
+assert d["thrust"] == n["thrust"]
+assert [p["estimate"] for p in d["parameters"]] == [p["estimate"] for p in n["parameters"]]'
+# frames carry thrust as a part of the largest force
+sed -E 's/^((for|back)ward_N = )[0-9.]+/\1184.56/' dive.ini >strong.ini
+grep -Ev ' (40C|40D|413|414)#' run.log >without.log
+check "thrust told 20 % too strong" \
+    exits 0 replay without.log --vehicle strong.ini --csv run.csv --json
+check "  is found from frames: W-B and m_w within 8 %" is out '
+assert error("W-B") < 0.08 and error("m_w") < 0.08, (error("W-B"), error("m_w"))
+assert abs(P["k_tau"]["estimate"] / 1.2 - 1) < 0.08, P["k_tau"]'
+check "a weight at no time of the replay" exits 1 replay run.log --vehicle outside.ini
+check "  is told" grep -q 'warning: run.log: \[calibration.1\] of the vehicle file is from 900' err
+check "fit of the motion finds it, too" exits 0 fit run.csv --vehicle strong.ini --json
+check "  at the same times" is out '
+assert error("W-B") < 0.08 and error("m_w") < 0.08, (error("W-B"), error("m_w"))'
+
 # ---- what does not calibrate ----
 weight -1 1e6 always.ini
 check "a weight that never changes" exits 0 fit strong1.csv --vehicle always.ini

@@ -161,7 +161,8 @@ static const char vehicle_help[] =
 static const char replay_help[] =
     "options of replay\n"
     "  --seed N, --sets K, --vehicle NAME, --prior FILE   as for the node that wrote the log\n"
-    "  --csv FILE         write the motion and thrust of the log as a log for fit\n"
+    "  --csv FILE         write the motion and thrust of the log as a log for fit; times from the\n"
+    "                     first tick\n"
     "  --json, --report FILE.html, --thrust-scale S, --dvl-scale S   as for demo\n"
     "\n";
 #endif

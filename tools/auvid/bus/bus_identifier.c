@@ -2,7 +2,8 @@
 
 #include "../base/report_error.h"
 
-int bus_identifier_begin(bus_identifier_t *to, const options_t *options, bool answer, bool excites)
+int bus_identifier_begin(bus_identifier_t *to, const options_t *options, const char *replayed,
+                         bool answer, bool excites)
 {
     const vehicle_t *vehicle = options->vehicle;
     const world_config_t world = {.vehicle = vehicle, .seed = options->seed, .sets = options->sets};
@@ -11,9 +12,19 @@ int bus_identifier_begin(bus_identifier_t *to, const options_t *options, bool an
     world_identifier(&identifier, &world);
     options_uncertainty(options, &identifier.uncertainty);
     identifier.exact_inputs = options->plain;
+    auvid_status_t status = AUVID_OK;
+    to->calibrations =
+        vehicle_calibrations_of(vehicle, replayed, true, to->calibration);
+    if (to->calibrations > 0) {
+        status =
+            vehicle_use_known_force(&identifier, &to->calibration[0].force, &to->calibrated);
+    }
+    if (status < 0) {
+        return report_error("%s: known force: %s", options->command, auvid_status_str(status));
+    }
     auvid_node_defaults(&cfg);
     cfg.answer = answer;
-    auvid_status_t status = auvid_node_init(&to->node, &cfg, vehicle->allocation, &identifier);
+    status = auvid_node_init(&to->node, &cfg, vehicle->allocation, &identifier);
     if (status < 0) {
         return report_refused(options->command, status, &to->node.id.refusal, &identifier);
     }
@@ -25,4 +36,26 @@ int bus_identifier_begin(bus_identifier_t *to, const options_t *options, bool an
     }
     status = excites ? world_excite(&to->node, &to->actuation, &world) : AUVID_OK;
     return status < 0 ? report_refused(options->command, status, &to->actuation.refusal, NULL) : 0;
+}
+
+void bus_identifier_step(bus_identifier_t *to, const uint64_t *clock_us, auvid_can_frame_t *frame,
+                         int *count)
+{
+    uint64_t now_us = clock_us != NULL ? *clock_us : to->node.tick_us;
+    to->start_us = to->started ? to->start_us : now_us;
+    to->started = true;
+    if (to->calibrations > 0) {
+        const auvid_known_force_t force = vehicle_known_force(
+            to->calibration, to->calibrations, 1e-6 * (double)(now_us - to->start_us));
+        (void)auvid_calibrated_force(&to->calibrated, now_us, &force);
+    }
+    (void)auvid_node_step(&to->node, clock_us, frame, count);
+}
+
+void bus_identifier_calibrate(const bus_identifier_t *from, result_t *result)
+{
+    if (from->calibrations > 0) {
+        result->truth[from->calibrated.k] = 1.0;
+        report_calibrate(result, &from->calibrated);
+    }
 }

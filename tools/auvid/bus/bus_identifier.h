@@ -7,6 +7,7 @@
 #define PROGRAM_BUS_IDENTIFIER_H
 
 #include "world.h"
+#include "../report/report.h"
 
 /** A node and what is attached to it. It must not move. */
 typedef struct {
@@ -15,12 +16,27 @@ typedef struct {
     auvid_validation_t prediction;
     auvid_change_detector_t change;
     auvid_uncertain_t uncertain; /* not with --plain */
+    auvid_calibrated_t calibrated; /* the model, if the vehicle file has known forces */
+    vehicle_calibration_t calibration[VEHICLE_CALIBRATIONS]; /* those that act */
+    int calibrations;
+    uint64_t start_us; /* time of the first tick */
+    bool started;      /* it has passed */
 } bus_identifier_t;
 
 /** Starts.
+ * @param replayed the log, in which known forces may act; NULL: none
  * @param answer the node answers each tick frame, in lock step
  * @param excites the excitation is attached
  * @return 0, or EXIT_REFUSED after one line on stderr */
-int bus_identifier_begin(bus_identifier_t *to, const options_t *options, bool answer, bool excites);
+int bus_identifier_begin(bus_identifier_t *to, const options_t *options, const char *replayed,
+                         bool answer, bool excites);
+
+/** Processes one tick: auvid_node_step, with the known force of this time. The times of a vehicle
+ * file count from the first tick. */
+void bus_identifier_step(bus_identifier_t *to, const uint64_t *clock_us, auvid_can_frame_t *frame,
+                         int *count);
+
+/** Takes the result, in SI if a force is known. Follows report_gather. */
+void bus_identifier_calibrate(const bus_identifier_t *from, result_t *result);
 
 #endif

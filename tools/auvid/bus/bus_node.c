@@ -35,7 +35,7 @@ typedef struct {
 static int begin(run_t *run)
 {
     const options_t *o = run->options;
-    if (bus_identifier_begin(&run->own, o, o->lock_step || run->simulated, o->excite) != 0) {
+    if (bus_identifier_begin(&run->own, o, NULL, o->lock_step || run->simulated, o->excite) != 0) {
         return EXIT_REFUSED;
     }
     if (o->prior != NULL) {
@@ -64,7 +64,7 @@ static int serve(run_t *run, const uint64_t *clock_us)
     auvid_node_t *node = &run->own.node;
     uint64_t began_us = tick_now_us();
     int count = 0;
-    (void)auvid_node_step(node, clock_us, frame, &count);
+    bus_identifier_step(&run->own, clock_us, frame, &count);
     int status = link_send(&run->link, frame, count);
     bool busy = auvid_node_work(node, AUVID_DEFAULT_BUDGET) == AUVID_PENDING;
     uint64_t took_us = tick_now_us() - began_us;
@@ -100,6 +100,7 @@ static int wait(run_t *run)
     }
     if (run->simulated) {
         if (events > 0 && (events & TICK_DUE) != 0) {
+            (void)vehicle_load(run->own.calibration, run->own.calibrations, &run->vehicle_sim);
             frames_vehicle(&run->hub.end[1], &run->vehicle_sim);
         }
         return events;
@@ -176,6 +177,7 @@ static int finish(run_t *run)
     if (run->simulated) {
         report_add_truth(&result, &run->vehicle_sim);
     }
+    bus_identifier_calibrate(&run->own, &result);
     if (run->options->json) {
         report_json(stdout, &result, NULL, NULL, NULL);
     } else {

@@ -29,7 +29,6 @@ typedef struct {
     doctor_t doctor;    /* of the rows, as of a log */
     double velocity[3]; /* of the last row */
     report_findings_t findings;
-    uint64_t start_us;               /* time of the first tick */
     auvid_can_frame_t sent[WAITING]; /* a ring buffer */
     uint32_t first, count;
     uint32_t ours, same, different; /* frames of auvid; estimates, equal and different */
@@ -107,7 +106,7 @@ static void take_row(run_t *run)
         force_N[i] = part * (part > 0 ? cfg->thruster[i].max_N : -cfg->thruster[i].min_N);
     }
     (void)auvid_allocation_wrench(&node->allocation, force_N, wrench);
-    csv_row_t row = {.value = {[CSV_T] = 1e-6 * (double)node->t_us}};
+    csv_row_t row = {.value = {[CSV_T] = 1e-6 * (double)(node->t_us - run->own.start_us)}};
     for (int i = 0; i < 3; ++i) {
         row.value[CSV_ATTITUDE + i] = (double)state.attitude[i];
         row.value[CSV_NU + i] = (double)state.velocity[i];
@@ -138,9 +137,8 @@ static void take(run_t *run, const auvid_can_frame_t *frame)
     if (status < 0) {
         ++run->refused[-(int)status];
     } else if (status == AUVID_TICK) {
-        run->start_us = run->start_us > 0 ? run->start_us : run->own.node.t_us;
         take_row(run);
-        (void)auvid_node_step(&run->own.node, NULL, out, &count);
+        bus_identifier_step(&run->own, NULL, out, &count);
         (void)auvid_node_work(&run->own.node, AUVID_DEFAULT_BUDGET);
         (void)auvid_node_report(&run->own.node, 0, out, &count);
         keep(run, out, count);
@@ -174,7 +172,7 @@ static int read_all(run_t *run)
 static int begin(run_t *run)
 {
     begin_doctor(run);
-    if (bus_identifier_begin(&run->own, run->options, false, true) != 0) {
+    if (bus_identifier_begin(&run->own, run->options, run->options->log, false, true) != 0) {
         return EXIT_REFUSED;
     }
     if (run->options->prior != NULL &&
@@ -187,10 +185,20 @@ static int begin(run_t *run)
     return 0;
 }
 
-/* Warns on stderr about frames of the log that were ignored. */
+static double span_s(const run_t *run)
+{
+    return 1e-6 * (double)(run->own.node.t_us - run->own.start_us);
+}
+
+/* Warns on stderr about frames of the log that were ignored, and known forces outside it. */
 static void warn_left_out(const run_t *run)
 {
     const uint32_t *refused = run->refused;
+    char text[300];
+    if (vehicle_calibrations_miss(run->own.calibration, run->own.calibrations, 0.0, span_s(run),
+                                  text, sizeof text)) {
+        report_warning("%s: %s", run->options->log, text);
+    }
     if (run->log.bus.text[0] != '\0') {
         report_warning("%s", run->log.bus.text);
     }
@@ -210,6 +218,7 @@ static int report(run_t *run)
 {
     static result_t result;
     report_gather(&result, &run->own.node.id, run->options->seed);
+    bus_identifier_calibrate(&run->own, &result);
     doctor_finish(&run->doctor);
     if (doctor_tell(&run->doctor, run->options->log, &run->findings) != 0) {
         return EXIT_REFUSED;
@@ -218,7 +227,7 @@ static int report(run_t *run)
     result.log = (report_log_t){.path = &run->options->log,
                                 .paths = 1,
                                 .rows = run->own.node.counters.ticks,
-                                .duration_s = 1e-6 * (double)(run->own.node.t_us - run->start_us)};
+                                .duration_s = span_s(run)};
     if (run->options->json) {
         report_json(stdout, &result, NULL, NULL, NULL);
     } else {

@@ -8,6 +8,7 @@
 #include "../commands.h"
 #include "../base/report_error.h"
 #include "../report/report.h"
+#include "../vehicle/vehicle_calibration.h"
 #include "../vehicle/vehicles.h"
 
 /* Largest number of frames per turn of the loop: more than a full bus transmits in a tick. */
@@ -21,6 +22,8 @@ typedef struct {
     const options_t *options;
     vehicle_sim_t vehicle_sim;
     link_t link;
+    vehicle_calibration_t calibration[VEHICLE_CALIBRATIONS]; /* known forces */
+    int calibrations;
     uint64_t last_frame_us; /* time of the node's last frame */
     bool stop;
 } run_t;
@@ -66,6 +69,7 @@ static int loop(run_t *run)
     int status = 0;
     while (status == 0 && !run->stop) {
         status = receive(run);
+        (void)vehicle_load(run->calibration, run->calibrations, &run->vehicle_sim);
         int count = vehicle_sim_tick(&run->vehicle_sim, frame);
         status = status == 0 ? link_send(&run->link, frame, count) : status;
         status = status == 0 ? pace(run) : status;
@@ -113,6 +117,7 @@ int bus_vehicle(const options_t *options)
     cfg.no_arm = options->no_arm;
     cfg.arm_again = options->arm_again;
     run->options = options;
+    run->calibrations = vehicle_calibrations_of(options->vehicle, NULL, true, run->calibration);
     int status = vehicle_sim_init(&run->vehicle_sim, &cfg)
                      ? link_open(&run->link, "vehicle", options)
                      : report_error("vehicle: the simulator refused its configuration");

@@ -160,15 +160,8 @@ static void record_excitation(world_t *world)
 /* Lets the known force of this time act, in the simulation and in the model. */
 static void set_known_force(world_t *world)
 {
-    sim_config_t *sim = &world->vehicle_sim.sim.cfg;
-    auvid_known_force_t force =
-        vehicle_known_force(world->calibration, world->calibrations, world_time_s(world));
-    force.mass_kg = AUVID_C(0.0);
-    for (int i = 0; i < 3; ++i) {
-        sim->load_N[i] = (double)force.world[i];
-        sim->load_body_N[i] = (double)force.body[i];
-        sim->load_at_m[i] = (double)force.at[i];
-    }
+    const auvid_known_force_t force =
+        vehicle_load(world->calibration, world->calibrations, &world->vehicle_sim);
     (void)auvid_calibrated_force(&world->calibrated, world->vehicle_sim.seen.t_us, &force);
 }
 

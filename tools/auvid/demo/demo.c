@@ -47,6 +47,8 @@ typedef struct {
     trace_t trace;                /* of the held-out excitation */
     result_t result[WORLD_NODES]; /* all sets; last set only (literal) */
     double simulated_s;
+    vehicle_calibration_t calibration[VEHICLE_CALIBRATIONS]; /* known forces */
+    int calibrations;
 } run_t;
 
 /* Writes the rows up to a new velocity. After a gap they are dropped. */
@@ -150,12 +152,6 @@ static void add_truth(run_t *run)
     memcpy(run->result[1].truth, run->result[0].truth, sizeof run->result[1].truth);
 }
 
-/* Known forces of the simulation. */
-static int calibrations(const options_t *options)
-{
-    return options->literal ? 0 : options->vehicle->calibrations;
-}
-
 /* Excites, records and identifies. progress may be NULL. */
 static bool identify(run_t *run, const options_t *options, uint64_t seed, progress_t *progress)
 {
@@ -168,8 +164,8 @@ static bool identify(run_t *run, const options_t *options, uint64_t seed, progre
                                    .sets = options->sets,
                                    .adaptive = options->adaptive,
                                    .literal = options->literal,
-                                   .calibration = options->vehicle->calibration,
-                                   .calibrations = calibrations(options)};
+                                   .calibration = run->calibration,
+                                   .calibrations = run->calibrations};
     if (!world_begin(world, &config)) {
         return false;
     }
@@ -246,8 +242,8 @@ static bool validate(run_t *run, const options_t *options, uint64_t seed)
                                    .disturbance_N = options->disturbance_N,
                                    .lag_s = options->lag_s,
                                    .sets = HELD_OUT_SETS,
-                                   .calibration = options->vehicle->calibration,
-                                   .calibrations = calibrations(options)};
+                                   .calibration = run->calibration,
+                                   .calibrations = run->calibrations};
     auvid_real_t truth[AUVID_MAX_PARAMETERS];
     const auvid_real_t *pi[WORLD_NODES] = {result->estimate.pi, truth};
     double *r2[WORLD_NODES] = {result->r2, result->r2_truth};
@@ -287,6 +283,9 @@ static int run_once(run_t *run, const options_t *options, uint64_t seed, const c
 {
     csv_writer_t writer;
     memset(run, 0, sizeof *run);
+    if (!options->literal) {
+        run->calibrations = vehicle_calibrations_of(options->vehicle, NULL, true, run->calibration);
+    }
     if (path != NULL) {
         if (csv_create(&writer, path) != 0) {
             return EXIT_REFUSED;

@@ -8,6 +8,7 @@
 #include "doctor.h"
 #include "doctor_report.h"
 #include "../base/report_error.h"
+#include "../vehicle/vehicle_calibration.h"
 
 static const char *const severity_name[] = {"note", "warning", "error"};
 
@@ -137,6 +138,18 @@ static void print_text(const doctor_t *d, const csv_log_t *log)
     printf("%s\n", d->verdict);
 }
 
+/* A force that is known at no time of the log has no effect. */
+static void warn_known_forces(const csv_log_t *log, const options_t *options)
+{
+    vehicle_calibration_t known[VEHICLE_CALIBRATIONS];
+    char text[300];
+    int count =
+        options->whole ? vehicle_calibrations_of(options->vehicle, log->path, true, known) : 0;
+    if (vehicle_calibrations_miss(known, count, log->first_s, log->last_s, text, sizeof text)) {
+        report_warning("%s: %s", log->path, text);
+    }
+}
+
 int doctor_check(const char *file, const options_t *options)
 {
     csv_log_t log = {0};
@@ -155,6 +168,7 @@ int doctor_check(const char *file, const options_t *options)
     }
     status = status != 0 ? status : examine(doctor, &log, thrusters ? &use : NULL);
     if (status == 0) {
+        warn_known_forces(&log, options);
         csv_notes(&log);
         (options->json ? print_json : print_text)(doctor, &log);
         status = doctor->usable ? 0 : 1;

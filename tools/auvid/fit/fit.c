@@ -195,14 +195,13 @@ static int run(job_t *job)
     const auvid_identifier_t *id = &fitted->id;
     gather(job, id, &result);
     warn_too_long(job, id);
-    job->use.calibrated = job->known_force ? &fitted->calibrated : NULL;
-    if (options->validate != NULL && result.estimate.number > 0 &&
-        heldout_r2(&job->test, &job->use, &id->recorder.cfg, options->seed, &job->trace, &result) !=
-            0) {
-        return EXIT_LOG_REFUSED;
-    }
-    if (job->known_force) {
+    if (job->known_force) { /* before the model gets the forces of the held-out log */
         report_calibrate(&result, &fitted->calibrated);
+        job->use.calibrated = &fitted->calibrated;
+    }
+    if (options->validate != NULL && result.estimate.number > 0 &&
+        heldout_r2(&job->test, &job->use, id, options->seed, &job->trace, &result) != 0) {
+        return EXIT_LOG_REFUSED;
     }
     int status = conclude(job, &result, id);
     if (options->json) {

@@ -1,6 +1,7 @@
 /**
  * @file fit.h
- * The parts of auvid fit: logs (fit_logs.c), models (fit_model.c), and the command itself (fit.c).
+ * The parts of auvid fit: logs (fit_logs.c), known forces (fit_known_force.c), models
+ * (fit_model.c), and the command itself (fit.c).
  */
 #ifndef PROGRAM_FIT_H
 #define PROGRAM_FIT_H
@@ -39,7 +40,7 @@ typedef struct {
     uint32_t free;                            /**< bit i: parameter i is identified */
     auvid_real_t fixed[AUVID_MAX_PARAMETERS]; /**< values of the other parameters */
     const char *why[AUVID_DOF_COUNT];         /**< why a DoF cannot be identified, or NULL */
-    bool known_force;                         /**< a force is known, of file or log */
+    bool known_force;                         /**< a force is known, of file or logs */
     fitted_t *coupled, *decoupled;            /**< NULL: not fitted */
     trace_t trace;                            /**< of the held-out log */
     report_maps_t maps;                       /**< the comparison of --map auto */
@@ -57,6 +58,16 @@ static inline bool fit_in_commands(const job_t *job)
  * after one line on stderr. */
 int fit_read_logs(job_t *job);
 void fit_close_logs(job_t *job);
+
+/** Takes the known forces of vehicle file and logs. Returns 0, or EXIT_REFUSED after one line on
+ * stderr. */
+int fit_take_known_forces(job_t *job);
+/** Compares their times with those of the logs, after a survey. Returns 0, or EXIT_REFUSED after
+ * one line on stderr. */
+int fit_check_known_forces(job_t *job);
+/** Selects the model with a known force. Returns false after a message. */
+bool fit_add_known_force(const job_t *job, auvid_calibrated_t *calibrated,
+                         auvid_identifier_config_t *cfg);
 
 /** Takes another map from commands to forces (log_use_map). Returns 0, or EXIT_REFUSED after one
  * line on stderr. */

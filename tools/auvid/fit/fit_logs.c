@@ -202,16 +202,16 @@ static int check_gains(const job_t *job, const csv_log_t *log)
 /* Marks the known columns that are not used. */
 static void ignore_unused(const job_t *job, csv_log_t *log)
 {
-    uint64_t used =
-        UINT64_C(15) << CSV_QUATERNION | UINT64_C(63) << CSV_REFERENCE | UINT64_C(1) << CSV_WEIGHT;
+    bool used[CSV_COLUMNS] = {[CSV_WEIGHT] = true};
+    for (int c = CSV_REFERENCE; c < CSV_POSITION; ++c) { /* and the quaternion */
+        used[c] = true;
+    }
     for (int k = 0; k < log_inputs(&job->use); ++k) {
-        used |= UINT64_C(1) << log_input(&job->use, k);
+        used[log_input(&job->use, k)] = true;
     }
-    if (job->use.kind == INPUT_THRUSTER_COMMAND) {
-        used |= UINT64_C(1) << CSV_VOLTAGE;
-    }
+    used[CSV_VOLTAGE] = job->use.kind == INPUT_THRUSTER_COMMAND;
     for (int c = CSV_WRENCH; c < CSV_COLUMNS; ++c) {
-        if (log->has[c] && !(used >> c & 1u)) {
+        if (log->has[c] && !used[c]) {
             csv_ignore(log, c);
         }
     }
@@ -232,32 +232,6 @@ static int check_columns(const job_t *job, csv_log_t *log)
     status = status != 0 ? status : check_gains(job, log);
     ignore_unused(job, log);
     return status;
-}
-
-/* A known force: of the vehicle file in the first log, or the column weight_N of each. */
-static int take_known_force(job_t *job)
-{
-    const options_t *options = job->options;
-    const char *path = job->log[0].csv.path;
-    bool column = job->log[0].csv.has[CSV_WEIGHT];
-    bool file = options->whole && options->vehicle->calibrations > 0;
-    job->known_force = column || file;
-    job->log[0].calibration = file ? options->vehicle : NULL;
-    if (column && file) {
-        return report_error("%s: the weight is known twice: by weight_N and by [calibration.1] of "
-                            "the vehicle file; remove one",
-                            path);
-    }
-    if (job->known_force && fit_in_commands(job)) {
-        return report_error("%s: a known force needs thrust in newtons: give --gain, or log the "
-                            "forces",
-                            path);
-    }
-    const char *without = options->literal ? "--literal" : options->current ? "--current" : NULL;
-    return job->known_force && without != NULL
-               ? report_error("%s: %s has no known force: remove %s", path, without,
-                              column ? "weight_N" : "[calibration.1]")
-               : 0;
 }
 
 /* Opens a log after the first one: its inputs must be of the same kind. */
@@ -350,14 +324,15 @@ int fit_read_logs(job_t *job)
     status = status != 0 ? status : find_inputs(job);
     status = status != 0 ? status : check_columns(job, &job->log[0].csv);
     (void)log_use_map(&job->use, THRUST_MAP_NEWTON);
-    status = status != 0 ? status : take_known_force(job);
     for (int i = 1; i < options->trains && status == 0; ++i) {
         status = open_further(job, &job->log[i], options->train[i]);
     }
     if (status == 0 && options->validate != NULL) {
         status = open_further(job, &job->test_log, options->validate);
     }
+    status = status != 0 ? status : fit_take_known_forces(job);
     status = status != 0 ? status : survey_all(job);
+    status = status != 0 ? status : fit_check_known_forces(job);
     if (status == 0) {
         find_excited(job);
     }

@@ -194,26 +194,6 @@ static int replay_literal(const job_t *job, fitted_t *fitted)
     return status;
 }
 
-/* Selects the model with a known force. Returns false after a message. */
-static bool add_known_force(const job_t *job, auvid_calibrated_t *calibrated,
-                            auvid_identifier_config_t *cfg)
-{
-    const vehicle_t *file = job->log[0].calibration;
-    const auvid_known_force_t weight = {.world = {0, 0, 1}};
-    auvid_status_t status = vehicle_use_known_force(
-        cfg, file != NULL ? &file->calibration[0].force : &weight, calibrated);
-    if (status < 0) {
-        (void)report_error("fit: known force: %s", auvid_status_str(status));
-        return false;
-    }
-    if ((job->free >> calibrated->k & 1u) != 0) {
-        (void)report_error("fit: %s cannot be identified beside a known force",
-                           calibrated->other->parameter[calibrated->k].name);
-        return false;
-    }
-    return true;
-}
-
 /* Replays the logs with a model. Returns false after a message. */
 static bool record(const job_t *job, const auvid_vehicle_t *vehicle, fitted_t *fitted)
 {
@@ -227,7 +207,7 @@ static bool record(const job_t *job, const auvid_vehicle_t *vehicle, fitted_t *f
     }
     if (job->known_force) {
         use.calibrated = &fitted->calibrated;
-        if (!add_known_force(job, use.calibrated, &cfg)) {
+        if (!fit_add_known_force(job, use.calibrated, &cfg)) {
             return false;
         }
     }

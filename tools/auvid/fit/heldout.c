@@ -185,9 +185,10 @@ int heldout_simulate(const log_set_t *logs, const log_use_t *use,
     return blocks->impossible ? 0 : replay_cells(logs, use, recorder, take_cell, &s);
 }
 
-int heldout_r2(const log_set_t *logs, const log_use_t *use, const auvid_recorder_config_t *recorder,
+int heldout_r2(const log_set_t *logs, const log_use_t *use, const auvid_identifier_t *id,
                uint64_t seed, trace_t *trace, result_t *result)
 {
+    const auvid_recorder_config_t *recorder = &id->recorder.cfg;
     double cell_s = 1e-6 * (double)recorder->cell_us;
     heldout_blocks_t *b = heldout_blocks();
     if (b == NULL) {
@@ -196,8 +197,8 @@ int heldout_r2(const log_set_t *logs, const log_use_t *use, const auvid_recorder
     const csv_log_t *csv = &logs->log[0].csv;
     trace_begin(trace, (size_t)((csv->last_s - csv->first_s) / cell_s), cell_s);
     result->has_validation = true;
-    int status =
-        heldout_simulate(logs, use, recorder, result->vehicle, &result->estimate, trace, b);
+    int status = heldout_simulate(logs, use, recorder, result->vehicle,
+                                  auvid_identifier_estimate(id), trace, b);
     if (!b->impossible) {
         sim_rng_t rng;
         sim_rng_seed(&rng, seed, 0);

@@ -37,9 +37,9 @@ int heldout_simulate(const log_set_t *logs, const log_use_t *use,
                      const auvid_recorder_config_t *recorder, const auvid_vehicle_t *vehicle,
                      const auvid_estimate_t *estimate, trace_t *trace, heldout_blocks_t *blocks);
 
-/** Simulates the logs with the estimate and fills the validation in *result, and the trace. Returns
- * 0, or EXIT_REFUSED after one line on stderr. */
-int heldout_r2(const log_set_t *logs, const log_use_t *use, const auvid_recorder_config_t *recorder,
+/** Simulates the logs with the estimate of *id and fills the validation in *result, and the trace.
+ * Returns 0, or EXIT_REFUSED after one line on stderr. */
+int heldout_r2(const log_set_t *logs, const log_use_t *use, const auvid_identifier_t *id,
                uint64_t seed, trace_t *trace, result_t *result);
 
 #endif

@@ -100,7 +100,6 @@ static int read_value(const csv_log_t *log, const char *field, int column, csv_r
     if (trouble == NULL && column != CSV_T && fabs(row->value[column]) > LARGEST) {
         trouble = "is beyond +-1e6";
     }
-    row->present |= UINT64_C(1) << column;
     return trouble == NULL ? 0 : refuse(log, field, column, trouble);
 }
 
@@ -125,12 +124,15 @@ static int take_time(csv_log_t *log, const char *field, double t)
 /* Computes the attitude from a quaternion from body to world axes. */
 static int take_quaternion(const csv_log_t *log, csv_row_t *row)
 {
-    const uint64_t all = UINT64_C(15) << CSV_QUATERNION;
     const double *q = row->value + CSV_QUATERNION;
-    if ((row->present & all) == 0) {
+    int components = 0;
+    for (int k = 0; k < 4; ++k) {
+        components += csv_has(row, CSV_QUATERNION + k);
+    }
+    if (components == 0) {
         return 0;
     }
-    if ((row->present & all) != all) {
+    if (components < 4) {
         return report_error("%s:%zu:1: the quaternion is incomplete: qw, qx, qy and qz must be "
                             "given together",
                             log->path, row->line);
@@ -145,7 +147,6 @@ static int take_quaternion(const csv_log_t *log, csv_row_t *row)
     angle[0] = atan2(2.0 * (w * x + y * z), 1.0 - 2.0 * (x * x + y * y));
     angle[1] = asin(fmax(-1.0, fmin(1.0, 2.0 * (w * y - z * x))));
     angle[2] = atan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z));
-    row->present |= UINT64_C(7) << CSV_ATTITUDE;
     return 0;
 }
 

@@ -14,9 +14,9 @@
 #ifndef PROGRAM_CSV_H
 #define PROGRAM_CSV_H
 
+#include <math.h>
 #include <stdbool.h>
 #include <stddef.h>
-#include <stdint.h>
 #include <stdio.h>
 
 #include "csv_lines.h"
@@ -49,14 +49,13 @@ extern const char *const csv_name[CSV_COLUMNS];
 /** One row. A value is absent if its column is missing, or its cell empty: no new sample. */
 typedef struct {
     double value[CSV_COLUMNS]; /**< absent: NAN */
-    uint64_t present;          /**< bit c: the value of column c is present */
     size_t line;               /**< line number in the file, from 1 */
 } csv_row_t;
 
 /** Is the value of a column present? */
 static inline bool csv_has(const csv_row_t *row, int column)
 {
-    return (row->present >> column & 1u) != 0;
+    return !isnan(row->value[column]);
 }
 
 /** Names separated by commas, with "..." at the end if not all fit. */

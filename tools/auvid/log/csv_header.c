@@ -9,8 +9,6 @@
 #include "columns.h"
 #include "../base/report_error.h"
 
-_Static_assert(CSV_COLUMNS <= 64, "csv_row_t.present: a bit for each column");
-
 const char *const csv_name[CSV_COLUMNS] = {
     "t_s",          "phi_rad",      "theta_rad",    "psi_rad",      "u_mps",        "v_mps",
     "w_mps",        "p_radps",      "q_radps",      "r_radps",      "X_N",          "Y_N",

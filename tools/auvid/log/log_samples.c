@@ -89,7 +89,7 @@ static bool take(log_reader_t *r, const csv_row_t *row, int first, int count, do
     for (int k = 0; k < count; ++k) {
         if (csv_has(row, first + k)) {
             last[k] = row->value[first + k];
-            r->known |= UINT64_C(1) << (first + k);
+            r->known[first + k] = true;
             any = true;
         }
     }
@@ -111,7 +111,7 @@ static bool complete(const log_reader_t *r, int first, int count)
 {
     bool all = true;
     for (int k = 0; k < count; ++k) {
-        all = all && (!r->log->csv.has[first + k] || (r->known >> (first + k) & 1u) != 0);
+        all = all && (!r->log->csv.has[first + k] || r->known[first + k]);
     }
     return all;
 }
@@ -147,11 +147,11 @@ static bool take_angles(log_reader_t *r, const csv_row_t *row)
     for (int k = 0; k < 3; ++k) {
         if (csv_has(row, CSV_ATTITUDE + k)) {
             double raw = row->value[CSV_ATTITUDE + k];
-            bool first = (r->known >> (CSV_ATTITUDE + k) & 1u) == 0;
+            bool first = !r->known[CSV_ATTITUDE + k];
             r->turns[k] -= floor((raw - (first ? raw : r->raw[k])) / revolution + 0.5);
             r->angle[k] = raw + r->turns[k] * revolution;
             r->raw[k] = raw;
-            r->known |= UINT64_C(1) << (CSV_ATTITUDE + k);
+            r->known[CSV_ATTITUDE + k] = true;
             any = true;
         }
     }
@@ -233,11 +233,9 @@ static void take_inputs(log_reader_t *r, const csv_row_t *row, log_sample_t *out
 /* The known force: of the vehicle file, or the weight of the log. */
 static void take_known_force(log_reader_t *r, const csv_row_t *row, log_sample_t *out)
 {
-    const vehicle_t *v = r->log->calibration;
     (void)take(r, row, CSV_WEIGHT, 1, &r->weight_N);
-    if (v != NULL) {
-        out->known = vehicle_known_force(v->calibration, v->calibrations, row->value[CSV_T]);
-    }
+    out->known =
+        vehicle_known_force(r->log->calibration, r->log->calibrations, row->value[CSV_T]);
     out->known.world[2] += (auvid_real_t)r->weight_N;
 }
 

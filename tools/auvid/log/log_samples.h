@@ -38,7 +38,8 @@ typedef struct {
     csv_log_t csv;
     uint64_t start_us; /**< time of its first row in the replay */
     double held_s;     /**< time for which a velocity is held in the rows; 0: it is not held */
-    const vehicle_t *calibration; /**< whose known forces act in this log; NULL: none */
+    vehicle_calibration_t calibration[VEHICLE_CALIBRATIONS]; /**< known forces of this log */
+    int calibrations;
 } log_t;
 
 /** Logs, each a record of its own, or a part of them. */
@@ -80,7 +81,7 @@ typedef struct {
     double voltage_V;                  /* last voltage; 0: none yet */
     double weight_N;                   /* last weight */
     double reference[AUVID_DOF_COUNT];
-    uint64_t known; /* bit c: column c had a value */
+    bool known[CSV_COLUMNS]; /* the column had a value */
 } log_reader_t;
 
 /** Are the inputs those of thrusters? */

@@ -70,7 +70,7 @@ static bool step(held_t *h, const csv_row_t *row)
 
 static void take_velocity(held_t *h, const csv_row_t *row, double t_us)
 {
-    if ((row->present >> CSV_NU & 7u) == 0) {
+    if (!csv_has(row, CSV_NU) && !csv_has(row, CSV_NU + 1) && !csv_has(row, CSV_NU + 2)) {
         return;
     }
     bool changed = step(h, row);
@@ -159,14 +159,17 @@ static int read_rows(survey_t *survey, log_t *log, const log_use_t *use, held_t 
     csv_row_t row;
     units_t units = {0};
     inputs_t last = {{0}, 0.0};
-    uint64_t t_us = 0, before_us = 0, present = 0;
+    uint64_t t_us = 0, before_us = 0;
+    bool present[CSV_COLUMNS] = {false};
     int status = csv_rewind(&log->csv);
     while (status == 0 && (status = csv_next(&log->csv, &row)) == 0) {
         double since = row.value[CSV_T] - log->csv.first_s;
         t_us = (uint64_t)(1e6 * since + 0.5);
         survey->gaps += (double)(t_us - before_us) > 1e6 * survey->gap_s;
         before_us = t_us;
-        present |= row.present;
+        for (int c = 0; c < CSV_COLUMNS; ++c) {
+            present[c] = present[c] || csv_has(&row, c);
+        }
         take_velocity(held, &row, (double)t_us);
         take_inputs(survey, &row, use, &last);
         units_row(&units, &row);
@@ -175,7 +178,7 @@ static int read_rows(survey_t *survey, log_t *log, const log_use_t *use, held_t 
         return status;
     }
     for (int c = 0; c < CSV_COLUMNS; ++c) {
-        if (log->csv.has[c] && !(present >> c & 1u)) {
+        if (log->csv.has[c] && !present[c]) {
             return report_error("%s:%zu:1: the column %s has no value in any row: remove it",
                                 log->csv.path, log->csv.header, csv_name[c]);
         }

@@ -6,9 +6,6 @@
 
 #include "vehicle_keys.h"
 
-/* Where no end is given. */
-#define ALWAYS_S 1e9
-
 static bool is_zero(const auvid_known_force_t *f)
 {
     double sum = 0.0;
@@ -18,7 +15,7 @@ static bool is_zero(const auvid_known_force_t *f)
     return sum <= 0.0;
 }
 
-/* Each force begins when the one before has ended: the library has one at a time. */
+/* In a log each force begins when the one before has ended: the library has one at a time. */
 static bool check(ini_t *ini, const char *section, const vehicle_t *v, int i)
 {
     const vehicle_calibration_t *c = &v->calibration[i];
@@ -29,9 +26,14 @@ static bool check(ini_t *ini, const char *section, const vehicle_t *v, int i)
     if (!(c->to_s > c->from_s)) {
         return ini_refuse_key(ini, section, "to_s", "must be later than from_s");
     }
-    return i == 0 || c->from_s >= v->calibration[i - 1].to_s ||
-           ini_refuse_key(ini, section, "from_s",
-                          "must not be before the calibration above has ended");
+    for (int k = 0; k < i; ++k) {
+        const vehicle_calibration_t *above = &v->calibration[k];
+        if (strcmp(c->log, above->log) == 0 && c->from_s < above->to_s) {
+            return ini_refuse_key(ini, section, "from_s",
+                                  "must not be before the calibration above has ended");
+        }
+    }
+    return true;
 }
 
 bool vehicle_calibrations_read(ini_t *ini, vehicle_t *v)
@@ -47,13 +49,45 @@ bool vehicle_calibrations_read(ini_t *ini, vehicle_t *v)
                               section, i);
         }
         vehicle_calibration_t *c = &v->calibration[v->calibrations++];
-        c->to_s = ALWAYS_S;
+        c->to_s = VEHICLE_TIME_S;
+        c->number = v->calibrations;
         if (!vehicle_keys_section(ini, section, KEYS_CALIBRATION, c) ||
             !check(ini, section, v, i)) {
             return false;
         }
     }
     return true;
+}
+
+int vehicle_calibrations_of(const vehicle_t *v, const char *path, bool first,
+                            vehicle_calibration_t to[VEHICLE_CALIBRATIONS])
+{
+    const char *slash = path != NULL ? strrchr(path, '/') : NULL;
+    const char *name = slash != NULL ? slash + 1 : path;
+    int count = 0;
+    for (int i = 0; i < v->calibrations; ++i) {
+        const vehicle_calibration_t *c = &v->calibration[i];
+        if (c->log[0] == '\0' ? first : name != NULL && strcmp(c->log, name) == 0) {
+            to[count++] = *c;
+        }
+    }
+    return count;
+}
+
+bool vehicle_calibrations_miss(const vehicle_calibration_t *calibration, int count, double first_s,
+                               double last_s, char *text, size_t size)
+{
+    for (int i = 0; i < count; ++i) {
+        const vehicle_calibration_t *c = &calibration[i];
+        if (c->from_s > last_s || c->to_s <= first_s) {
+            (void)snprintf(text, size,
+                           "[calibration.%d] of the vehicle file is from %.9g to %.9g s, this log "
+                           "from %.9g to %.9g s: correct its times, or name its log: log = FILE",
+                           c->number, c->from_s, c->to_s, first_s, last_s);
+            return true;
+        }
+    }
+    return false;
 }
 
 auvid_known_force_t vehicle_known_force(const vehicle_calibration_t *calibration, int count,
@@ -65,6 +99,21 @@ auvid_known_force_t vehicle_known_force(const vehicle_calibration_t *calibration
         }
     }
     return (auvid_known_force_t){0};
+}
+
+auvid_known_force_t vehicle_load(const vehicle_calibration_t *calibration, int count,
+                                 vehicle_sim_t *vehicle_sim)
+{
+    sim_config_t *sim = &vehicle_sim->sim.cfg;
+    auvid_known_force_t force =
+        vehicle_known_force(calibration, count, 1e-6 * (double)vehicle_sim->seen.t_us);
+    force.mass_kg = AUVID_C(0.0);
+    for (int i = 0; i < 3; ++i) {
+        sim->load_N[i] = (double)force.world[i];
+        sim->load_body_N[i] = (double)force.body[i];
+        sim->load_at_m[i] = (double)force.at[i];
+    }
+    return force;
 }
 
 auvid_status_t vehicle_use_known_force(auvid_identifier_config_t *cfg,

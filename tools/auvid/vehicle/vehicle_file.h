@@ -11,6 +11,9 @@
 #include "simulator.h"
 #include "thrust_map.h"
 
+/** Largest time of a log, which may be that of the day [s]. */
+#define VEHICLE_TIME_S 1e10
+
 /** Kinds of models in a file. */
 typedef enum { VEHICLE_GIRONA500, VEHICLE_FOSSEN, VEHICLE_TERMS } vehicle_model_t;
 
@@ -35,6 +38,8 @@ typedef struct {
 typedef struct {
     auvid_known_force_t force;
     double from_s, to_s; /**< when it acts, in the time of the log [s] */
+    char log[VEHICLE_TITLE]; /**< name of the only log in which it acts; "": the first one */
+    int number;              /**< N of the section */
 } vehicle_calibration_t;
 
 /** [parameters] and [terms]: a model as a table of terms. */

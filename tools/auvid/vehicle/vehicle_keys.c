@@ -176,8 +176,9 @@ static const vehicle_key_t of_calibration[] = {
     FORCE("pull_north_east_N", world, 2, 1e5),
     FORCE("position_m", at, 3, 100),
     {.key = "mass_kg", .kind = KEY_REAL, .offset = C(force.mass_kg), .high = 1e4},
-    MUST_NUMBER("from_s", C(from_s), -LARGE, LARGE),
-    NUMBER("to_s", C(to_s), -LARGE, 1e9)};
+    MUST_NUMBER("from_s", C(from_s), -VEHICLE_TIME_S, VEHICLE_TIME_S),
+    NUMBER("to_s", C(to_s), -VEHICLE_TIME_S, VEHICLE_TIME_S),
+    {.key = "log", .kind = KEY_TITLE, .offset = C(log)}};
 
 /* Of all models; the tilt where the model has no roll and pitch. */
 static const vehicle_key_t of_truth[] = {

@@ -16,8 +16,8 @@ import math
 from typing import NamedTuple
 
 from auvid.log_error import LogError, UsageError
-from auvid.series import ATTITUDE, COMMANDS, FORCE, POSITION, QUATERNION, RATES, VELOCITY, \
-    WRENCH, Recording
+from auvid.series import ATTITUDE, COMMANDS, FORCE, POSITION, QUATERNION, RATES, REFERENCE, \
+    VELOCITY, WEIGHT, WRENCH, Recording
 from auvid.streams import INPUT
 
 UNITS = {"": 1, "1": 1, "%": 0.01, "s": 1, "ms": 1e-3, "us": 1e-6, "ns": 1e-9, "m": 1, "cm": 0.01,
@@ -26,11 +26,12 @@ UNITS = {"": 1, "1": 1, "%": 0.01, "s": 1, "ms": 1e-3, "us": 1e-6, "ns": 1e-9, "
          "V": 1, "m/s2": 1, "g": 9.80665, "mV": 1e-3, "rpm": 1}
 GROUPS = {"dvl": VELOCITY, "attitude": ATTITUDE, "quaternion": QUATERNION, "rates": RATES,
           "position": POSITION, "specific_force": FORCE}
-KNOWN = {"t_s", *(c for group in GROUPS.values() for c in group), *WRENCH, *COMMANDS, "voltage_V"}
+KNOWN = {"t_s", *(c for group in GROUPS.values() for c in group), *WRENCH, *COMMANDS, *REFERENCE,
+         "voltage_V", *WEIGHT}
 #: Columns that change their sign between forward, left, up and forward, right, down.
 TURNED = {"v_mps", "w_mps", "q_radps", "r_radps", "theta_rad", "depth_m", "fy_mps2",
           "fz_mps2", "Y_N", "Z_N", "M_Nm", "N_Nm",
-          "cmd_sway", "cmd_heave", "cmd_pitch", "cmd_yaw"}
+          *(kind + dof for kind in ("cmd_", "ref_") for dof in ("sway", "heave", "pitch", "yaw"))}
 
 
 class Entry(NamedTuple):

@@ -20,6 +20,8 @@ POSITION = ["north_m", "east_m", "depth_m"]
 FORCE = ["fx_mps2", "fy_mps2", "fz_mps2"]
 WRENCH = ["X_N", "Y_N", "Z_N", "K_Nm", "M_Nm", "N_Nm"]
 COMMANDS = ["cmd_" + dof for dof in DOFS]
+REFERENCE = ["ref_" + dof for dof in DOFS]
+WEIGHT = ["weight_N"]  # of what hangs on the vehicle; it may be logged only when it changes
 
 #: The series that readers give. Body axes are forward, right, down; the world is north, east, down.
 COLUMNS = {

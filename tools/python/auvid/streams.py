@@ -5,7 +5,7 @@ import numpy as np
 
 from auvid import frames
 from auvid.log_error import LogError
-from auvid.series import ATTITUDE, QUATERNION, VELOCITY
+from auvid.series import ATTITUDE, QUATERNION, VELOCITY, WEIGHT
 
 #: Sources, best first. The raw DVL comes before a filtered velocity.
 VELOCITIES = ("dvl", "velocity", "velocity_ned")
@@ -37,11 +37,11 @@ class Stream:
         return t, self.convert(t, self.series.values[a:b])
 
     def at(self, t):
-        """Values at other times: an input is held, a motion interpolated."""
+        """Values at other times: an input or a weight is held, a motion interpolated."""
         part = around(self.series, t)
         times = np.array(self.series.times[part])
         values = self.convert(times, self.series.values[part])
-        if self.is_input:
+        if self.is_input or self.columns == WEIGHT:
             return frames.hold(t, times, values)
         if self.columns in (QUATERNION, ATTITUDE):
             is_angles = self.columns == ATTITUDE
@@ -80,7 +80,7 @@ def _check(recording, velocity, attitude, inputs):
 
 def streams_of(recording):
     """The streams of the CSV. Raises LogError if a series is missing."""
-    for name in [name for name, series in recording.series.items() if series.count < 2]:
+    for name in [name for name, series in recording.series.items() if series.count < 2 and name not in WEIGHT]:
         recording.notes.append(f"{recording.series.pop(name).label}: only one sample: left out")
     velocity, attitude = recording.first(*VELOCITIES), recording.first(*ATTITUDES)
     unused = {*VELOCITIES, *ATTITUDES} - {velocity, attitude}

@@ -5,7 +5,7 @@ import numpy as np
 
 from auvid import frames
 from auvid.log_error import LogError, UsageError
-from auvid.series import ATTITUDE, QUATERNION, VELOCITY
+from auvid.series import ATTITUDE, QUATERNION, VELOCITY, WEIGHT
 
 WINDOW_S = 60.0
 
@@ -48,7 +48,9 @@ def names(streams, resample):
 
 
 def common_time(streams):
-    """First and last time at which every stream has begun and none has ended."""
+    """First and last time at which every stream has begun and none has ended. A weight holds until
+    it changes."""
+    streams = [s for s in streams if s.columns != WEIGHT]
     begin, end = max(s.series.first for s in streams), min(s.series.last for s in streams)
     if begin >= end:
         late = max(streams, key=lambda s: s.series.first).series

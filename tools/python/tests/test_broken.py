@@ -198,6 +198,21 @@ def test_a_table_is_read_by_its_map(tmp_path, convert):
     assert np.array_equal(rows["cmd_surge"], -(-1.0) ** (i // 9))
 
 
+@pytest.mark.parametrize("resample", [[], ["--resample", "velocity"]])
+def test_a_weight_that_is_logged_when_it_changes_holds_until_then(resample, tmp_path, convert):
+    weight = {0: 0, 30: 2, 60: 0}  # by row
+    first, *lines = TABLE.splitlines()
+    (tmp_path / "map.ini").write_text(MAP + "[weight_N]\nfrom = ballast\nunit = kN\n")
+    (tmp_path / "dive.csv").write_text("\n".join(
+        [first + ",ballast", *(f"{line},{weight.get(i, '')}" for i, line in enumerate(lines)), ""]))
+    status, said, rows = convert(tmp_path / "dive.csv", "--map", str(tmp_path / "map.ini"),
+                                 *resample)
+    assert status == 0 and len(rows["t_s"]) == 99, said
+    on = (rows["t_s"] > 2.95) & (rows["t_s"] < 5.95)
+    told = rows["weight_N"] if resample else rows["weight_N"][[*weight]]
+    assert np.array_equal(told, np.where(on, 2000, 0) if resample else [0, 2000, 0])
+
+
 def test_fields_of_a_bag_are_read_by_a_map(short, tmp_path, convert):
     (tmp_path / "map.ini").write_text("[u_mps]\nfrom = /odom twist.twist.linear.x\n"
                                       "[v_mps]\nfrom = /odom twist.twist.linear.y\nframe = enu\n")
