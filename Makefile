@@ -224,7 +224,7 @@ test-vcan: build/auvid $(VCAN_PROGRAMS) | setup ## Tests on real CAN, in a virtu
 
 firmware: $(IMAGES) ## Build the examples for each microcontroller: build/firmware/*/*.elf
 
-test-firmware: build/auvid | setup ## Run it in QEMU, with unit tests: are the bits the host's?
+test-firmware: build/auvid | setup ## Run it in QEMU, with unit tests: the bits must be the host's
 	@tests/run.sh $(FIRMWARE_SCRIPTS)
 
 bench-firmware: build/auvid $(COUNTED_IMAGES) ## Exact instructions of each function, on each core
@@ -234,7 +234,7 @@ bench-eigen: build/firmware/count_plugin.so | firmware-setup ## The navigation s
 	@tests/support/setup.sh eigen
 	@tests/firmware/bench_eigen.sh
 
-lint: ## Install what is missing and check the rules of the house
+lint: ## Install what is missing and check the coding rules
 	@tests/lint/lint.sh
 
 size: $(IMAGES) ## Firmware's flash, RAM and stack against a baseline (SIZE=write: write it)
@@ -258,7 +258,7 @@ bench: $(BENCH_PROGRAMS) ## Build and run the benchmarks
 can: | can-setup ## Generate the C of the CAN frames from lib/can/auvid.dbc
 	@$(CAN_CODEGEN)
 
-can-check: | can-setup ## Is the C of the CAN frames what lib/can/auvid.dbc gives?
+can-check: | can-setup ## Check that the C of the CAN frames matches lib/can/auvid.dbc
 	@$(CAN_CODEGEN) --check
 
 fuzz: ## Fuzz CAN receivers and vehicle files for FUZZ_SECONDS (60)

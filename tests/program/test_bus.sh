@@ -46,7 +46,7 @@ check "a log with frames missing differs from its estimates" exits 1 replay loss
 check "by a number of frames" grep -Eq '[1-9][0-9]* different' out
 
 # ---- wrong inputs ----
-late="thrust acts later than told, by 0.2 s or so; check time stamps and the propellers' lag"
+late="thrust acts later than stamped, by 0.2 s or so; check time stamps and the propellers' lag"
 check "thrusters that lag are found" exits 0 \
     node --bus memory --excite --lag 0.45 --log lag.log --json
 check "  and said by the vehicle, which has read it from frames" is out \

@@ -28,7 +28,7 @@ for seed in $(seq 1 $dives); do
     check "  indeed" is out '
 assert error("W-B") < 0.08 and error("m_w") < 0.08, (error("W-B"), error("m_w"))
 assert P["m_w"]["identifiable"] and P["k_tau"]["identifiable"] and 1.06 < P["k_tau"]["estimate"]
-assert "weaker than told" in d["thrust"], d["thrust"]'
+assert "weaker than supplied" in d["thrust"], d["thrust"]'
 done
 check "the demo identifies its own vehicle" is demo.json '
 assert error("m_w") < 0.08 and abs(P["k_tau"]["estimate"] - 1) < 0.08, P["k_tau"]
@@ -81,7 +81,7 @@ check "  is told" grep -q 'warning: thrusters.csv: \[calibration.1\] of the vehi
 # ---- on a bus: the same file, times from the first tick ----
 check "the node identifies its own vehicle" \
     exits 0 node --bus memory --excite --vehicle dive.ini --log run.log --json
-check "  with the thrust as told" is out '
+check "  with the supplied thrust" is out '
 assert error("m_w") < 0.08 and abs(P["k_tau"]["estimate"] - 1) < 0.08, P["k_tau"]
 assert P["k_tau"]["truth"] == 1 and d["thrust"].startswith("the known force agrees"), d["thrust"]'
 cp out node.json

@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# auvid check on a log of the demo and on 26 broken copies of it: the sentence for each, the exit
+# auvid check on a log of the demo and on 31 broken copies of it: the sentence for each, the exit
 # status, and that fit prints the same. AUVID_TEST_LONG: does the verdict agree with what fit makes
 # of a log?
 . "$(dirname "$0")/common.sh"
@@ -68,11 +68,16 @@ change("sway_zero", scale(0, "v_mps"))
 change("attitude_zero", scale(0, *ATTITUDE))
 change("coarse", lambda k, y: y.__setitem__(C["u_mps"], round(y[C["u_mps"]] / 0.3) * 0.3))
 write("slow", whole[::12])
+change("milliseconds", scale(1000, "t_s"))
+change("sway_mm", scale(1000, "v_mps"))
+write("inputs_slow", [y[:10] + (y[10:16] if k % 6 == 0 else [None] * 6) + y[16:]
+                      for k, y in enumerate(whole)])
 write("short", whole[:80])
 write("gap", whole[:400] + whole[450:])
 write("sag", [y + [16.8 - 4 * k / len(whole)] for k, y in enumerate(whole)], h + ["voltage_V"])
-drop = [i for i, n in enumerate(h) if n != "theta_rad"]
-write("no_pitch", [[y[i] for i in drop] for y in whole], [h[i] for i in drop])
+for name, column in (("no_pitch", "theta_rad"), ("no_surge", "u_mps")):
+    keep = [i for i, n in enumerate(h) if n != column]
+    write(name, [[y[i] for i in keep] for y in whole], [h[i] for i in keep])
 top = [max(abs(y[i]) for y in whole) or 1 for i in range(16)]
 pwm = {"X_N": "cmd_surge", "Y_N": "cmd_sway", "Z_N": "cmd_heave", "N_Nm": "cmd_yaw"}
 keep = [i for i, n in enumerate(h) if n not in ("K_Nm", "M_Nm")]
@@ -119,6 +124,10 @@ done <<'END'
 1 attitude_zero error +the attitude never changes, but the rates do: log the measured attitude
 0 coarse warning +u_mps has steps of 0\.3, coarse against its variation .*: log more digits
 1 slow error +the rows are about 1\.[0-9]+ s apart, more than the 0\.5 s that fit bridges: log at 5
+1 milliseconds error +the rows are about [0-9]+ s apart, .*; if t_s is in milliseconds, divide it by 1000
+1 sway_mm error +v_mps varies by [0-9]+ m/s .*: if it is in mm/s, divide it by 1000
+0 inputs_slow warning +X_N comes every 0\.[56][0-9]* s on average, and fit bridges 0\.5 s: log inputs at
+1 no_surge error +u_mps is missing, but X_N is there: fit needs both: add the velocity, or leave
 1 short error +too little motion: .*: excite each axis for a minute or more
 0 gap note +1 gap over 0\.5 s, the longest of 5\.[0-9] s after t_s [0-9.]+: each one ends a record
 0 sag warning +voltage_V falls from 16\.8 to 12\.8: .*: log the thrust computed with the voltage
@@ -138,6 +147,15 @@ assert (f["severity"], f["code"], f["column"]) == ("error", "angle_degrees", "ps
 assert "degrees" in f["sentence"] and d["usable_motion_s"]["surge"] > 60'
 check "fit prints errors before its result" exits 0 fit moment_reversed.csv --plain
 check "  on stderr" grep -q 'moment_reversed.csv: N_Nm has the wrong sign' err
+check "fit names slow inputs" exits 3 fit inputs_slow.csv --plain
+check "  and not the length of the log" grep -q 'the log: inputs are up to 0.60 s apart, 0.5 s are' out
+check "  which a longer gap bridges" exits 0 fit inputs_slow.csv --plain --max-gap 0.7
+check "fit refuses mm/s" rejects 'v_mps is [0-9.]+ at t_s .*: if it is in mm/s' fit sway_mm.csv --plain
+check "fit asks for no motion while the log is wrong" exits 3 fit force_reversed.csv
+check "  its first line says what is" grep -q '^nothing identified: Y_N has the wrong sign' out
+check "  and nothing else is missing" test "$(sed -n '/^  missing/,/^$/p' out | wc -l)" = 3
+check "a vehicle without its thrusters' inputs" exits 0 check clean.csv --vehicle girona500
+check "  is examined with forces" grep -q 'no columns thruster_1 ..: forces and moments are' err
 check "fit prints nothing of a good log" exits 0 fit clean.csv --plain
 check "  indeed" test ! -s err
 "$AUVID" demo --vehicle bluerov2 --sets 4 --disturbance 0.2 --seed 6 --csv rov.csv --json >rov.json

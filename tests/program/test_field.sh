@@ -140,7 +140,7 @@ assert d["causes"]["thrust_curve"] == {"first": 4, "named": 4}
 for run in d["each"]:
     cause = run["causes"][0]
     assert cause["class"] == "thrust_curve" and abs(cause["value"] - 0.1) < 4 * cause["sigma"]
-    assert re.match("backward thrust is weaker than told, by (9|10|11) % or so; ",
+    assert re.match("backward thrust is weaker than supplied, by (9|10|11) % or so; ",
                     cause["sentence"]), cause'
 exits 0 demo --field 0 --runs 8 --json
 check "nothing is named in a perfect world" holds out '
@@ -154,7 +154,7 @@ for run in d["each"]:
     assert shift["sag"] == shift["timing"] == 0'
 check "--shifts without field statistics" refuses "--shifts needs --field" demo --shifts
 check "tables name the cause" exits 0 demo --mismatch thrust_backward=0.1 --runs 1
-check "  with its sentence" grep -q "^    backward thrust is weaker than told, by 10 %" out
+check "  with its sentence" grep -q "^    backward thrust is weaker than supplied, by 10 %" out
 
 # ---- correctness ----
 perfect="demo --field 0 --perfect-inputs --json"

@@ -135,8 +135,6 @@ check "  with the remedy" grep -q 'error    thruster_2 has the wrong sign: .*: c
 check "  by fit, too" sh -c "
     '$AUVID' fit reversed.csv --vehicle girona500 --json 2>err >reversed.out
     grep -q '^auvid: reversed.csv: thruster_2 has the wrong sign' err"
-check "  which needs their columns" refuses '--vehicle needs the inputs of each thruster' \
-    check train.csv --vehicle girona500
 check "  and a log" refuses '--vehicle is for a log' check girona500 --vehicle girona500
 
 # ---- which map ----
@@ -153,7 +151,7 @@ assert told["interval"] == [0, 0] and other["interval"][1] < 0 and m["held_out"]
 assert other["error"] < 0.02 < told["error"] and m["blocks"] >= 8, m
 assert abs(other["error"] - told["error"] - other["difference"]) < 1e-6'
 check "  in words" sh -c "'$AUVID' fit throttle.csv --vehicle linear.ini --plain --map auto |
-    grep -A 4 '  map  ' >words; grep -q 'signed-square instead of linear (as told)' words &&
+    grep -A 4 '  map  ' >words; grep -q 'signed-square instead of linear (as configured)' words &&
     grep -q 'difference -.*, 95 % interval -.* to -' words"
 check "a right one is kept" exits 0 fit throttle.csv --vehicle girona500 --plain --map auto --json
 check "  and better than the other" is out 'm = d["map"]
@@ -168,7 +166,7 @@ change "$commands"'
 r = [y for y in r if y[0] < 40]
 add(["thruster_%d" % k for k in range(1, 6)], commands); drop(*WRENCH)' <train.csv >short.csv
 "$AUVID" fit short.csv --vehicle linear.ini --plain --map auto >short.out 2>&1
-check "too short a log: as told, and it says so" grep -q 'linear, as told: .*' short.out
+check "too short a log: as configured, and it says so" grep -q 'linear, as configured: .*' short.out
 check "--map names one" form 0 plain.json 1e-3 throttle.csv --vehicle linear.ini --plain \
     --map signed-square
 check "a map of forces" rejects 'train.csv: --map needs commands .*, but the log has forces' \
@@ -185,6 +183,8 @@ for y in r:
 h = [names.get(n, n) for n in h]' <train.csv >commands.csv
 gains="--gain surge=200 --gain sway=200 --gain heave=200 --gain=yaw=50"
 # shellcheck disable=SC2086
+check "the doctor needs the inputs of the thrusters, or forces" refuses \
+    '--vehicle needs the inputs of each thruster' check commands.csv --vehicle girona500
 check "commands with a gain for each axis" form 0 plain.json 1e-3 commands.csv --plain $gains
 check "  have the units of forces" is out 'assert P["m_u"]["unit"] == "kg"'
 check "a gain is missing" rejects 'cmd_yaw has no gain' fit commands.csv --gain surge=1 \

@@ -149,14 +149,14 @@ static void tick(void)
 static void restart(void)
 {
     save();
-    for (int turns = 0; !save_on(); ++turns) {
+    for (int turns = 0; !save_next_page(); ++turns) {
         if (turns > 1000) {
             fault("the checkpoint does not end");
         }
     }
     memset(&id, 0, sizeof id);
     control_init();
-    if (!go_on(flash, flashed)) {
+    if (!resume(flash, flashed)) {
         fault("restart");
     }
 }

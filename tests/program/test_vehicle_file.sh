@@ -135,7 +135,7 @@ check "--json with --header" refuses 'cannot be combined' check minnow.ini --jso
 # ---- the vehicle of the guide ----
 check "check reports" exits 0 check minnow.ini
 check "  the largest wrench" grep -Eq '^  surge +-18\.0 +24\.0 N +6\.0 N' out
-check "  what cannot be given" grep -Eq '^  sway +none without another wrench' out
+check "  what cannot be given" grep -Eq '^  sway +not possible without another force or moment' out
 check "  what is missing" grep -q 'dvl_lever_m: the DVL is taken to be at the origin' out
 check "  and what would help" \
     grep -Eq '^ +[0-9.]+ %  0.5 N of weight in water for 60 s' out

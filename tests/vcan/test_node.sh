@@ -124,7 +124,7 @@ aborted() {
 late() {
     local words
     whole_run late "$SILENT_SETS" 0 --excite '--lag 0.6'
-    words=$(grep -o 'thrust acts later than told[^"]*' node.out)
+    words=$(grep -o 'thrust acts later than stamped[^"]*' node.out)
     grep -F "    $words" vehicle.out
 }
 

@@ -71,7 +71,8 @@
 #endif
 
 /** Number of thruster commands that are recorded with the wrench; default one for each thruster.
- * Only models on the residual path use them (vehicle.h). 0: no memory for that path. 0..16. */
+ * Models on the residual path (vehicle.h) and uncertain inputs (uncertain.h) use them. 0: no memory
+ * for that path, and auvid_identifier_attach_uncertain is refused. 0..16. */
 #ifndef AUVID_MAX_COMMANDS
 #define AUVID_MAX_COMMANDS AUVID_MAX_THRUSTERS
 #endif

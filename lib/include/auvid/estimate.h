@@ -108,7 +108,8 @@ typedef struct {
 /** The confidence in one estimate. Written by auvid_confidence_work. */
 typedef struct {
     auvid_real_t sigma[AUVID_MAX_PARAMETERS]; /**< standard error, bias included [parameter's unit];
-                                                   AUVID_LARGEST: not known */
+                                                   AUVID_LARGEST: not known, also that of a fixed
+                                                   parameter (bit not in `identified`) */
     /** Signed change of each parameter by one standard deviation of the thrust scale, and of the
      * DVL's [parameter's unit]. The square of sigma contains their squares. */
     auvid_real_t thrust_error[AUVID_MAX_PARAMETERS];
@@ -250,7 +251,8 @@ auvid_real_t auvid_estimate_covariance(const auvid_estimate_t *estimate,
  * Linear and quadratic drag are correlated: F may be known although neither of them is. Drag by
  * velocities of other DoF is not included. If the model has a current, the speed is that through
  * the water, but the largest speed in the data is the recorded one.
- * @param vehicle the estimate's model; vehicle.h, current.h and thrusters.h keep the hull's drag
+ * @param vehicle the estimate's model; averaged models, current.h and thrusters.h keep the
+ * hull's drag
  * @param speed [m/s, rad/s], < 0: backward; up to +-AUVID_RECORDER_LARGEST. Reliable from 0.3 to 1
  * of estimate->speed
  * @param drag written if AUVID_OK. A fixed parameter is exact; an unknown standard error makes
@@ -325,7 +327,7 @@ typedef struct {
 /**
  * A model with a known force, which calibrates the thrust.
  *
- * No motion shows a common scale of the supplied thrust: thrust that is 20 % too strong as told
+ * No motion shows a common scale of the supplied thrust: supplied thrust that is 20 % too strong
  * gives masses and drags that are 20 % too large, and equations that fit as well. A known force
  * shows it. With tau the supplied wrench, k its ratio to the true one, and f the known wrench,
  *
@@ -408,15 +410,15 @@ void auvid_calibrated_clear(auvid_calibrated_t *c);
  *
  * Use the converted estimate for masses, drag and W-B in SI. Prediction, aiding and feed-forward
  * take the one of the identifier, whose unit is the supplied thrust.
- * @param told the identifier's estimate
- * @param si written if >= 0; may be told. pi[c->k] is k: thrust is told too strong if it exceeds 1.
- * It is identifiable if the data say more of it than the prior
- * @return AUVID_OK; AUVID_UNUSED (the data do not show k: *si is *told with k = 1, and after any
- * change of the force no constant force is identifiable); AUVID_ERR_NULL
- * (also told, if there is none); AUVID_ERR_STATE (not initialised); AUVID_ERR_NO_DATA (no estimate
+ * @param estimate the identifier's
+ * @param si written if >= 0; may be `estimate`. pi[c->k] is k: above 1 the supplied thrust is too
+ * strong. It is identifiable if the data say more of it than the prior
+ * @return AUVID_OK; AUVID_UNUSED (the data do not show k: *si is *estimate with k = 1, and after
+ * any change of the force no constant force is identifiable); AUVID_ERR_NULL
+ * (also `estimate`, if there is none); AUVID_ERR_STATE (not initialised); AUVID_ERR_NO_DATA (no estimate
  * yet); AUVID_ERR_RANGE (k is not above 0.2: the force has another sign or size than it was given).
  * Cost: O(n^2). */
-auvid_status_t auvid_calibrated_estimate(const auvid_calibrated_t *c, const auvid_estimate_t *told,
+auvid_status_t auvid_calibrated_estimate(const auvid_calibrated_t *c, const auvid_estimate_t *estimate,
                                          auvid_estimate_t *si);
 
 #ifdef __cplusplus

@@ -6,15 +6,17 @@
  *     auvid_identifier_work   whenever there is time left: a given number of units of optimization.
  *
  * Data flow: sensors -> navigation (nav.h) -> recorder -> metric <-> optimizer -> estimate. Each
- * completed data set starts a global search with the last estimate as a known good point. A search
- * uses the sets that were complete when it began. Sets completed during a search wait until it
- * ends; then one search takes them all. The last estimate predicts each set before the set is used,
- * the oldest first. The prediction reveals a changed vehicle, and an estimate worse than the one
- * before. On the regressor path the cost is convex, and the R factor gives its minimum within the
- * bounds: the search confirms it, with one population and one poll of the directions, unless it is
- * `paper` (types.h). For a model on the residual path the delay is one more parameter of the
- * search, and one set can wait; while it waits, no rows are recorded. In the regressor path (sets -
- * 1) / 2 sets can wait; when more are completed, the oldest is lost.
+ * completed data set starts a search, in which the last estimate is one of the first points. The
+ * search uses the sets that were complete when it began. Sets completed meanwhile wait: on the
+ * regressor path up to (sets - 1) / 2 of them, then the oldest is lost; on the residual path one,
+ * and while it waits no rows are recorded. The next search takes them all. Before a set is used,
+ * the last estimate predicts it, the oldest set first. This reveals a changed vehicle, and an
+ * estimate worse than the one before.
+ *
+ * On the regressor path the cost is convex, and the R factor gives its minimum within the bounds.
+ * The search confirms it: it evaluates the first population of Algorithm 1, and one step of
+ * Algorithm 2 in each direction. With search.paper (types.h) both algorithms run to their ends. On
+ * the residual path the delay is one more parameter of the search.
  *
  * Cost of step: one prediction of the filter, the updates that arrived, at most
  * AUVID_CELLS_PER_STEP cells of the recorder. Cost of work: at most `budget` units. A unit is about
@@ -155,7 +157,9 @@ typedef struct {
          * is known: after the step with the time of this tick, since the step returns the
          * excitation; or with the earlier time of a measurement. */
         auvid_real_t wrench[AUVID_DOF_COUNT];
-        auvid_real_t command[AUVID_COMMAND_SLOTS]; /**< thruster commands, if the model uses them */
+        auvid_real_t command[AUVID_COMMAND_SLOTS]; /**< thruster commands, if the
+                        model uses them; with uncertain inputs the thrusters' forces [N], in the
+                        order of the allocation. All are read: 0 for thrusters that do not exist */
     } applied;
     bool saturated; /**< a thruster is at its limit now, for any reason; for the guard. Saturation
                          by the excitation itself is detected internally */
@@ -174,9 +178,10 @@ enum {
                                               another one waits sets no event: `unused` */
     AUVID_EVENT_DEPTH_DROPPED = 1u << 3,     /**< likewise: depth or pressure */
     AUVID_EVENT_GPS_DROPPED = 1u << 4,       /**< likewise */
-    AUVID_EVENT_INPUT_DROPPED = 1u << 5,     /**< applied wrench rejected: not finite, beyond
-                                              AUVID_RECORDER_LARGEST, or a wrench of this time
-                                              was given before */
+    AUVID_EVENT_INPUT_DROPPED = 1u << 5,     /**< applied wrench or commands rejected, in this
+                                              step or in auvid_identifier_applied since the last
+                                              one: not finite, beyond AUVID_RECORDER_LARGEST, or
+                                              a wrench of this time was given before */
     AUVID_EVENT_VELOCITY_STALE = 1u << 6,    /**< no DVL sample accepted for nav.stale_us */
     AUVID_EVENT_GAP = 1u << 7,               /**< the record was broken and restarted */
     AUVID_EVENT_SET = 1u << 8,               /**< a data set was completed */
@@ -419,8 +424,8 @@ auvid_status_t auvid_identifier_velocity(auvid_identifier_t *id, uint64_t t_us,
  * step's input. Takes at most AUVID_CELLS_PER_STEP cells.
  * @param t_us of the tick, or of the measurement [us]; later than that of the last wrench
  * @param wrench [AUVID_DOF_COUNT] sum of all sources [N, Nm]
- * @param command [AUVID_MAX_COMMANDS] thruster commands; may be NULL
- * @return as auvid_identifier_motion. */
+ * @param command [AUVID_MAX_COMMANDS] as in auvid_input_t; NULL: none
+ * @return as auvid_identifier_motion. A rejected wrench is an event of the next step, too. */
 auvid_status_t auvid_identifier_applied(auvid_identifier_t *id, uint64_t t_us,
                                         const auvid_real_t *wrench, const auvid_real_t *command);
 

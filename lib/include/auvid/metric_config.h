@@ -32,28 +32,27 @@ typedef struct {
     const auvid_vehicle_t *vehicle; /**< required; the identifier sets it */
     auvid_row_t *rows;    /**< residual path: storage for (sets + 1) set_rows rows, owned by the
                             caller, must outlive the metric; NULL otherwise */
-    uint32_t velocity_us; /**< time between velocity samples [us], interpolated in between; 0: a
-                               sample in every cell; ..1e6, default 200000 (DVL at 5 Hz). In the
+    uint32_t velocity_us; /**< time between velocity samples [us], interpolated in between; 0..1000000; 0:
+                               a sample in every cell; default 200000 (DVL at 5 Hz). In the
                                identifier also AUVID_VELOCITY_OBSERVED (default): the median of the
                                first seven intervals; a rate that changes later is not noticed.
                                In the residual path only thrusters.h reads it */
     auvid_real_t fixed[AUVID_MAX_PARAMETERS]; /**< values of the parameters that are not free, and
                                 of free ones while their DoF is not excited, in the model's order
                                 and units; 0 of a free one: not known. Default 0 */
-    auvid_real_t tau_max[AUVID_DOF_COUNT];    /**< scale of the wrench [N, Nm], > 0; makes the cost
-                                                   dimensionless. Default 100, 40. In the
-                                                   identifier 0 (default): 100, 40 until
-                                                   auvid_node_init or
-                                                   auvid_identifier_attach_actuation names the
-                                                   thrusters; then what they give in this DoF
-                                                   (auvid_allocation_capacity, the larger
-                                                   direction), if that is above 0 and at most
-                                                   AUVID_RECORDER_LARGEST */
+    auvid_real_t tau_max[AUVID_DOF_COUNT];    /**< scale of the wrench [N, Nm], > 0: the largest
+                                that you apply. Makes the cost dimensionless, and scales
+                                excitation_threshold. Default 100, 40. In the identifier 0
+                                (default): 100, 40 until auvid_node_init,
+                                auvid_identifier_attach_uncertain or
+                                auvid_identifier_attach_actuation names the thrusters; then what
+                                they give in this DoF (auvid_allocation_capacity, the larger
+                                direction), if that is above 0 and at most AUVID_RECORDER_LARGEST */
     /** a DoF is excited if the rms of its wrench about its mean exceeds this part of tau_max; 0..1,
      * default 0.02 */
     auvid_real_t excitation_threshold;
-    auvid_real_t delay_s[AUVID_DOF_COUNT]; /**< delay of the wrench if it is not estimated [s]; a
-                                                shift, -2..6 cells, default 0. Not read in the
+    auvid_real_t delay_s[AUVID_DOF_COUNT]; /**< delay of the wrench if it is not estimated [s]:
+                                                a shift of -2..6 cells (-0.2..0.6 s); default 0. Not read in the
                                                 residual path: the delay is a parameter of each
                                                 evaluation there */
     auvid_real_t delay_sigma_s; /**< standard deviation of the delay [s], 0..1; > 0: negative delays
@@ -63,7 +62,7 @@ typedef struct {
                         default the vehicle's own choice */
     uint32_t cell_us;     /**< the recorder's cell [us]; default 100000. The identifier sets it */
     uint32_t max_cell_us; /**< regressor path: longest cell that the identifier may choose [us], see
-                               detail/metric.h; up to cell_us: it keeps cell_us; 0..1000000,
+                               detail/metric.h; at most cell_us: it keeps cell_us; 0..1000000,
                                default 800000 */
     uint16_t row_cells;   /**< cells between rows; >= 1, default 5 */
     uint16_t set_rows;    /**< rows in a set; >= 1, default 60 (30 s);

@@ -138,7 +138,8 @@ auvid_status_t auvid_selftest(void);
 /**
  * What a configuration was refused for. Written by auvid_identifier_init, auvid_node_init (to its
  * identifier), auvid_identifier_attach_actuation (to its storage) and auvid_terms_init.
- * To print it: "cfg.<part>.<field>[<element>] is <value>, limit <limit>".
+ * To print it: "cfg.<part>.<field>[<element>] is <value>, limit <limit>";
+ * without "<part>." if part is empty, without "[<element>]" if element is -1.
  */
 typedef struct {
     auvid_status_t status; /**< what was returned */
@@ -184,7 +185,7 @@ typedef struct {
     auvid_real_t lower[AUVID_MAX_PARAMETERS]; /**< lower < upper, both of magnitude <= 1e18; default
                                                    -1000 */
     auvid_real_t upper[AUVID_MAX_PARAMETERS]; /**< default 1000 */
-    auvid_real_t good[AUVID_MAX_PARAMETERS];  /**< a known good point */
+    auvid_real_t good[AUVID_MAX_PARAMETERS];  /**< one of the first points: a known good one */
     /* Algorithm 1 */
     auvid_real_t epsilon_crs; /**< ends if J_max - J_min <= this [cost]; >= 0; default 1e-2 */
     auvid_real_t reduction;   /**< ends also if J_max - J_min is at most this fraction of that of
@@ -216,7 +217,7 @@ typedef struct {
     bool has_good;    /**< use `good`, clipped to the bounds; default false */
     bool scale_by_bounds; /**< the identifier's units of the steps follow from the bounds, not from
                                the data; default false */
-    bool paper; /**< Algorithms 1 and 2 to the letter, without certificate; default false */
+    bool paper; /**< Algorithms 1 and 2 to the letter, never ended by a known minimum; default false */
 #if defined(AUVID_REAL_DOUBLE) || AUVID_MAX_PARAMETERS % 2 == 0
     uint8_t reserved[4];
 #endif

@@ -24,21 +24,20 @@
  * likelihood of what was found. Above 1, the scales of thrust and DVL in auvid_uncertainty_t are
  * taken as less certain by the same factor: then few parameters are identifiable.
  *
- * The rows of a passive vehicle are taken until the first excitation, then only those of the
- * excitation. Passive rows give no flag in closed loop (AUVID_NOTE_FEEDBACK): a motion that is the
- * answer of a controller does not tell thrust from disturbance, but its reference does
- * (auvid_instruments_t, below). Once some were taken, each search is followed by a solution with
- * uncertain inputs: they are eliminated, and both phases of the optimizer search what is left,
- * within the bounds. auvid_identifier_estimate then returns it. The estimate
- * without uncertain inputs is identifier.estimate; nothing in it is identifiable. After a change of
- * the vehicle the rows begin again. The rows hold about as much as the ring of sets.
+ * A passive vehicle adds rows until the first excitation; from then on only the excitation does. In
+ * closed loop nothing is identifiable from passive rows (AUVID_NOTE_FEEDBACK), unless the reference
+ * of the controller is given (auvid_instruments_t, below). Each search is followed by a solution
+ * with uncertain inputs: they are eliminated, and both phases of the optimizer search what is left,
+ * within the bounds. auvid_identifier_estimate then returns it. The estimate without uncertain
+ * inputs is identifier.estimate; nothing in it is identifiable. After a change of the vehicle the
+ * rows begin again. The rows hold about as much as the ring of sets.
  *
  *     static auvid_uncertain_t uncertain;
  *     auvid_uncertain_defaults(&inputs);
  *     auvid_identifier_attach_uncertain(&id, &uncertain, &inputs, &thrusters);
  *
- * The commands (auvid_input_t.command) must be the thrusters' forces in newtons, as reported, or
- * fractions of their largest forces (auvid_uncertain_config_t.fractions). If they do not make the
+ * The commands (auvid_input_t.applied.command, or those of auvid_identifier_applied) must be the
+ * thrusters' forces in newtons, as reported, or fractions of their largest forces (auvid_uncertain_config_t.fractions). If they do not make the
  * wrench, there is no estimate with uncertain inputs.
  *
  * Regressor path only. Attach it once; a program without it does not contain it. A checkpoint
@@ -71,8 +70,8 @@ typedef enum {
     AUVID_UNCERTAIN_LAG, /**< the propellers' lag beyond the nominal one [s] */
     AUVID_UNCERTAIN_CURRENT_X, /**< current to the north [m/s] */
     AUVID_UNCERTAIN_CURRENT_Y, /**< current to the east [m/s] */
-    AUVID_UNCERTAIN_ARM_X,     /**< the DVL is further ahead than told [m] */
-    AUVID_UNCERTAIN_ARM_Y,     /**< the DVL is further to starboard than told [m] */
+    AUVID_UNCERTAIN_ARM_X,     /**< the DVL is further ahead than configured [m] */
+    AUVID_UNCERTAIN_ARM_Y,     /**< the DVL is further to starboard than configured [m] */
     AUVID_UNCERTAIN_DVL_LATE,  /**< the DVL is later than the attitude [s] */
     AUVID_UNCERTAIN_GAIN,      /**< the first thruster is stronger by this part */
     AUVID_UNCERTAIN_SHARED = AUVID_UNCERTAIN_GAIN + AUVID_MAX_THRUSTERS
@@ -102,7 +101,7 @@ typedef struct {
                          as on CAN; default: newtons */
 } auvid_uncertain_config_t;
 
-/** Scale of the priors above which the inputs are so much less exact than told that the estimate
+/** Scale of the priors above which the inputs are so much less exact than configured that the estimate
  * without uncertain inputs is better. auvid_identifier_estimate then returns that one, and nothing
  * is identifiable. */
 #define AUVID_UNCERTAIN_CONTRADICTED AUVID_C(3.0)
@@ -284,10 +283,10 @@ typedef struct auvid_uncertain {
     auvid_real_t shared[AUVID_UNCERTAIN_SHARED]; /**< estimates by auvid_uncertain_input_t, valid
                                                       if estimate.number > 0; 0: no column */
     auvid_real_t own[AUVID_UNCERTAIN_OWN];
-    auvid_real_t scale;    /**< of all priors, as found, 0.5..2 */
+    auvid_real_t scale;    /**< of all priors: the one that fits best, limited to 0.5..2 */
     auvid_causes_t causes; /* read auvid_uncertain_causes */
     bool excited;          /* the rows are of the excitation, not of a passive vehicle */
-    bool contradicted;     /**< it would be above AUVID_UNCERTAIN_CONTRADICTED: no estimate */
+    bool contradicted;     /**< the best scale exceeds AUVID_UNCERTAIN_CONTRADICTED: no estimate */
 } auvid_uncertain_t;
 
 #define auvid_uncertain_defaults AUVID_SIZED(auvid_uncertain_defaults)
@@ -299,12 +298,13 @@ void auvid_uncertain_defaults(auvid_uncertain_config_t *cfg);
  * recorded wrench.
  * @param storage written; must outlive the identifier
  * @param cfg copied
- * @param allocation the thrusters; must outlive the identifier
+ * @param allocation the thrusters; must outlive the identifier. A scale of the wrench that is
+ * auvid's choice (metric.tau_max 0) becomes what they give
  * @return AUVID_OK; AUVID_ERR_NULL; AUVID_ERR_STATE (not initialised); AUVID_ERR_ATTACHED (some are
  * attached already); AUVID_ERR_STARTED (it has stepped, or recorded a wrench); AUVID_ERR_MODEL (not
- * a model of the regressor path); AUVID_ERR_SIZE (more columns than there is room for; no
- * thruster; AUVID_MAX_COMMANDS < AUVID_MAX_THRUSTERS);
- * AUVID_ERR_NOT_FINITE; AUVID_ERR_RANGE. After an error nothing has changed. */
+ * a model of the regressor path); AUVID_ERR_SIZE (more columns than AUVID_MAX_UNCERTAIN,
+ * for which config.h has examples; no thruster; AUVID_MAX_COMMANDS < AUVID_MAX_THRUSTERS);
+ * AUVID_ERR_NOT_FINITE; AUVID_ERR_RANGE. After an error nothing has changed but *storage. */
 auvid_status_t auvid_identifier_attach_uncertain(auvid_identifier_t *id, auvid_uncertain_t *storage,
                                                  const auvid_uncertain_config_t *cfg,
                                                  const auvid_allocation_t *allocation);
@@ -318,9 +318,9 @@ auvid_status_t auvid_identifier_attach_uncertain(auvid_identifier_t *id, auvid_u
 auvid_status_t auvid_uncertain_causes(const auvid_uncertain_t *u, auvid_causes_t *causes);
 
 #define auvid_causes_sentence AUVID_SIZED(auvid_causes_sentence)
-/** Write one sentence on what is wrong, with the remedy: "backward thrust is weaker than told, by
- * 10 % or so; measure the thrusters astern". The last one lists the parameters in `differs`. Cost:
- * O(size).
+/** Write one sentence on what is wrong, with the remedy: "backward thrust is weaker than
+ * supplied, by 10 % or so; measure the thrusters astern". The last one lists the parameters in
+ * `differs`. Cost: O(size).
  * @param vehicle the model
  * @param which 0, 1, ... : sentence number
  * @param text [size] written, truncated to size and always zero-terminated; empty if there is no
@@ -363,9 +363,9 @@ typedef struct {
  * Instruments: what a passive vehicle shows in closed loop, from the reference of its controller.
  *
  * In closed loop the thrust answers each disturbance, so least squares takes part of the
- * disturbance for the vehicle (AUVID_NOTE_FEEDBACK: nothing is identifiable). What the autopilot
- * was told, the reference, does not answer disturbances. Instrumental variables use only the part
- * of motion and thrust that the reference explains. Per DoF j, with the rows of uncertain.h
+ * disturbance for the vehicle (AUVID_NOTE_FEEDBACK: nothing is identifiable). The reference of the
+ * controller does not depend on disturbances. Instrumental variables use only the part of motion
+ * and thrust that the reference explains. Per DoF j, with the rows of uncertain.h
  *
  *     z_j = R_j pi + C_j b + e_j,
  *

@@ -133,11 +133,11 @@ typedef struct {
     bool ignores_inputs;
 
     /** Residual path: true if `residual` has no kinks in the parameters that matter beside the
-     * noise, and the cost no second minimum in the box. Then a search ends once a poll confirms the
-     * end of the Gauss-Newton steps; the first one also evaluates the population. A wrong true may
+     * noise, and the cost no second minimum in the box. Then a search ends once a step of Algorithm 2
+     * in each direction confirms the end of the Gauss-Newton steps; the first one also evaluates the population. A wrong true may
      * give a wrong estimate without any sign: no step along a single parameter may lead out of a
      * kink or a local minimum (tests/unit/search/test_optimizer_minima.c). If in doubt, leave it
-     * false, the default: the steps' end is only a known good point, and both algorithms run. */
+     * false, the default: the steps' end is only one of the first points, and both algorithms run. */
     bool smooth;
 
     /** Residual path: cost of one call of `regressor` in the same units; default (zero): as work.
@@ -208,7 +208,7 @@ typedef struct {
  * @param pi [n] typical parameters, with which `acceleration` has a solution in every DoF
  * @param t_us time of all samples [us], for a model that reads it (thrusters.h)
  * @param tolerance largest difference, relative to the largest predicted wrench of the DoF; 0:
- * 1e-4. A model of vehicle.h needs 0.01, because its acceleration is that of the mean motion
+ * 1e-4. An averaged model needs 0.01, because its acceleration is that of the mean motion
  * @param fault written: the first disagreement, or all zero; NULL: not wanted
  * @return AUVID_OK; AUVID_ERR_MODEL (see *fault); AUVID_ERR_NULL (pi); AUVID_ERR_NOT_FINITE (pi,
  * tolerance); those of auvid_vehicle_check (fault->what is NULL). */

@@ -276,6 +276,7 @@ auvid_status_t auvid_identifier_applied(auvid_identifier_t *id, uint64_t t_us,
         return AUVID_ERR_STATE;
     }
     auvid_status_t status = identifier_record_input(id, t_us, wrench, command);
+    id->events |= status < 0 ? AUVID_EVENT_INPUT_DROPPED : 0u; /* of the next step */
     identifier_take_cells_of_tick(id);
     return status;
 }

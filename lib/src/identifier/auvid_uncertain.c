@@ -237,6 +237,7 @@ auvid_status_t auvid_identifier_attach_uncertain(auvid_identifier_t *id, auvid_u
     storage->checkpoint = &auvid_checkpoint_uncertain;
     status = auvid_uncertain_lay_out(storage, &id->metric);
     if (status == AUVID_OK) {
+        auvid_identifier_set_scale(id, allocation);
         id->attached.uncertain = storage;
         id->attached.uncertain_functions = &uncertain_table;
         id->metric.extra = &auvid_uncertain_extra;

@@ -114,6 +114,7 @@ static void confidence_append_scale(auvid_words_t *w, const auvid_confidence_t *
     }
     auvid_words_append(w, " up to the thrust scale; calibrate thrust to ");
     confidence_append_percent(w, AUVID_C(100.0) * c->bound[i], false);
+    auvid_words_append(w, " with a known force");
 }
 
 /* Append that parameter i's equation has an impossible estimate. */
@@ -274,7 +275,7 @@ static void confidence_append_sentence(auvid_words_t *w, const auvid_confidence_
     auvid_note_t note = c == NULL ? AUVID_NOTE_NOT_EXCITED : (auvid_note_t)c->note[i];
     if (note == AUVID_NOTE_NOT_CONVERGED) {
         auvid_words_append(w,
-                           "the search has not converged; narrow the bounds, or give a good point");
+                           "the search has not converged; narrow the bounds, or give a good start");
         return;
     }
     if (note == AUVID_NOTE_FEEDBACK) {
@@ -284,7 +285,8 @@ static void confidence_append_sentence(auvid_words_t *w, const auvid_confidence_
     }
     if (note == AUVID_NOTE_UNCHECKED) {
         auvid_words_append(
-            w, "thrust and sensors were taken as exact; uncertain inputs must check them");
+            w, "not checked for errors of thrust and sensors; attach uncertain inputs, or correct "
+               "what they find wrong");
         return;
     }
     auvid_words_append_dof(w, parameter->dof);

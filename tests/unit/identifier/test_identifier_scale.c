@@ -35,7 +35,17 @@ static auvid_status_t attach(const auvid_allocation_t *to)
     return auvid_identifier_attach_actuation(&id, &actuation, &acting, to);
 }
 
-/* The same of an identifier with an acting half, and of a passive node. */
+static auvid_status_t attach_uncertain(double backward)
+{
+    static auvid_uncertain_t uncertain;
+    auvid_uncertain_config_t inputs;
+    auvid_uncertain_defaults(&inputs);
+    inputs.backward = (auvid_real_t)backward;
+    return auvid_identifier_attach_uncertain(&id, &uncertain, &inputs, &allocation);
+}
+
+/* The same of an identifier with an acting half, of one with uncertain inputs, and of a passive
+ * node. */
 static void assert_scale(auvid_dof_t dof, double expected)
 {
     auvid_node_config_t bus;
@@ -47,6 +57,9 @@ static void assert_scale(auvid_dof_t dof, double expected)
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_allocation_init(&allocation, &thrusters));
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&id, &cfg));
     TEST_ASSERT_EQUAL(AUVID_OK, attach(&allocation));
+    check(&id, dof, expected);
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&id, &cfg));
+    TEST_ASSERT_EQUAL(AUVID_OK, attach_uncertain(0.05));
     check(&id, dof, expected);
 }
 
@@ -118,6 +131,14 @@ static void test_a_refused_excitation_leaves_it(void)
     check(&id, AUVID_SURGE, 100);
 }
 
+static void test_refused_uncertain_inputs_leave_it(void)
+{
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_allocation_init(&allocation, &thrusters));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&id, &cfg));
+    TEST_ASSERT_EQUAL(AUVID_ERR_RANGE, attach_uncertain(-1));
+    check(&id, AUVID_SURGE, 100);
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -129,5 +150,6 @@ int main(void)
     RUN_TEST(test_a_thruster_without_limit_gives_no_scale);
     RUN_TEST(test_after_a_wrench_is_recorded_it_does_not_change);
     RUN_TEST(test_a_refused_excitation_leaves_it);
+    RUN_TEST(test_refused_uncertain_inputs_leave_it);
     return UNITY_END();
 }

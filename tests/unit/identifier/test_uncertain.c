@@ -274,7 +274,7 @@ static void test_inputs_far_less_exact_than_told_give_no_estimate(void)
     TEST_ASSERT_TRUE(causes.contradicted);
     TEST_ASSERT_EQUAL(AUVID_OK,
                       auvid_causes_sentence(&causes, &auvid_girona500, 0, text, sizeof text));
-    TEST_ASSERT_NOT_NULL(strstr(text, "far less exact than told"));
+    TEST_ASSERT_NOT_NULL(strstr(text, "far less exact than configured"));
     TEST_ASSERT_EQUAL(AUVID_FINISHED,
                       auvid_causes_sentence(&causes, &auvid_girona500, 1, text, sizeof text));
 }

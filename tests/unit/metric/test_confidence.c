@@ -730,7 +730,7 @@ static void test_a_search_that_has_not_converged_is_reported_once(void)
     memset(&notes, 0, sizeof notes);
     notes.note[AUVID_G500_M_U] = notes.note[AUVID_G500_X_U] = notes.note[AUVID_G500_Y_V] =
         AUVID_NOTE_NOT_CONVERGED;
-    expect("the search has not converged; narrow the bounds, or give a good point", 0);
+    expect("the search has not converged; narrow the bounds, or give a good start", 0);
     TEST_ASSERT_EQUAL(
         AUVID_FINISHED,
         auvid_confidence_missing(&notes, &auvid_girona500, AUVID_G500_FREE, 1, text, sizeof text));

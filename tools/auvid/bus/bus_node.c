@@ -183,6 +183,9 @@ static int finish(run_t *run)
     } else {
         printf("auvid %s node on %s, %s\n\n", AUVID_VERSION_STRING, run->options->bus,
                run->options->excite ? "exciting" : "passive");
+        if (result.estimate.number == 0) {
+            puts("nothing identified: no thrust varied: use --excite, or drive the vehicle\n");
+        }
         report_result(&result, NULL);
         print_counters(run);
         print_ticks(run);

@@ -77,9 +77,9 @@ static void begin_doctor(run_t *run)
 }
 
 /* A velocity that stands still between samples of the DVL is no new sample. */
-static void examine(run_t *run, csv_row_t row)
+static void leave_out_repeated(run_t *run, csv_row_t *row)
 {
-    double *velocity = &row.value[CSV_NU];
+    double *velocity = &row->value[CSV_NU];
     bool repeats = true;
     for (int i = 0; i < 3; ++i) {
         repeats = repeats && !(fabs(velocity[i] - run->velocity[i]) > 0.0);
@@ -88,7 +88,6 @@ static void examine(run_t *run, csv_row_t row)
     for (int i = 0; i < 3 && repeats; ++i) {
         velocity[i] = NAN;
     }
-    doctor_feed(&run->doctor, &row);
 }
 
 /* Takes the motion at the last tick and the thrust that acts after it as a row of a log. */
@@ -115,10 +114,11 @@ static void take_row(run_t *run)
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
         row.value[CSV_WRENCH + j] = (double)wrench[j];
     }
+    leave_out_repeated(run, &row);
     if (run->options->csv != NULL) {
         csv_write_row(&run->csv, &row);
     }
-    examine(run, row);
+    doctor_feed(&run->doctor, &row);
 }
 
 static void take(run_t *run, const auvid_can_frame_t *frame)
@@ -238,6 +238,9 @@ static int report(run_t *run)
                (unsigned)run->ours, (unsigned)run->own.node.counters.refused,
                (unsigned)run->own.node.counters.ticks, (unsigned)run->same,
                (unsigned)run->different);
+        if (run->different > 0) {
+            puts("        give the --vehicle, --seed, --sets and --prior of the node that wrote it");
+        }
     }
     int status = report_html(run->options, &result, NULL);
     status = status != 0 ? status : report_exit(&result);

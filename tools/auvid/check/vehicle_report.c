@@ -33,13 +33,13 @@ static void print_thrusters(const vehicle_t *v)
 
 static void print_capacity(const vehicle_t *v, const auvid_allocation_t *allocation)
 {
-    puts("\n  largest wrench  backward   forward         excited by");
+    puts("\n  largest wrench  backward   forward         excitation");
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
         auvid_real_t low = 0, high = 0;
         const char *unit = units[j >= AUVID_ROLL];
         (void)auvid_allocation_capacity(allocation, (auvid_dof_t)j, &low, &high);
         if (!(high > 0)) {
-            printf("  %-14s none without another wrench%s\n", report_dof_name[j],
+            printf("  %-14s not possible without another force or moment%s\n", report_dof_name[j],
                    v->model->columns[j] == 0 ? "; not modelled" : "");
             continue;
         }

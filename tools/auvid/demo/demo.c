@@ -271,7 +271,7 @@ static bool validate(run_t *run, const options_t *options, uint64_t seed)
         }
     }
     result->has_validation = true;
-    result->validated = valid[0] ? UINT32_MAX : 0u;
+    result->validated = valid[0] ? result->estimate.excited | result->estimate.coupled : 0u;
     result->has_r2_truth = valid[0] && valid[1];
     run->simulated_s += world_time_s(world);
     return true;

@@ -57,7 +57,7 @@ typedef enum {
     DOCTOR_FORCE_EXCHANGED, /**< two axes of the accelerometer are exchanged */
     DOCTOR_NO_GRAVITY,      /**< specific force without gravity */
     DOCTOR_THRUSTER_SIGN,   /**< a thruster has the wrong sign */
-    DOCTOR_SCALE,           /**< commands that are not in -1 .. 1: pulse widths */
+    DOCTOR_SCALE,           /**< values of another unit: pulse widths, mm/s */
     DOCTOR_HELD,            /**< velocities repeat their value */
     DOCTOR_OUTAGE,          /**< velocities stand still: no samples */
     DOCTOR_STUCK,           /**< a column never changes */

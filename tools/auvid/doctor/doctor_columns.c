@@ -15,6 +15,7 @@
 #define TOO_COARSE 2.5 /* .. with which fit finds no parameter */
 #define SATURATED 0.3 /* share of the samples at the limit */
 #define SAG 0.1
+#define FAST_MPS 10.0 /* standard deviation of a velocity */
 #define MIN_SAMPLES 200.0
 #define STEEP 1.65    /* no pitch in radians is beyond */
 #define PWM_MIN 500.0 /* pulse widths [us] */
@@ -111,7 +112,13 @@ static void find_missing(doctor_t *d)
         {CSV_NU + 2, "the coupling of heave with pitch is left out"},
         {CSV_NU + 5, "the coupling of surge and sway in turns is left out"}};
     for (size_t k = 0; k < sizeof needed / sizeof needed[0]; ++k) {
-        if (!d->has[needed[k].column]) {
+        int j = needed[k].column - CSV_NU;
+        if (!d->has[needed[k].column] && j >= 0 && d->inputs >= 0 && d->has[d->inputs + j]) {
+            doctor_add(d, DOCTOR_ERROR, DOCTOR_MISSING, needed[k].column, d->inputs + j, NULL,
+                       "%s is missing, but %s is there: fit needs both: add the velocity, or leave "
+                       "out the input",
+                       csv_name[needed[k].column], csv_name[d->inputs + j]);
+        } else if (!d->has[needed[k].column]) {
             doctor_add(d, DOCTOR_WARNING, DOCTOR_MISSING, needed[k].column, -1, NULL,
                        "%s is missing and counts as zero: %s: add the column",
                        csv_name[needed[k].column], needed[k].why);
@@ -235,6 +242,20 @@ static void find_steps(doctor_t *d, int column)
     }
 }
 
+/* No vehicle is as fast. */
+static void find_speeds(doctor_t *d)
+{
+    for (int j = 0; j < 3; ++j) {
+        double spread = d->has[CSV_NU + j] ? deviation(&d->column[CSV_NU + j]) : 0.0;
+        if (spread > FAST_MPS) {
+            doctor_add(d, DOCTOR_ERROR, DOCTOR_SCALE, CSV_NU + j, -1, NULL,
+                       "%s varies by %.3g m/s (1 sigma), as no vehicle does: if it is in mm/s, "
+                       "divide it by 1000",
+                       csv_name[CSV_NU + j], spread);
+        }
+    }
+}
+
 static void find_limits(doctor_t *d)
 {
     for (int j = 0; j < 6 && d->inputs >= 0; ++j) {
@@ -269,6 +290,7 @@ void doctor_columns(doctor_t *d)
     find_outage(d);
     find_held(d);
     find_limits(d);
+    find_speeds(d);
     for (int column = CSV_ATTITUDE; column < CSV_NU + 6; ++column) {
         if (varies(d, column)) {
             find_steps(d, column);

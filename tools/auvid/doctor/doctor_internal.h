@@ -51,7 +51,7 @@ typedef struct {
 
 /** Averages over a window that ends with a cell, and rates over it. */
 typedef struct {
-    double body_rate[3][3]; /* of the attitude: as told; in degrees; psi reversed */
+    double body_rate[3][3]; /* of the attitude: as logged; in degrees; psi reversed */
     double nu[6], quadratic[6], acceleration[6], input[6];
     double couple[6][2];        /* coupling terms of each DoF */
     double angle[3];            /* [rad] */

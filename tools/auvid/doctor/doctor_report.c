@@ -150,6 +150,15 @@ static void warn_known_forces(const csv_log_t *log, const options_t *options)
     }
 }
 
+static bool has_wrench(const csv_log_t *log)
+{
+    bool any = false;
+    for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
+        any = any || log->has[CSV_WRENCH + j];
+    }
+    return any;
+}
+
 int doctor_check(const char *file, const options_t *options)
 {
     csv_log_t log = {0};
@@ -161,7 +170,9 @@ int doctor_check(const char *file, const options_t *options)
     int status = csv_open(&log, file);
     bool thrusters =
         status == 0 && options->whole && log_use_thrusters(&use, options->vehicle, log.has);
-    if (status == 0 && options->whole && !thrusters) {
+    if (status == 0 && options->whole && !thrusters && has_wrench(&log)) {
+        report_warning("%s: no columns thruster_1 ..: forces and moments are examined instead", file);
+    } else if (status == 0 && options->whole && !thrusters) {
         status = report_error("%s:1:1: --vehicle needs the inputs of each thruster of %s "
                               "(thruster_1 .. or thruster_1_N ..)",
                               file, options->vehicle->word);

@@ -9,6 +9,7 @@
 #include "doctor.h"
 
 #define GAP_S 0.5         /* as in fit */
+#define MILLISECONDS_S 2.0 /* rows further apart: is it another unit? */
 #define SLOW 0.6          /* interval of rows, relative to the time constant of a DoF */
 #define MIN_LENGTH_S 10.0 /* of a log: fit has too few sets below */
 #define MIN_MOTION_S 6.0  /* of a DoF, without the first seconds */
@@ -29,6 +30,7 @@ double doctor_interval_quantile(const doctor_t *d, double share)
 static void find_gaps(doctor_t *d)
 {
     double median = doctor_interval_quantile(d, 0.5), total = d->last_s - d->start_s;
+    double mean = total / fmax(d->rows - 1.0, 1.0);
     if (d->back > 0.0) {
         doctor_add(
             d, DOCTOR_ERROR, DOCTOR_TIME, CSV_T, -1, NULL,
@@ -39,9 +41,9 @@ static void find_gaps(doctor_t *d)
     if (median > GAP_S) {
         doctor_add(
             d, DOCTOR_ERROR, DOCTOR_SLOW, CSV_T, -1, NULL,
-            "the rows are about %.2f s apart, more than the 0.5 s that fit bridges: log at 5 Hz or "
-            "faster",
-            median);
+            "the rows are about %.3g s apart, more than the 0.5 s that fit bridges: log at 5 Hz or "
+            "faster%s",
+            mean, mean > MILLISECONDS_S ? "; if t_s is in milliseconds, divide it by 1000" : "");
     } else if (d->gaps > 0.0) {
         doctor_add(d, d->gap_total_s > 0.2 * total ? DOCTOR_WARNING : DOCTOR_NOTE, DOCTOR_GAPS,
                    CSV_T, -1, NULL,
@@ -57,6 +59,22 @@ static void find_gaps(doctor_t *d)
                        "constant): log "
                        "at %.0f Hz or faster",
                        median, csv_name[CSV_NU + j], constant, ceil(3.0 / constant));
+        }
+    }
+}
+
+/* Inputs may have a rate of their own. */
+static void find_slow_inputs(doctor_t *d)
+{
+    for (int j = 0; j < 6 && d->inputs >= 0; ++j) {
+        double n = d->column[d->inputs + j].n;
+        double every = (d->last_s - d->start_s) / fmax(n - 1.0, 1.0);
+        if (d->has[d->inputs + j] && n > 1.0 && n < d->rows && every > 0.8 * GAP_S) {
+            doctor_add(d, DOCTOR_WARNING, DOCTOR_SLOW, d->inputs + j, -1, NULL,
+                       "%s comes every %.2f s on average, and fit bridges 0.5 s: log inputs at 5 "
+                       "Hz or faster, or give fit a longer --max-gap",
+                       csv_name[d->inputs + j], every);
+            return;
         }
     }
 }
@@ -105,5 +123,6 @@ static void find_motion(doctor_t *d)
 void doctor_time(doctor_t *d)
 {
     find_gaps(d);
+    find_slow_inputs(d);
     find_motion(d);
 }

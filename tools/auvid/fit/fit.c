@@ -21,6 +21,11 @@ enum { EXIT_LOG_REFUSED = 1, EXIT_NOTHING = 3 };
 /* Why nothing can be trusted. */
 static const char *why_nothing(const result_t *result, const auvid_identifier_t *id)
 {
+    for (int i = 0; i < result->findings->count; ++i) {
+        if (result->findings->at[i].error) {
+            return result->findings->at[i].sentence;
+        }
+    }
     if (result->estimate.number == 0 || result->estimate.identified == 0) {
         return "no input varies enough in an unbroken part of the log";
     }
@@ -30,7 +35,7 @@ static const char *why_nothing(const result_t *result, const auvid_identifier_t 
     if (!id->exact_inputs && id->attached.uncertain == NULL) {
         return "the errors of thrust and sensors are not examined: see --thrusters, --plain";
     }
-    return "each parameter misses something, which the list says";
+    return "no parameter meets its limit: see missing";
 }
 
 /* The first line: the exit status in words. Returns the status. */
@@ -132,7 +137,7 @@ static void warn_too_long(const job_t *job, const auvid_identifier_t *id)
 }
 
 /* What the report says of the logs. */
-static void gather_logs(const job_t *job, const auvid_identifier_t *id, result_t *result)
+static void gather_logs(const job_t *job, result_t *result)
 {
     const survey_t *survey = &job->survey;
     const csv_log_t *test = &job->test_log.csv;
@@ -152,17 +157,46 @@ static void gather_logs(const job_t *job, const auvid_identifier_t *id, result_t
     result->trace = &job->trace;
     result->findings = &job->findings;
     result->maps = job->maps.count > 0 ? &job->maps : NULL;
-    if (id->metric.sets.recorded == 0 && job->use.dofs != 0) {
-        result->remedy = survey->gaps > 0
-                             ? "the log: record a row every 0.2 s or more often, without gaps"
-                             : "the log: record for longer";
+    result->remedy = job->remedy[0] != '\0' ? job->remedy : NULL;
+}
+
+static bool has_error(const report_findings_t *findings)
+{
+    for (int i = 0; i < findings->count; ++i) {
+        if (findings->at[i].error) {
+            return true;
+        }
     }
+    return false;
+}
+
+/* What must be done before any other advice. */
+static void find_remedy(job_t *job, const auvid_identifier_t *id)
+{
+    const survey_t *survey = &job->survey;
+    const auvid_estimate_t *e = auvid_identifier_estimate(id);
+    bool empty = id->metric.sets.recorded == 0 && job->use.dofs != 0;
+    const char *words = "";
+    if (empty && survey->gaps == 0 && survey->input_gaps > 0) {
+        (void)snprintf(job->remedy, sizeof job->remedy,
+                       "the log: inputs are up to %.2f s apart, %g s are bridged: log them at 5 Hz "
+                       "or faster, or give a longer --max-gap",
+                       survey->input_s, survey->gap_s);
+        return;
+    }
+    if (empty) {
+        words = survey->gaps > 0 ? "the log: record a row every 0.2 s or more often, without gaps"
+                                 : "the log: record for longer";
+    } else if (has_error(&job->findings) && (e == NULL || report_identifiable(e) == 0)) {
+        words = "the log: correct its errors first";
+    }
+    (void)snprintf(job->remedy, sizeof job->remedy, "%s", words);
 }
 
 static void gather(const job_t *job, const auvid_identifier_t *id, result_t *result)
 {
     report_gather(result, id, job->options->seed);
-    gather_logs(job, id, result);
+    gather_logs(job, result);
     result->in_commands = fit_in_commands(job);
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
         bool excited = (id->estimate.excited >> j & 1u) != 0;
@@ -170,6 +204,7 @@ static void gather(const job_t *job, const auvid_identifier_t *id, result_t *res
         if (!excited && job->why[j] == NULL) {
             result->why[j] = id->metric.sets.recorded > 0 ? "input hardly varies"
                              : job->survey.gaps > 0       ? "no 6 s without a gap in the log"
+                             : job->survey.input_gaps > 0 ? "inputs are too far apart"
                                                           : "the log is too short";
         }
     }
@@ -193,6 +228,7 @@ static int run(job_t *job)
         return EXIT_LOG_REFUSED;
     }
     const auvid_identifier_t *id = &fitted->id;
+    find_remedy(job, id);
     gather(job, id, &result);
     warn_too_long(job, id);
     if (job->known_force) { /* before the model gets the forces of the held-out log */

@@ -45,6 +45,7 @@ typedef struct {
     trace_t trace;                            /**< of the held-out log */
     report_maps_t maps;                       /**< the comparison of --map auto */
     report_findings_t findings;               /**< what is wrong with the training logs */
+    char remedy[160];                         /**< the only advice; empty: none */
     double error[2];                          /**< cross-validation errors of the two; < 0: none */
 } job_t;
 

@@ -22,7 +22,7 @@ enum { MIN_BLOCKS = 8 };
 
 /* A map that is tried. */
 typedef struct {
-    thrust_map_kind_t kind; /* THRUST_MAP_NEWTON: as told */
+    thrust_map_kind_t kind; /* THRUST_MAP_NEWTON: as configured */
     heldout_blocks_t *blocks;
     uint32_t dofs;    /* bit j: DoF j is predicted, in all parts */
     double *relative; /* [blocks] error, as a part of the variance of the velocity */
@@ -30,7 +30,7 @@ typedef struct {
 
 /* ---- the candidates ---- */
 
-/* Name of the map as told: that of the vehicle's groups, if it is the same for all. */
+/* Name of the map as configured: that of the vehicle's groups, if it is the same for all. */
 static const char *told_name(const log_use_t *use)
 {
     if (use->kind == INPUT_COMMAND) {
@@ -242,17 +242,17 @@ int fit_choose_map(job_t *job)
 
 static void print_reason(const report_maps_t *maps)
 {
-    const char *told = maps->map[0].name, *best = maps->map[maps->best].name;
+    const char *own = maps->map[0].name, *best = maps->map[maps->best].name;
     if (maps->used > 0) {
-        printf("%s instead of %s (as told), because it predicts motion better", best, told);
+        printf("%s instead of %s (as configured), because it predicts motion better", best, own);
     } else if (!maps->map[0].judged) {
-        printf("%s, as told: with it nothing can be predicted, so the maps do not compare", told);
+        printf("%s, as configured: with it nothing can be predicted, so the maps do not compare", own);
     } else if (maps->blocks < MIN_BLOCKS) {
-        printf("%s, as told: the log is too short to compare maps", told);
+        printf("%s, as configured: the log is too short to compare maps", own);
     } else if (maps->best > 0) {
-        printf("%s, as told: %s is better, but not beyond doubt", told, best);
+        printf("%s, as configured: %s is better, but not beyond doubt", own, best);
     } else {
-        printf("%s, as told, and the best", told);
+        printf("%s, as configured, and the best", own);
     }
 }
 

@@ -44,7 +44,7 @@ void csv_write_row(csv_writer_t *writer, const csv_row_t *row)
 {
     fprintf(writer->file, "%.6f", row->value[CSV_T]);
     for (int i = CSV_T + 1; i < CSV_COMMAND; ++i) {
-        fprintf(writer->file, ",%.9g", row->value[i]);
+        fprintf(writer->file, csv_has(row, i) ? ",%.9g" : ",", row->value[i]);
     }
     fputc('\n', writer->file);
 }

@@ -154,12 +154,28 @@ int survey_inputs(survey_t *survey, log_t *log, const log_use_t *use)
     return status == CSV_END ? 0 : status;
 }
 
+/* Measures the time between rows with an input. *at_s: of the last one. */
+static void time_inputs(survey_t *survey, const csv_row_t *row, const log_use_t *use, double *at_s)
+{
+    bool any = false;
+    for (int k = 0; k < log_inputs(use); ++k) {
+        any = any || csv_has(row, log_input(use, k));
+    }
+    if (any) {
+        double since = row->value[CSV_T] - *at_s;
+        survey->input_gaps += since > survey->gap_s;
+        survey->input_s = fmax(survey->input_s, since);
+        *at_s = row->value[CSV_T];
+    }
+}
+
 static int read_rows(survey_t *survey, log_t *log, const log_use_t *use, held_t *held)
 {
     csv_row_t row;
     units_t units = {0};
     inputs_t last = {{0}, 0.0};
     uint64_t t_us = 0, before_us = 0;
+    double input_at_s = log->csv.first_s;
     bool present[CSV_COLUMNS] = {false};
     int status = csv_rewind(&log->csv);
     while (status == 0 && (status = csv_next(&log->csv, &row)) == 0) {
@@ -172,6 +188,7 @@ static int read_rows(survey_t *survey, log_t *log, const log_use_t *use, held_t 
         }
         take_velocity(held, &row, (double)t_us);
         take_inputs(survey, &row, use, &last);
+        time_inputs(survey, &row, use, &input_at_s);
         units_row(&units, &row);
     }
     if (status != CSV_END) {

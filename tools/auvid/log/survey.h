@@ -11,6 +11,8 @@
 /** What was found in all logs together. */
 typedef struct {
     size_t rows, gaps;
+    size_t input_gaps;               /**< inputs further apart than gap_s */
+    double input_s;                  /**< longest time between inputs */
     double span_s;                   /**< sum of the logs' lengths */
     double largest[AUVID_DOF_COUNT]; /**< of the inputs, as wrench */
     double largest_thrust;           /**< of a thruster [N], if these are the inputs */

@@ -8,6 +8,7 @@
 #define DEGREES 57.29577951308232 /* in a radian */
 #define FEW 0.01                  /* share of rows that may be outliers */
 #define GAP_S 0.5
+#define FAST_MPS 60.0
 #define WINDOW_S 1.0 /* window in which changes of attitude are compared with rates */
 #define WINDOWS 10   /* smallest number of windows for a decision */
 
@@ -56,6 +57,11 @@ void units_row(units_t *units, const csv_row_t *row)
     for (int k = 0; k < 3; ++k) {
         units_axis_t *a = &units->axis[k];
         int angle = CSV_ATTITUDE + k, rate = CSV_NU + 3 + k;
+        double speed = csv_has(row, CSV_NU + k) ? fabs(row->value[CSV_NU + k]) : 0.0;
+        if (speed > units->speed[k]) {
+            units->speed[k] = speed;
+            units->speed_t[k] = row->value[CSV_T];
+        }
         if (csv_has(row, rate)) {
             a->latest_rate = row->value[rate];
             a->beyond += fabs(a->latest_rate) > TURN;
@@ -138,9 +144,23 @@ static int check_rate(const units_axis_t *a, const char *path, int axis)
                      path, csv_name[rate], 100.0 * part);
 }
 
+static int check_speed(const units_t *units, const char *path, int axis)
+{
+    return units->speed[axis] <= FAST_MPS
+               ? 0
+               : report_error("%s: %s is %.4g at t_s %.9g, and no vehicle is as fast: if it is in "
+                              "mm/s, divide it by 1000; where there is no sample, leave the cell "
+                              "empty",
+                              path, csv_name[CSV_NU + axis], units->speed[axis],
+                              units->speed_t[axis]);
+}
+
 int units_check(const units_t *units, const char *path)
 {
     int status = check_pitch(units, path);
+    for (int axis = 0; axis < 3 && status == 0; ++axis) {
+        status = check_speed(units, path, axis);
+    }
     for (int axis = 2; axis >= 0 && status == 0; --axis) {
         const units_axis_t *a = &units->axis[axis];
         status = check_steps(a, path, CSV_ATTITUDE + axis);

@@ -28,12 +28,14 @@ typedef struct {
 typedef struct {
     units_axis_t axis[3];
     size_t pitches, beyond; /* values of pitch; those that no pitch in radians takes */
+    double speed[3], speed_t[3]; /* largest velocity of each axis, and its time */
 } units_t;
 
 /** Takes a row. */
 void units_row(units_t *units, const csv_row_t *row);
 
-/** Looks for values that no angle in radians and no rate in rad/s of a vehicle takes. Call it after
+/** Looks for values that no angle in radians, no rate in rad/s and no velocity in m/s of a vehicle
+ * takes. Call it after
  * the last row. Returns 0, or EXIT_REFUSED after one line on stderr with the column, its value and
  * the remedy. A slow log with both in degrees passes if pitch is small and yaw does not wrap. */
 int units_check(const units_t *units, const char *path);

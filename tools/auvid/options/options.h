@@ -14,7 +14,7 @@
 /** Are the terms between degrees of freedom part of the model? */
 typedef enum { COUPLING_AUTO, COUPLING_ON, COUPLING_OFF } coupling_t;
 
-/** The map from commands to forces: as told by vehicle or log, by comparison, or this one. */
+/** The map from commands to forces: that of vehicle or log, by comparison, or this one. */
 typedef enum { MAP_AS_TOLD, MAP_AUTO, MAP_LINEAR, MAP_SIGNED_SQUARE } options_map_t;
 
 /** Largest number of --fix and --free options. */

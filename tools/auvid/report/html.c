@@ -75,7 +75,7 @@ static void write_parameter(FILE *out, const result_t *result, int i)
     fputc('\n', out);
 }
 
-static void write_sentences(FILE *out, const result_t *result,
+static void write_sentences(FILE *out, const result_t *result, const char *none,
                             bool (*sentence)(const result_t *, unsigned, char *, size_t))
 {
     char text[WORDS];
@@ -85,7 +85,7 @@ static void write_sentences(FILE *out, const result_t *result,
         escaped(out, text);
         fputc('\n', out);
     }
-    fputs(k == 0 ? "  nothing was found\n" : "", out);
+    fprintf(out, k == 0 ? "  %s\n" : "", none);
 }
 
 /* What is wrong with the logs. */
@@ -132,9 +132,13 @@ static void write_text(FILE *out, const result_t *result)
     }
     write_findings(out, result->findings);
     fputs("What is wrong with the inputs?\n", out);
-    write_sentences(out, result, report_cause);
+    write_sentences(out, result,
+                    result->estimate.confidence.unchecked ? "their errors were not examined"
+                    : result->inputs_estimated ? "no error of thrust, time stamps or sensors was found"
+                                               : "not examined: they were taken as exact",
+                    report_cause);
     fputs("What is missing?\n", out);
-    write_sentences(out, result, report_missing);
+    write_sentences(out, result, "nothing", report_missing);
 }
 
 int report_html(const options_t *options, const result_t *result, const second_result_t *second)

@@ -99,12 +99,12 @@ bool report_thrust(const result_t *result, char *text, size_t size)
     case REPORT_CALIBRATED:
         if (off > half) {
             (void)snprintf(text, size,
-                           "the known force says that thrust is %.1f %% %s than told (+- %.1f %%): "
+                           "the known force says that thrust is %.1f %% %s than supplied (+- %.1f %%): "
                            "parameters are in SI",
                            off, k > 1.0 ? "weaker" : "stronger", half);
         } else {
             (void)snprintf(text, size,
-                           "the known force agrees with the thrust as told (+- %.1f %%): "
+                           "the known force agrees with the supplied thrust (+- %.1f %%): "
                            "parameters are in SI",
                            half);
         }

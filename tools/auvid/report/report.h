@@ -61,7 +61,7 @@ typedef struct {
 /** Comparison of maps. Zero: there was none. */
 enum { REPORT_MAPS = 3 };
 typedef struct {
-    report_map_t map[REPORT_MAPS]; /**< [count], the first one as told */
+    report_map_t map[REPORT_MAPS]; /**< [count], the first one as configured */
     int count, best, used;
     size_t blocks;  /**< of 10 s, that were compared */
     bool other_log; /**< held out is another log, not parts of the same */

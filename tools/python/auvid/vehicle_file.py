@@ -13,7 +13,8 @@ def wrenches(path):
     """[thrusters, 6]: wrench of each thruster per newton. The program `auvid` reads the file."""
     program = os.environ.get("AUVID") or shutil.which("auvid")
     if program is None:
-        raise UsageError("--vehicle: the program auvid is not in the path; add it, or set AUVID")
+        raise UsageError("--vehicle needs the program auvid: export PATH=.../auvid/build:$PATH, or "
+                         "AUVID=.../auvid/build/auvid")
     done = subprocess.run([program, "check", str(path), "--json"], capture_output=True, text=True)
     if not done.stdout:
         raise UsageError(f"--vehicle: {done.stderr.strip().removeprefix('auvid: ')}")
@@ -51,5 +52,5 @@ def turn(recording, path):
         recording.derived[name] = columns, lambda u, f=function, s=factor: f(u) * s + 0.0
     other = [str(k + 1) for k in np.flatnonzero(sign < 0)]
     if other:
-        recording.notes.append(f"thrusters {', '.join(other)} push the other way in the vehicle "
-                               "file: their commands have its sign")
+        recording.notes.append(f"thrusters {', '.join(other)} push against their direction in "
+                               "the vehicle file: the sign of their commands was changed")
