@@ -43,7 +43,8 @@ static const char demo_fit_help[] =
     "                     used where the data do not determine the delay; default 0.1\n"
     "\n";
 static const char demo_help[] =
-    "options of demo: the identifier knows that thrust and sensors are exact, but for their scales\n"
+    "options of demo: the identifier knows that thrust and sensors are exact, but for their "
+    "scales\n"
     "and the delay\n"
     "  --vehicle NAME     girona500 (default), or bluerov2: a BlueROV2 Heavy in six degrees of\n"
     "                     freedom that stabilises roll and pitch; bluerov2_standard, torpedo,\n"
@@ -98,7 +99,8 @@ static const char fit_help[] =
     "  --vehicle NAME        model, thrusters and uncertainties of this vehicle, or of FILE.ini\n"
     "  --thrusters NAME      the log is from the thrusters of girona500 or bluerov2: their errors\n"
     "                        are estimated, too. Without it nothing is identifiable, or --plain\n"
-    "  --plain               estimate no errors of thrust and sensors (uncertain inputs), except the\n"
+    "  --plain               estimate no errors of thrust and sensors (uncertain inputs), except "
+    "the\n"
     "                        scales of thrust and DVL, and the delay\n"
     "  --dry-mass KG         a smaller mass is marked as physically impossible\n"
     "  --gain AXIS=NEWTONS   of one unit of this axis' command (roll, pitch, yaw: newton metres),\n"

@@ -32,8 +32,8 @@ typedef struct {
     const auvid_vehicle_t *vehicle; /**< required; the identifier sets it */
     auvid_row_t *rows;    /**< residual path: storage for (sets + 1) set_rows rows, owned by the
                             caller, must outlive the metric; NULL otherwise */
-    uint32_t velocity_us; /**< time between velocity samples [us], interpolated in between; 0..1000000; 0:
-                               a sample in every cell; default 200000 (DVL at 5 Hz). In the
+    uint32_t velocity_us; /**< time between velocity samples [us], interpolated in between;
+                               0..1000000; 0: a sample in every cell; default 200000. In the
                                identifier also AUVID_VELOCITY_OBSERVED (default): the median of the
                                first seven intervals; a rate that changes later is not noticed.
                                In the residual path only thrusters.h reads it */
@@ -52,8 +52,9 @@ typedef struct {
      * default 0.02 */
     auvid_real_t excitation_threshold;
     auvid_real_t delay_s[AUVID_DOF_COUNT]; /**< delay of the wrench if it is not estimated [s]:
-                                                a shift of -2..6 cells (-0.2..0.6 s); default 0. Not read in the
-                                                residual path: the delay is a parameter of each
+                                                a shift of -2..6 cells (-0.2..0.6 s);
+                                                default 0. Not read in the residual
+                                                path: the delay is a parameter of each
                                                 evaluation there */
     auvid_real_t delay_sigma_s; /**< standard deviation of the delay [s], 0..1; > 0: negative delays
                                      are also estimated; default 0. The identifier overwrites it

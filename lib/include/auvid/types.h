@@ -217,7 +217,8 @@ typedef struct {
     bool has_good;    /**< use `good`, clipped to the bounds; default false */
     bool scale_by_bounds; /**< the identifier's units of the steps follow from the bounds, not from
                                the data; default false */
-    bool paper; /**< Algorithms 1 and 2 to the letter, never ended by a known minimum; default false */
+    bool paper; /**< Algorithms 1 and 2 to the letter, never ended by a known minimum; default
+                     false */
 #if defined(AUVID_REAL_DOUBLE) || AUVID_MAX_PARAMETERS % 2 == 0
     uint8_t reserved[4];
 #endif

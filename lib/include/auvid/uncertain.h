@@ -37,8 +37,9 @@
  *     auvid_identifier_attach_uncertain(&id, &uncertain, &inputs, &thrusters);
  *
  * The commands (auvid_input_t.applied.command, or those of auvid_identifier_applied) must be the
- * thrusters' forces in newtons, as reported, or fractions of their largest forces (auvid_uncertain_config_t.fractions). If they do not make the
- * wrench, there is no estimate with uncertain inputs.
+ * thrusters' forces in newtons, as reported, or fractions of their largest forces
+ * (auvid_uncertain_config_t.fractions). If they do not make the wrench, there is no estimate with
+ * uncertain inputs.
  *
  * Regressor path only. Attach it once; a program without it does not contain it. A checkpoint
  * (checkpoint.h) contains its state. Cost: a tick of the example on a Cortex-M4F takes 22 thousand
@@ -79,31 +80,31 @@ typedef enum {
 
 /** Standard deviations of the priors; copied. 0: this input is exact and has no column. */
 typedef struct {
-    auvid_real_t backward;  /**< relative, 0..1; default 0.05 */
-    auvid_real_t dead_band; /**< relative to the thruster's largest force, 0..1; default 0.012 */
-    auvid_real_t curve;     /**< of the exponent, 0..1; default 0.05 */
-    auvid_real_t inflow;    /**< relative loss of thrust per m/s [s/m], 0..10; default 0.18 */
-    auvid_real_t sag;       /**< of the thrust in 240 s, relative, 0..1; default 0.05 */
-    auvid_real_t gain;      /**< of each thruster, relative, 0..1; default 0.05 */
-    auvid_real_t lag_s;     /**< about nominal_lag_s [s], 0..1; default 0.06 */
-    auvid_real_t delay_s;   /**< of the thrust against each DoF's motion [s], 0..1; default 0.04 */
-    auvid_real_t current;   /**< each component [m/s], 0..10; default 0.05 */
-    auvid_real_t asymmetry; /**< of drag, relative, 0..1; default 0.12 */
-    auvid_real_t cross;     /**< sway by yaw rate, yaw by sway and lift, relative to drag, 0..1;
+    auvid_real_t backward;   /**< relative, 0..1; default 0.05 */
+    auvid_real_t dead_band;  /**< relative to the thruster's largest force, 0..1; default 0.012 */
+    auvid_real_t curve;      /**< of the exponent, 0..1; default 0.05 */
+    auvid_real_t inflow;     /**< relative loss of thrust per m/s [s/m], 0..10; default 0.18 */
+    auvid_real_t sag;        /**< of the thrust in 240 s, relative, 0..1; default 0.05 */
+    auvid_real_t gain;       /**< of each thruster, relative, 0..1; default 0.05 */
+    auvid_real_t lag_s;      /**< about nominal_lag_s [s], 0..1; default 0.06 */
+    auvid_real_t delay_s;    /**< of the thrust against each DoF's motion [s], 0..1; default 0.04 */
+    auvid_real_t current;    /**< each component [m/s], 0..10; default 0.05 */
+    auvid_real_t asymmetry;  /**< of drag, relative, 0..1; default 0.12 */
+    auvid_real_t cross;      /**< sway by yaw rate, yaw by sway and lift, relative to drag, 0..1;
                                   default 0.15 */
-    auvid_real_t force;     /**< constant, relative to tau_max, 0..1; default 0.03 */
+    auvid_real_t force;      /**< constant, relative to tau_max, 0..1; default 0.03 */
     auvid_real_t arm_m;      /**< lever arm of the DVL, ahead and aside [m], 0..1; default 0.05 */
     auvid_real_t dvl_late_s; /**< delay of the DVL against the attitude [s], 0..1; default 0.05 */
-    auvid_real_t gravity_m; /**< centre of gravity ahead and aside [m], 0..1; default 0.01 */
+    auvid_real_t gravity_m;  /**< centre of gravity ahead and aside [m], 0..1; default 0.01 */
     auvid_real_t nominal_lag_s; /**< no deviation, but the first-order lag of the propellers' speed
                                      [s], 0.01..1; default 0.15 */
     bool fractions; /**< commands are fractions of the thruster's largest force in their direction,
                          as on CAN; default: newtons */
 } auvid_uncertain_config_t;
 
-/** Scale of the priors above which the inputs are so much less exact than configured that the estimate
- * without uncertain inputs is better. auvid_identifier_estimate then returns that one, and nothing
- * is identifiable. */
+/** Scale of the priors above which the inputs are so much less exact than configured that the
+ * estimate without uncertain inputs is better. auvid_identifier_estimate then returns that one, and
+ * nothing is identifiable. */
 #define AUVID_UNCERTAIN_CONTRADICTED AUVID_C(3.0)
 
 /** Time in which thrust sags by auvid_uncertain_config_t.sag [s]. */
@@ -266,11 +267,11 @@ typedef struct auvid_uncertain {
     uint32_t (*strong)(struct auvid_uncertain *u, const auvid_metric_t *m); /* of these */
     const struct auvid_checkpoint_part *checkpoint; /* how a checkpoint is checked */
     auvid_uncertain_equation_t equation[AUVID_DOF_COUNT];
-    uint8_t code[AUVID_UNCERTAIN_CHANNELS]; /* what each input is */
+    uint8_t code[AUVID_UNCERTAIN_CHANNELS];   /* what each input is */
     uint16_t place[AUVID_UNCERTAIN_CHANNELS]; /* where its channel is, and that of the thrust */
-    uint16_t section[5]; /* ends of the channels: none; of forces, formed from motion, then from
+    uint16_t section[5];  /* ends of the channels: none; of forces, formed from motion, then from
                             thrust; of moments likewise */
-    uint8_t rows_at_once;                   /* of both bands, from one row of the metric */
+    uint8_t rows_at_once; /* of both bands, from one row of the metric */
     /* state: from here on, see checkpoint.h */
     uint64_t begin_us;         /* of the first cell of the rows; 0: none */
     auvid_sample_t cell;       /* the last one */

@@ -133,11 +133,12 @@ typedef struct {
     bool ignores_inputs;
 
     /** Residual path: true if `residual` has no kinks in the parameters that matter beside the
-     * noise, and the cost no second minimum in the box. Then a search ends once a step of Algorithm 2
-     * in each direction confirms the end of the Gauss-Newton steps; the first one also evaluates the population. A wrong true may
-     * give a wrong estimate without any sign: no step along a single parameter may lead out of a
-     * kink or a local minimum (tests/unit/search/test_optimizer_minima.c). If in doubt, leave it
-     * false, the default: the steps' end is only one of the first points, and both algorithms run. */
+     * noise, and the cost no second minimum in the box. Then a search ends once a step of Algorithm
+     * 2 in each direction confirms the end of the Gauss-Newton steps; the first one also evaluates
+     * the population. A wrong true may give a wrong estimate without any sign: no step along a
+     * single parameter may lead out of a kink or a local minimum
+     * (tests/unit/search/test_optimizer_minima.c). If in doubt, leave it false, the default: the
+     * steps' end is only one of the first points, and both algorithms run. */
     bool smooth;
 
     /** Residual path: cost of one call of `regressor` in the same units; default (zero): as work.

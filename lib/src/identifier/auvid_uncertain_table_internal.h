@@ -32,7 +32,7 @@ enum {
 };
 
 #define UNCERTAIN_TIMING                                                                           \
-    "thrust acts later than stamped, by ", "thrust acts earlier than stamped, by ", "s",                 \
+    "thrust acts later than stamped, by ", "thrust acts earlier than stamped, by ", "s",           \
         "check time stamps and the propellers' lag"
 #define UNCERTAIN_WATER "use the DVL's water lock, or look for a cable"
 #define UNCERTAIN_ARM "measure its lever arm"
@@ -59,14 +59,15 @@ enum {
  */
 #define AUVID_UNCERTAIN_TABLE(ROW)                                                                 \
     ROW(AUVID_UNCERTAIN_BACKWARD, backward, THRUST, ACTUATED, AS_CONFIGURED, CURVE,                \
-        "backward thrust is weaker than supplied, by ", "backward thrust is stronger than supplied, by ",  \
-        "%", "measure the thrusters astern")                                                       \
+        "backward thrust is weaker than supplied, by ",                                            \
+        "backward thrust is stronger than supplied, by ", "%", "measure the thrusters astern")     \
     ROW(AUVID_UNCERTAIN_DEAD_BAND, dead_band, THRUST, ACTUATED, COLUMN(table_dead_band), CURVE,    \
-        "the dead band is wider than supplied, by ", "the dead band is narrower than supplied, by ", "N",  \
+        "the dead band is wider than supplied, by ",                                               \
+        "the dead band is narrower than supplied, by ", "N",                                       \
         "measure the thrusters at small commands")                                                 \
     ROW(AUVID_UNCERTAIN_CURVE, curve, THRUST, ACTUATED, AS_CONFIGURED, CURVE,                      \
-        "the thrust curve's exponent is higher than supplied, by ",                                    \
-        "the thrust curve's exponent is lower than supplied, by ", "",                                 \
+        "the thrust curve's exponent is higher than supplied, by ",                                \
+        "the thrust curve's exponent is lower than supplied, by ", "",                             \
         "measure thrust at half command")                                                          \
     ROW(AUVID_UNCERTAIN_INFLOW, inflow, THRUST, ACTUATED, AS_CONFIGURED, INFLOW,                   \
         "thrust falls with speed, by ", "thrust rises with speed, by ", "% per m/s",               \
@@ -75,18 +76,18 @@ enum {
         "thrust falls with time, by ", "thrust rises with time, by ", "% in 4 minutes",            \
         "watch the battery, look for fouling")                                                     \
     ROW(AUVID_UNCERTAIN_LAG, lag_s, THRUST, ACTUATED, AS_CONFIGURED, TIMING, UNCERTAIN_TIMING)     \
-    ROW(AUVID_UNCERTAIN_CURRENT_X, current, MOTION, PLANAR, AS_CONFIGURED, CURRENT,               \
+    ROW(AUVID_UNCERTAIN_CURRENT_X, current, MOTION, PLANAR, AS_CONFIGURED, CURRENT,                \
         "a current sets to the north, with ", "a current sets to the south, with ", "m/s",         \
         UNCERTAIN_WATER)                                                                           \
-    ROW(AUVID_UNCERTAIN_CURRENT_Y, current, MOTION, PLANAR, AS_CONFIGURED, CURRENT,               \
+    ROW(AUVID_UNCERTAIN_CURRENT_Y, current, MOTION, PLANAR, AS_CONFIGURED, CURRENT,                \
         "a current sets to the east, with ", "a current sets to the west, with ", "m/s",           \
         UNCERTAIN_WATER)                                                                           \
     ROW(AUVID_UNCERTAIN_ARM_X, arm_m, MOTION, PLANAR, AS_CONFIGURED, MOUNTING,                     \
-        "the DVL is further ahead than configured, by ", "the DVL is further astern than configured, by ",     \
-        "m", UNCERTAIN_ARM)                                                                        \
+        "the DVL is further ahead than configured, by ",                                           \
+        "the DVL is further astern than configured, by ", "m", UNCERTAIN_ARM)                      \
     ROW(AUVID_UNCERTAIN_ARM_Y, arm_m, MOTION, PLANAR, AS_CONFIGURED, MOUNTING,                     \
-        "the DVL is further to starboard than configured, by ",                                          \
-        "the DVL is further to port than configured, by ", "m", UNCERTAIN_ARM)                           \
+        "the DVL is further to starboard than configured, by ",                                    \
+        "the DVL is further to port than configured, by ", "m", UNCERTAIN_ARM)                     \
     ROW(AUVID_UNCERTAIN_DVL_LATE, dvl_late_s, THRUST, PLANAR + HEAVE, AS_CONFIGURED, TIMING,       \
         "the DVL is later than the attitude, by ", "the attitude is later than the DVL, by ", "s", \
         "check their time stamps")                                                                 \

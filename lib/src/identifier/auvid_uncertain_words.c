@@ -35,7 +35,8 @@ static void causes_append(auvid_words_t *w, const auvid_cause_t *cause)
 static void causes_append_differing(auvid_words_t *w, uint32_t differs,
                                     const auvid_vehicle_t *vehicle)
 {
-    const char *separator = "the estimate with exact inputs differs by more than both half-widths: ";
+    const char *separator =
+        "the estimate with exact inputs differs by more than both half-widths: ";
     for (int i = 0; i < vehicle->parameters; ++i) {
         if (differs >> i & 1u) {
             auvid_words_append(w, separator);
@@ -63,9 +64,8 @@ auvid_status_t auvid_causes_sentence(const auvid_causes_t *causes, const auvid_v
         return AUVID_OK;
     }
     if (which == 0 && causes->contradicted) {
-        auvid_words_append(&w,
-                           "thrust, time stamps or sensors are far less exact than configured; "
-                           "measure them, or configure larger deviations");
+        auvid_words_append(&w, "thrust, time stamps or sensors are far less exact than configured; "
+                               "measure them, or configure larger deviations");
         return AUVID_OK;
     }
     if (which < causes->named && which < AUVID_CAUSE_COUNT) {

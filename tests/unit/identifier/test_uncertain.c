@@ -209,12 +209,11 @@ static void test_lever_arm_and_delay_of_the_dvl_are_found_and_would_bias_the_est
         int input, parameter;
         double expected, right, wrong;
         bool (*without)(auvid_identifier_t *);
-    } mismatch[] = {{"dvl_arm_x", 0.06, AUVID_UNCERTAIN_ARM_X, SIM_Y_VV, 0.06, 0.1, 0.2,
-                     attach_without_arm},
-                    {"dvl_arm_y", -0.06, AUVID_UNCERTAIN_ARM_Y, SIM_X_UU, -0.06, 0.1, 0.12,
-                     attach_without_arm},
-                    {"dvl_latency", 0.08, AUVID_UNCERTAIN_DVL_LATE, SIM_M_R, 0.08, 0.05, 0.1,
-                     attach_without_late_dvl}};
+    } mismatch[] = {
+        {"dvl_arm_x", 0.06, AUVID_UNCERTAIN_ARM_X, SIM_Y_VV, 0.06, 0.1, 0.2, attach_without_arm},
+        {"dvl_arm_y", -0.06, AUVID_UNCERTAIN_ARM_Y, SIM_X_UU, -0.06, 0.1, 0.12, attach_without_arm},
+        {"dvl_latency", 0.08, AUVID_UNCERTAIN_DVL_LATE, SIM_M_R, 0.08, 0.05, 0.1,
+         attach_without_late_dvl}};
     for (size_t k = 0; k < sizeof mismatch / sizeof mismatch[0]; ++k) {
         const char *name = mismatch[k].name;
         identify_rov(name, mismatch[k].size, NULL);

@@ -84,13 +84,12 @@ static void test_a_dvl_elsewhere_or_later_than_told_is_named(void)
         int input;
         auvid_cause_class_t class;
         const char *words;
-    } mismatch[] = {
-        {"dvl_arm_x", 0.1, AUVID_UNCERTAIN_ARM_X, AUVID_CAUSE_MOUNTING,
-         "further ahead than configured, by 0."},
-        {"dvl_arm_y", -0.1, AUVID_UNCERTAIN_ARM_Y, AUVID_CAUSE_MOUNTING,
-         "further to port than configured, by 0."},
-        {"dvl_latency", 0.1, AUVID_UNCERTAIN_DVL_LATE, AUVID_CAUSE_TIMING,
-         "the DVL is later than the attitude, by 0."}};
+    } mismatch[] = {{"dvl_arm_x", 0.1, AUVID_UNCERTAIN_ARM_X, AUVID_CAUSE_MOUNTING,
+                     "further ahead than configured, by 0."},
+                    {"dvl_arm_y", -0.1, AUVID_UNCERTAIN_ARM_Y, AUVID_CAUSE_MOUNTING,
+                     "further to port than configured, by 0."},
+                    {"dvl_latency", 0.1, AUVID_UNCERTAIN_DVL_LATE, AUVID_CAUSE_TIMING,
+                     "the DVL is later than the attitude, by 0."}};
     for (size_t k = 0; k < sizeof mismatch / sizeof mismatch[0]; ++k) {
         identify(FIELD_ROV20, mismatch[k].name, mismatch[k].size);
         const auvid_cause_t *cause = &causes.cause[mismatch[k].class];
@@ -168,15 +167,18 @@ static void test_sentences_give_size_and_remedy(void)
 {
     identify(FIELD_GIRONA500, "thrust_backward", 0.1);
     causes.differs = 1u << AUVID_G500_M_U | 1u << AUVID_G500_X_UU;
-    expect("backward thrust is weaker than supplied, by 10 % or so; measure the thrusters astern", 0);
+    expect("backward thrust is weaker than supplied, by 10 % or so; measure the thrusters astern",
+           0);
     expect("the estimate with exact inputs differs by more than both half-widths: m_u, X_uu", 1);
     TEST_ASSERT_EQUAL(AUVID_FINISHED,
                       auvid_causes_sentence(&causes, &auvid_girona500, 2, text, sizeof text));
     TEST_ASSERT_EQUAL_STRING("", text);
     causes.cause[AUVID_CAUSE_CURVE].value = AUVID_C(-0.068);
-    expect("backward thrust is stronger than supplied, by 7 % or so; measure the thrusters astern", 0);
+    expect("backward thrust is stronger than supplied, by 7 % or so; measure the thrusters astern",
+           0);
     causes.cause[AUVID_CAUSE_CURVE].value = AUVID_C(0.0997);
-    expect("backward thrust is weaker than supplied, by 10 % or so; measure the thrusters astern", 0);
+    expect("backward thrust is weaker than supplied, by 10 % or so; measure the thrusters astern",
+           0);
     for (size_t size = 1; size < 60; ++size) {
         memset(text, 'x', sizeof text);
         TEST_ASSERT_EQUAL(AUVID_OK,

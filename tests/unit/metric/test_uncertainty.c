@@ -279,12 +279,14 @@ static void test_what_only_the_thrust_scale_prevents_is_called_so(void)
     }
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_confidence_missing(result, &auvid_girona500, AUVID_G500_FREE,
                                                          0, text, sizeof text));
-    TEST_ASSERT_EQUAL_STRING(
-        "surge: m_u is known to 2 % up to the thrust scale; calibrate thrust to 9 % with a known force", text);
+    TEST_ASSERT_EQUAL_STRING("surge: m_u is known to 2 % up to the thrust scale; calibrate thrust "
+                             "to 9 % with a known force",
+                             text);
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_confidence_missing(result, &auvid_girona500, AUVID_G500_FREE,
                                                          4, text, sizeof text));
-    TEST_ASSERT_EQUAL_STRING(
-        "heave: W-B is known to 0.1 N up to the thrust scale; calibrate thrust to 2 % with a known force", text);
+    TEST_ASSERT_EQUAL_STRING("heave: W-B is known to 0.1 N up to the thrust scale; calibrate "
+                             "thrust to 2 % with a known force",
+                             text);
     uncertainty.thrust_scale = (auvid_real_t)(0.99 * (double)result->bound[AUVID_G500_M_U]);
     observe(&cfg, &true_scales);
     TEST_ASSERT_EQUAL(AUVID_NOTE_NONE, result->note[AUVID_G500_M_U]);

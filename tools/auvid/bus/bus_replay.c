@@ -239,7 +239,8 @@ static int report(run_t *run)
                (unsigned)run->own.node.counters.ticks, (unsigned)run->same,
                (unsigned)run->different);
         if (run->different > 0) {
-            puts("        give the --vehicle, --seed, --sets and --prior of the node that wrote it");
+            puts(
+                "        give the --vehicle, --seed, --sets and --prior of the node that wrote it");
         }
     }
     int status = report_html(run->options, &result, NULL);

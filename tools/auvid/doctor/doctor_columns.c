@@ -8,12 +8,12 @@
 
 #include "doctor.h"
 
-#define HELD 0.25     /* share of the samples that repeat the one before */
-#define TOGETHER 0.8  /* share of the changes of a velocity that all make together */
-#define OUTAGE_S 1.5  /* velocities that stand still for longer are no samples */
-#define COARSE 0.3    /* step of a column, relative to its standard deviation */
+#define HELD 0.25      /* share of the samples that repeat the one before */
+#define TOGETHER 0.8   /* share of the changes of a velocity that all make together */
+#define OUTAGE_S 1.5   /* velocities that stand still for longer are no samples */
+#define COARSE 0.3     /* step of a column, relative to its standard deviation */
 #define TOO_COARSE 2.5 /* .. with which fit finds no parameter */
-#define SATURATED 0.3 /* share of the samples at the limit */
+#define SATURATED 0.3  /* share of the samples at the limit */
 #define SAG 0.1
 #define FAST_MPS 10.0 /* standard deviation of a velocity */
 #define MIN_SAMPLES 200.0

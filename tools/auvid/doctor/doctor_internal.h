@@ -200,7 +200,7 @@ void doctor_travel_scan(doctor_t *d); /* doctor_travel.c */
 void doctor_travel(doctor_t *d);
 void doctor_column_add(doctor_t *d, int column, double t, double value); /* doctor_columns.c */
 void doctor_columns(doctor_t *d);
-void doctor_time(doctor_t *d); /* doctor_time.c */
+void doctor_time(doctor_t *d);  /* doctor_time.c */
 void doctor_force(doctor_t *d); /* doctor_force.c: needs a sound attitude */
 /** The forces of the thrusters in a row, and their wrench, which it writes into the row. */
 void doctor_thrusters_row(doctor_t *d, csv_row_t *row, double force_N[AUVID_MAX_THRUSTERS]);

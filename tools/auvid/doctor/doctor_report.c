@@ -171,7 +171,8 @@ int doctor_check(const char *file, const options_t *options)
     bool thrusters =
         status == 0 && options->whole && log_use_thrusters(&use, options->vehicle, log.has);
     if (status == 0 && options->whole && !thrusters && has_wrench(&log)) {
-        report_warning("%s: no columns thruster_1 ..: forces and moments are examined instead", file);
+        report_warning("%s: no columns thruster_1 ..: forces and moments are examined instead",
+                       file);
     } else if (status == 0 && options->whole && !thrusters) {
         status = report_error("%s:1:1: --vehicle needs the inputs of each thruster of %s "
                               "(thruster_1 .. or thruster_1_N ..)",

@@ -8,12 +8,12 @@
 
 #include "doctor.h"
 
-#define GAP_S 0.5         /* as in fit */
+#define GAP_S 0.5          /* as in fit */
 #define MILLISECONDS_S 2.0 /* rows further apart: is it another unit? */
-#define SLOW 0.6          /* interval of rows, relative to the time constant of a DoF */
-#define MIN_LENGTH_S 10.0 /* of a log: fit has too few sets below */
-#define MIN_MOTION_S 6.0  /* of a DoF, without the first seconds */
-#define MOVES 0.1         /* standard deviation of an input in a block, relative to its largest */
+#define SLOW 0.6           /* interval of rows, relative to the time constant of a DoF */
+#define MIN_LENGTH_S 10.0  /* of a log: fit has too few sets below */
+#define MIN_MOTION_S 6.0   /* of a DoF, without the first seconds */
+#define MOVES 0.1          /* standard deviation of an input in a block, relative to its largest */
 
 double doctor_interval_quantile(const doctor_t *d, double share)
 {

@@ -246,7 +246,8 @@ static void print_reason(const report_maps_t *maps)
     if (maps->used > 0) {
         printf("%s instead of %s (as configured), because it predicts motion better", best, own);
     } else if (!maps->map[0].judged) {
-        printf("%s, as configured: with it nothing can be predicted, so the maps do not compare", own);
+        printf("%s, as configured: with it nothing can be predicted, so the maps do not compare",
+               own);
     } else if (maps->blocks < MIN_BLOCKS) {
         printf("%s, as configured: the log is too short to compare maps", own);
     } else if (maps->best > 0) {

@@ -91,9 +91,9 @@ bool log_has_thrusters(const log_use_t *use);
  * false if the columns of one of them are missing, or its allocation cannot be used. */
 bool log_use_thrusters(log_use_t *use, const vehicle_t *vehicle, const bool has[CSV_COLUMNS]);
 
-/** Chooses the map from commands to forces: linear or signed-square; THRUST_MAP_NEWTON: as configured,
- * which is the vehicle's for thrusters, linear for axes. Needs kind and vehicle. Returns false if
- * no map is replaced, because the inputs are forces already. */
+/** Chooses the map from commands to forces: linear or signed-square; THRUST_MAP_NEWTON: as
+ * configured, which is the vehicle's for thrusters, linear for axes. Needs kind and vehicle.
+ * Returns false if no map is replaced, because the inputs are forces already. */
 bool log_use_map(log_use_t *use, thrust_map_kind_t kind);
 
 /** Number of inputs, and the column of each. */

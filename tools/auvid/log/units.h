@@ -27,7 +27,7 @@ typedef struct {
 /** Statistics of a log, first all zeros. */
 typedef struct {
     units_axis_t axis[3];
-    size_t pitches, beyond; /* values of pitch; those that no pitch in radians takes */
+    size_t pitches, beyond;      /* values of pitch; those that no pitch in radians takes */
     double speed[3], speed_t[3]; /* largest velocity of each axis, and its time */
 } units_t;
 

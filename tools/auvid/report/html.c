@@ -134,8 +134,9 @@ static void write_text(FILE *out, const result_t *result)
     fputs("What is wrong with the inputs?\n", out);
     write_sentences(out, result,
                     result->estimate.confidence.unchecked ? "their errors were not examined"
-                    : result->inputs_estimated ? "no error of thrust, time stamps or sensors was found"
-                                               : "not examined: they were taken as exact",
+                    : result->inputs_estimated
+                        ? "no error of thrust, time stamps or sensors was found"
+                        : "not examined: they were taken as exact",
                     report_cause);
     fputs("What is missing?\n", out);
     write_sentences(out, result, "nothing", report_missing);

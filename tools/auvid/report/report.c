@@ -98,10 +98,11 @@ bool report_thrust(const result_t *result, char *text, size_t size)
     switch (result->calibration) {
     case REPORT_CALIBRATED:
         if (off > half) {
-            (void)snprintf(text, size,
-                           "the known force says that thrust is %.1f %% %s than supplied (+- %.1f %%): "
-                           "parameters are in SI",
-                           off, k > 1.0 ? "weaker" : "stronger", half);
+            (void)snprintf(
+                text, size,
+                "the known force says that thrust is %.1f %% %s than supplied (+- %.1f %%): "
+                "parameters are in SI",
+                off, k > 1.0 ? "weaker" : "stronger", half);
         } else {
             (void)snprintf(text, size,
                            "the known force agrees with the supplied thrust (+- %.1f %%): "

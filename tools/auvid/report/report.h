@@ -79,13 +79,13 @@ typedef enum {
 typedef struct {
     uint64_t seed;
     const auvid_vehicle_t *vehicle;
-    uint32_t free;                /**< bit i: parameter i is free */
-    uint32_t budget;              /**< work units per tick */
-    uint32_t max_work;            /**< largest number of units in a call of work */
-    const estimates_t *estimates; /**< NULL: not listed */
-    const trace_t *trace;         /**< of the held-out run; NULL: none */
-    report_log_t log, held_out;   /**< identified from, and validated on */
-    const report_maps_t *maps;    /**< NULL: none were compared */
+    uint32_t free;                     /**< bit i: parameter i is free */
+    uint32_t budget;                   /**< work units per tick */
+    uint32_t max_work;                 /**< largest number of units in a call of work */
+    const estimates_t *estimates;      /**< NULL: not listed */
+    const trace_t *trace;              /**< of the held-out run; NULL: none */
+    report_log_t log, held_out;        /**< identified from, and validated on */
+    const report_maps_t *maps;         /**< NULL: none were compared */
     const report_findings_t *findings; /**< in log; NULL: no log was examined */
     double truth[AUVID_MAX_PARAMETERS];
     auvid_guard_trip_t trip; /**< cause of ABORTED */
