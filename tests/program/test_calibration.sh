@@ -132,6 +132,8 @@ bad "the second without the first" 's/calibration\.1/calibration.2/' \
 bad "too many" 's/calibration\.1/calibration.5/' 'unknown section \[calibration\.5\]; known: '
 bad "an overlap" '$a [calibration.2]\npull_N = 1 0 0\nfrom_s = 140' \
     'from_s must not be before the calibration above has ended'
+"$AUVID" check dive.ini --header >dive.h
+check "the header says how firmware tells it" grep -q 'auvid_calibrated_force of estimate.h' dive.h
 check "--json has it" exits 0 check dive.ini --json
 check "  as in the file" python3 -c '
 import json

@@ -64,11 +64,16 @@ change("motion_late", late(13, *(ATTITUDE + V + RATES)))
 change("motion_early", late(7, *h[10:16]))
 change("held", lambda k, y: [late(k % 4, n)(k, y) for n in V])
 change("outage", lambda k, y: [late(k - 300, n)(k, y) for n in V] if 300 <= k < 400 else None)
+change("millimetres", scale(1000, *V))
+change("milliseconds", scale(1000, "t_s"))
+change("marked", lambda k, y: scale(0, *V)(k, y) or [y.__setitem__(C[n], -999) for n in V]
+       if k % 50 < 5 else None)
+change("no_lock", lambda k, y: scale(0, *V)(k, y) if k % 50 < 5 else None)
+change("outliers", lambda k, y: y.__setitem__(C["u_mps"], 25) if k in (700, 701) else None)
 change("sway_zero", scale(0, "v_mps"))
 change("attitude_zero", scale(0, *ATTITUDE))
 change("coarse", lambda k, y: y.__setitem__(C["u_mps"], round(y[C["u_mps"]] / 0.3) * 0.3))
 write("slow", whole[::12])
-change("milliseconds", scale(1000, "t_s"))
 change("sway_mm", scale(1000, "v_mps"))
 write("inputs_slow", [y[:10] + (y[10:16] if k % 6 == 0 else [None] * 6) + y[16:]
                       for k, y in enumerate(whole)])
@@ -120,12 +125,16 @@ done <<'END'
 1 motion_early error +the velocities change before their inputs by 0\.[5-9] s, which no vehicle does
 0 held warning +the velocity repeats each value for about 0\.40 s, as if held .*: leave its cells
 0 outage warning +u_mps, v_mps and w_mps keep their values for up to 9\.9 s .*: leave those rows out
+1 millimetres error +u_mps reaches [0-9]+.* m/s, as if it were in mm/s or cm/s: convert it to m/s
+1 milliseconds error +the rows are about [0-9]+.* s apart, as if t_s were in milliseconds: give
+1 marked error +v_mps is -999 in [0-9]+ rows, a mark of missing samples: leave these cells empty
+1 no_lock error +the velocities drop from motion to exactly 0 [0-9]+ times, .*: leave these cells
+1 outliers error +u_mps jumps 2 times by up to 2[4-6].* m/s .*: leave cells of outliers empty
 1 sway_zero error +v_mps is always 0, but Y_N acts: log the measured velocity
 1 attitude_zero error +the attitude never changes, but the rates do: log the measured attitude
 0 coarse warning +u_mps has steps of 0\.3, coarse against its variation .*: log more digits
 1 slow error +the rows are about 1\.[0-9]+ s apart, more than the 0\.5 s that fit bridges: log at 5
-1 milliseconds error +the rows are about [0-9]+ s apart, .*; if t_s is in milliseconds, divide
-1 sway_mm error +v_mps varies by [0-9]+ m/s .*: if it is in mm/s, divide it by 1000
+1 sway_mm error +v_mps reaches [0-9]+.* m/s, as if it were in mm/s or cm/s: convert it to m/s
 0 inputs_slow warning +X_N comes every 0\.[56][0-9]* s on average, .*: log inputs at 5
 1 no_surge error +u_mps is missing, but X_N is there: fit needs both: add the velocity, or leave
 1 short error +too little motion: .*: excite each axis for a minute or more

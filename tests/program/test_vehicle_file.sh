@@ -56,10 +56,26 @@ edit 's/^dry_mass_kg = .*/dry_mass_kg = 0/'
 bad "a mass of zero" "5:15: dry_mass_kg: 0 is not from 0.001 to 1e\+06"
 edit 's/^m_u = 5/m_u = -5/'
 bad "a negative mass" "[0-9]+:7: m_u: -5 is not from 1e-06"
-for word in inf nan 0x10 5kg 1,5; do
+for word in inf nan 0x10 5kg; do
     edit "s/^m_u = 5/m_u = $word/"
     bad "'$word' for a number" "[0-9]+:[78]: m_u: '.*' is not a finite decimal number"
 done
+edit 's/^m_u = 5/m_u = 5,1/'
+bad "a decimal comma" "[0-9]+:8: m_u: a comma: separate numbers by blanks, decimals by a point"
+edit 's/^\[vehicle\]/[Vehicle]/'
+bad "a section in capitals" "1:2: unknown section \[Vehicle\]; known: vehicle, "
+edit 's/^m_u = /mu = /; /^N_rr/d'
+bad "several keys that are missing, one misspelt" \
+    "[0-9]+:1: \[truth\] has no keys 'm_u', 'N_rr': add them; 'mu' in line [0-9]+ is unknown"
+edit 's/^m_v = 9/m_v = 3/'
+bad "a true mass below the dry mass" "[0-9]+:1: m_v is below dry_mass_kg, but contains it"
+edit '$a [allocation]\ndofs = surge heave yaw sway'
+bad "a controlled degree of freedom without thruster" \
+    "[0-9]+:1: dofs names a degree of freedom in which no thruster acts"
+edit '$a [allocation]\npriority = roll'
+bad "a priority that is not controlled" "[0-9]+:1: priority names a degree of freedom that"
+edit 's/^map = .*/map = table\ncommand = -1 0 1\nforce_N = 9 0 12/; /^voltage/d'
+bad "a table without minus" "[0-9]+:1: force_N pushes the same way at both ends of the table"
 edit 's/^m_u = 5/m_u = 1e999/'
 bad "a number that is too large" "[0-9]+:7: m_u: '1e999' is too large"
 edit 's/^position_m = 0 0 0/position_m = 0 0/'
@@ -130,6 +146,9 @@ bad "a parameter without its truth" "[0-9]+:1: \[truth\] has no key 'Y_v'"
 check "no such file" refuses 'none.ini: No such file' check none.ini
 check "a directory" refuses '\./: Is a directory' demo --vehicle ./
 check "no such log" refuses 'x.csv: No such file' check x.csv
+edit 's/^map = .*/map = table\ncommand = -1 0 1\nforce_N = -9 0 15/; /^voltage/d'
+check "a table beyond the largest force" exits 0 check bad.ini
+check "  is told" grep -q 'force_N is beyond forward_N or backward_N of a thruster' out
 check "--json with --header" refuses 'cannot be combined' check minnow.ini --json --header
 
 # ---- the vehicle of the guide ----

@@ -152,7 +152,7 @@ flooded() {
     begin 1
     "$PEER" flood vcan1 "$FORGED" 1000 | tee flood
     end
-    awk -v forged="$(word commands flood)" '/commands/ { good = forged - $10; p = 0.910 / 256
+    awk -v forged="$(word commands flood)" '/commands/ { good = forged - $12; p = 0.910 / 256
         print good " of " forged " forged commands were authentic; expected " forged * p
         exit !((good - forged * p) ^ 2 <= 25 * forged * p + 4) }' vehicle.out
     ! grep -q 'thrust' vehicle.out

@@ -187,6 +187,32 @@ static void test_a_reversed_thruster_is_named(void)
     }
 }
 
+static void test_exchanged_thrusters_are_named(void)
+{
+    static const int pair[3][2] = {{0, 2}, {1, 4}, {3, 4}};
+    to_thrusters();
+    for (int k = 0; k < 3; ++k) {
+        char words[80];
+        (void)snprintf(words, sizeof words, "thruster_%d_N and thruster_%d_N are exchanged",
+                       pair[k][0] + 1, pair[k][1] + 1);
+        exchange(CSV_THRUSTER_N + pair[k][0], CSV_THRUSTER_N + pair[k][1]);
+        examine_thrusters();
+        assert_error(DOCTOR_THRUSTER_EXCHANGED, CSV_THRUSTER_N + pair[k][0], words);
+        TEST_ASSERT_EQUAL(CSV_THRUSTER_N + pair[k][1], finding(DOCTOR_THRUSTER_EXCHANGED)->other);
+        TEST_ASSERT_EQUAL_MESSAGE(1, count(DOCTOR_ERROR), doctor.finding[1].text);
+        exchange(CSV_THRUSTER_N + pair[k][0], CSV_THRUSTER_N + pair[k][1]);
+    }
+}
+
+/* Those of surge differ in yaw alone. */
+static void test_exchanged_thrusters_of_one_axis_are_told_as_its_moment(void)
+{
+    to_thrusters();
+    exchange(CSV_THRUSTER_N, CSV_THRUSTER_N + 1);
+    examine_thrusters();
+    assert_error(DOCTOR_INPUT_SIGN, CSV_WRENCH + 5, "reverse its thrusters, or exchange them");
+}
+
 /* Sway has one thruster: the coupling tells that not the velocity is wrong. */
 static void test_a_reversed_thruster_that_is_alone_is_told_as_the_force_of_its_axis(void)
 {
@@ -223,6 +249,8 @@ int main(void)
     RUN_TEST(test_thrusters_are_compared_with_the_motion);
     RUN_TEST(test_without_their_vehicle_they_are_not);
     RUN_TEST(test_a_reversed_thruster_is_named);
+    RUN_TEST(test_exchanged_thrusters_are_named);
+    RUN_TEST(test_exchanged_thrusters_of_one_axis_are_told_as_its_moment);
     RUN_TEST(test_a_reversed_thruster_that_is_alone_is_told_as_the_force_of_its_axis);
     RUN_TEST(test_a_reversed_degree_of_freedom_is_told_as_force_of_the_thrusters);
     return UNITY_END();

@@ -227,6 +227,11 @@ bool ini_numbers(ini_t *ini, const ini_entry_t *entry, int least, int most, doub
         char *end = NULL;
         double x = strtod(word, &end);
         bool cut = strlen(word) == sizeof word - 1;
+        if (strcmp(word, ",") == 0) {
+            return ini_refuse(ini, entry->line, column,
+                              "%s: a comma: separate numbers by blanks, decimals by a point",
+                              entry->key);
+        }
         if (cut || end == word || *end != '\0' || word[strspn(word, "0123456789+-.eE")] != '\0') {
             return ini_refuse(ini, entry->line, column,
                               "%s: '%s' is not a finite decimal number such as -1.5e3", entry->key,

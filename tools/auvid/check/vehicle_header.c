@@ -71,6 +71,12 @@ static void print_begin(const vehicle_t *v)
            v->word);
     printf(" *     %s_actuation(30, 8, 1, &acting);        auvid_identifier_attach_actuation\n",
            v->word);
+    puts(" *\n * On a CAN bus: auvid_node_init takes identifier and thrusters, then\n"
+         " * auvid_node_attach_uncertain and auvid_node_attach_actuation.");
+    if (v->calibrations > 0) {
+        puts(" * [calibration.N] is not here: firmware says when a weight hangs, by\n"
+             " * auvid_calibrated_force of estimate.h.");
+    }
     printf(" */\n#ifndef VEHICLE_%s_H\n#define VEHICLE_%s_H\n\n#include \"auvid/auvid.h\"\n\n",
            v->word, v->word);
     int least = v->kind == VEHICLE_GIRONA500 ? 13

@@ -15,6 +15,9 @@
 /* Sets of the simulated identification. */
 #define SETS 8
 
+/* A table may exceed a largest force by this factor: rounding. */
+#define BEYOND 1.05
+
 static const char *const units[2] = {"N", "Nm"};
 
 static void print_thrusters(const vehicle_t *v)
@@ -61,6 +64,21 @@ static bool is_zero(const auvid_real_t *x, int n)
     return sum <= 0.0;
 }
 
+/* Does the table of a group reach beyond the largest force of one of its thrusters? */
+static bool is_beyond(const vehicle_t *v)
+{
+    bool any = false;
+    for (int i = 0; i < v->allocation->thrusters; ++i) {
+        const vehicle_thruster_t *t = &v->thruster[i];
+        const thrust_map_t *map = &v->map[t->map];
+        for (int k = 0; k < map->forces; ++k) {
+            any = any || map->force_N[k] > BEYOND * t->forward_N ||
+                  -map->force_N[k] > BEYOND * t->backward_N;
+        }
+    }
+    return any;
+}
+
 /* Lines of the report on what the file leaves out. */
 static void print_missing(const vehicle_t *v)
 {
@@ -78,6 +96,8 @@ static void print_missing(const vehicle_t *v)
         {!v->has_truth, "[truth]: rough parameters, so that demo can simulate it"},
         {newtons, "[group.NAME] map: without it thruster commands are read as newtons"},
         {!voltage, "[group.NAME] voltage_V, voltage_exponent: thrust follows the battery"},
+        {is_beyond(v), "[group.NAME] force_N is beyond forward_N or backward_N of a thruster: which "
+                       "one is right?"},
         {is_zero(v->mount.dvl_lever, 3),
          "[mount] dvl_lever_m: the DVL is taken to be at the origin of the body"},
     };

@@ -100,6 +100,7 @@ void doctor_feed(doctor_t *d, const csv_row_t *row)
         time_row(d, t);
     }
     watch_velocity(d, row);
+    doctor_velocity_add(d, row);
     d->rows += 1.0;
     d->last_s = t;
     csv_row_t with_wrench = *row;
@@ -223,6 +224,7 @@ void doctor_finish(doctor_t *d)
     doctor_inputs_scan(d);
     doctor_time(d);
     doctor_columns(d);
+    doctor_velocity(d);
     int before = d->findings;
     doctor_attitude(d);
     if (d->findings == before) {

@@ -15,7 +15,6 @@
 #define TOO_COARSE 2.5 /* .. with which fit finds no parameter */
 #define SATURATED 0.3  /* share of the samples at the limit */
 #define SAG 0.1
-#define FAST_MPS 10.0 /* standard deviation of a velocity */
 #define MIN_SAMPLES 200.0
 #define STEEP 1.65    /* no pitch in radians is beyond */
 #define PWM_MIN 500.0 /* pulse widths [us] */
@@ -242,20 +241,6 @@ static void find_steps(doctor_t *d, int column)
     }
 }
 
-/* No vehicle is as fast. */
-static void find_speeds(doctor_t *d)
-{
-    for (int j = 0; j < 3; ++j) {
-        double spread = d->has[CSV_NU + j] ? deviation(&d->column[CSV_NU + j]) : 0.0;
-        if (spread > FAST_MPS) {
-            doctor_add(d, DOCTOR_ERROR, DOCTOR_SCALE, CSV_NU + j, -1, NULL,
-                       "%s varies by %.3g m/s (1 sigma), as no vehicle does: if it is in mm/s, "
-                       "divide it by 1000",
-                       csv_name[CSV_NU + j], spread);
-        }
-    }
-}
-
 static void find_limits(doctor_t *d)
 {
     for (int j = 0; j < 6 && d->inputs >= 0; ++j) {
@@ -290,7 +275,6 @@ void doctor_columns(doctor_t *d)
     find_outage(d);
     find_held(d);
     find_limits(d);
-    find_speeds(d);
     for (int column = CSV_ATTITUDE; column < CSV_NU + 6; ++column) {
         if (varies(d, column)) {
             find_steps(d, column);

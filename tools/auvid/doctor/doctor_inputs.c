@@ -258,8 +258,8 @@ static void find_sign(doctor_t *d, int j)
                    j == 2 ? "runs against depth" : "its coupling with the turn is reversed", where);
     } else if (wrong < 0) {
         doctor_add(d, DOCTOR_ERROR, DOCTOR_INPUT_SIGN, d->inputs + j, CSV_NU + j, r,
-                   "%s has the wrong sign: %s accelerates against it%s: change its sign", input,
-                   velocity, where);
+                   "%s has the wrong sign: %s accelerates against it%s: %s", input, velocity, where,
+                   d->use != NULL ? "reverse its thrusters, or exchange them" : "change its sign");
     } else {
         doctor_add(d, DOCTOR_ERROR, DOCTOR_EITHER_SIGN, d->inputs + j, CSV_NU + j, r,
                    "%s accelerates against %s%s: one of them has the wrong sign: change it",

@@ -105,6 +105,14 @@ typedef struct {
     double absent_s, absent_at_s, sample_s; /* longest time without sample */
 } doctor_column_t;
 
+/** A velocity: how plausible its samples are. */
+typedef struct {
+    double n, last, last_s;
+    double jumps, jump, at_s; /* number, largest, time of the first */
+    double fast, mark, same;  /* beyond what vehicles do: number, the last, repeats of it */
+    double largest;
+} doctor_velocity_t;
+
 /** which of sunk: theta or u has the wrong sign. */
 enum { DOCTOR_PITCH_REVERSED = 2 };
 
@@ -129,6 +137,9 @@ typedef struct {
     double still_s, still_at_s;     /* the longest time of that, and its start */
     double still_total_s;           /* sum of those over a second */
     bool still_at_zero, still_counted;
+    doctor_velocity_t velocity[3];
+    double drops, zeros; /* from motion to exactly zero; rows of that */
+    bool dropped;
     doctor_cells_t cells;
     doctor_cell_t past[DOCTOR_HISTORY];
     doctor_window_t window[DOCTOR_HISTORY];
@@ -190,6 +201,10 @@ double doctor_discord(const doctor_pair_t *p, double gain);
 double doctor_correlation(const doctor_pair_t *p);
 /** Sweeps row k of a symmetric matrix (Beaton 1964). Returns false if it depends on others. */
 bool doctor_sweep(double m[GAIN_TERMS][GAIN_TERMS], int k, double before);
+
+/* doctor_velocity.c */
+void doctor_velocity_add(doctor_t *d, const csv_row_t *row);
+void doctor_velocity(doctor_t *d);
 
 /* The tests. *_scan writes turned, pushed .., the others add findings. */
 void doctor_attitude_scan(doctor_t *d); /* doctor_attitude.c */

@@ -1,16 +1,19 @@
 /*
  * Inputs of single thrusters. Their wrench, by the vehicle's thrust maps and allocation, is
- * compared with the motion as that of a log is (doctor_inputs.c). A thruster with the wrong sign
- * explains the accelerations of all degrees of freedom together, if it is the cause.
+ * compared with the motion as that of a log is (doctor_inputs.c). A thruster with the wrong sign,
+ * or two that are exchanged, explain the accelerations of all degrees of freedom together, if they
+ * are the cause. Where a slip changes a single degree of freedom, that one is named.
  */
 #include <math.h>
 #include <stddef.h>
+#include <stdio.h>
 #include <string.h>
 
 #include "doctor.h"
 
-#define MIN_LLR 20.0 /* as in doctor_inputs.c */
-#define MIN_LEAD 8.0 /* of one thruster over the next one: else both are named */
+#define MIN_LLR 20.0          /* as in doctor_inputs.c */
+#define MIN_EXCHANGE_LLR 45.0 /* there are many pairs; strong mismatches reach 42 */
+#define MIN_LEAD 8.0          /* of one thruster over the next one: else both are named */
 
 static double effect(const doctor_t *d, int k, int j)
 {
@@ -59,12 +62,23 @@ void doctor_thrusters_row(doctor_t *d, csv_row_t *row, double force_N[AUVID_MAX_
     }
 }
 
-/* Of all DoF together, thruster `flipped` reversed. Both at one lag, as others are not summed. */
-static double flip_score(const doctor_t *d, const doctor_sums_t *s, int flipped, int *which)
+/* A slip of thrusters, by number: thruster n reversed, or those of pair n - AUVID_MAX_THRUSTERS =
+ * i AUVID_MAX_THRUSTERS + k exchanged. Wrench per newton told of thruster k in DoF j. */
+static double slipped(const doctor_t *d, int slip, int k, int j)
+{
+    int pair = slip - AUVID_MAX_THRUSTERS;
+    int one = pair / AUVID_MAX_THRUSTERS, other = pair % AUVID_MAX_THRUSTERS;
+    if (pair < 0) {
+        return k == slip ? -effect(d, k, j) : effect(d, k, j);
+    }
+    return effect(d, k == one ? other : k == other ? one : k, j);
+}
+
+/* Of all DoF together, with a slip. Both at one lag, as others are not summed. */
+static double slip_score(const doctor_t *d, const doctor_sums_t *s, int slip)
 {
     int thrusters = log_inputs(d->use);
     double sum = 0.0;
-    *which = 0;
     for (int j = 0; j < 6; ++j) {
         double products[GAIN_TERMS] = {0}, part[AUVID_MAX_THRUSTERS];
         doctor_gain_t g, clean;
@@ -73,7 +87,7 @@ static double flip_score(const doctor_t *d, const doctor_sums_t *s, int flipped,
             continue;
         }
         for (int k = 0; k < thrusters; ++k) {
-            part[k] = (k == flipped ? -1.0 : 1.0) * effect(d, k, j);
+            part[k] = slipped(d, slip, k, j);
         }
         for (int k = 0; k < thrusters; ++k) {
             for (int a = 1; a < GAIN_TERMS; ++a) {
@@ -91,37 +105,89 @@ static double flip_score(const doctor_t *d, const doctor_sums_t *s, int flipped,
     return sum;
 }
 
-bool doctor_thrusters(doctor_t *d)
+/* Are two thrusters the same, so that to exchange them changes nothing? */
+static bool are_equal(const doctor_t *d, int one, int other)
 {
-    doctor_range_t best = {0}, next = {0};
-    int which = 0, other = 0;
-    double axes = 0.0;
-    for (int k = 0; k < log_inputs(d->use); ++k) {
-        doctor_range_t r = doctor_scan(d, flip_score, k);
-        if (r.llr > best.llr) {
-            next = best;
-            other = which;
-            best = r;
-            which = k;
-        } else if (r.llr > next.llr) {
-            next = r;
-            other = k;
+    double difference = 0.0, size = 0.0;
+    for (int j = 0; j < 6; ++j) {
+        difference += d->has[CSV_WRENCH + j] ? fabs(effect(d, one, j) - effect(d, other, j)) : 0.0;
+        size += d->has[CSV_WRENCH + j] ? fabs(effect(d, one, j)) : 0.0;
+    }
+    return !(difference > 0.05 * size);
+}
+
+/* Names a slip. */
+static void slip_name(const doctor_t *d, int slip, char text[40])
+{
+    int pair = slip - AUVID_MAX_THRUSTERS;
+    if (pair < 0) {
+        (void)snprintf(text, 40, "%s", csv_name[log_input(d->use, slip)]);
+    } else {
+        (void)snprintf(text, 40, "%s and %s",
+                       csv_name[log_input(d->use, pair / AUVID_MAX_THRUSTERS)],
+                       csv_name[log_input(d->use, pair % AUVID_MAX_THRUSTERS)]);
+    }
+}
+
+/* A slip, and how much better it explains the whole log: columns do not change during a log. */
+typedef struct {
+    double llr;
+    int slip;
+} explained_t;
+
+/* Finds the best explanation, and the next one. */
+static void explain(const doctor_t *d, explained_t *best, explained_t *next)
+{
+    int thrusters = log_inputs(d->use);
+    doctor_sums_t all;
+    doctor_sum(d, 0, d->blocks - 1, &all);
+    for (int slip = 0; slip < AUVID_MAX_THRUSTERS * (1 + AUVID_MAX_THRUSTERS); ++slip) {
+        int pair = slip - AUVID_MAX_THRUSTERS;
+        int one = pair < 0 ? slip : pair / AUVID_MAX_THRUSTERS;
+        int other = pair < 0 ? slip : pair % AUVID_MAX_THRUSTERS;
+        if (one >= thrusters || other >= thrusters ||
+            (pair >= 0 && (one >= other || are_equal(d, one, other)))) {
+            continue;
+        }
+        explained_t now = {slip_score(d, &all, slip), slip};
+        if (now.llr > best->llr) {
+            *next = *best;
+            *best = now;
+        } else if (now.llr > next->llr) {
+            *next = now;
         }
     }
+}
+
+bool doctor_thrusters(doctor_t *d)
+{
+    explained_t best = {0.0, 0}, next = {0.0, 0};
+    double axes = 0.0;
+    explain(d, &best, &next);
     for (int j = 0; j < 6; ++j) {
         axes += d->pushed[j].llr;
     }
-    if (!(best.llr > MIN_LLR && best.llr > axes)) {
+    bool exchanged = best.slip >= AUVID_MAX_THRUSTERS;
+    if (!(best.llr > (exchanged ? MIN_EXCHANGE_LLR : MIN_LLR) && best.llr > axes)) {
         return false;
     }
-    bool both = best.llr - next.llr < MIN_LEAD;
-    char where[48];
-    const char *name = csv_name[log_input(d->use, which)];
-    const char *second = csv_name[log_input(d->use, other)];
-    doctor_add(d, DOCTOR_ERROR, DOCTOR_THRUSTER_SIGN, log_input(d->use, which),
-               both ? log_input(d->use, other) : -1, &best,
-               "%s%s%s has the wrong sign: the motion follows if it is reversed%s: change its "
-               "sign, or its direction in the vehicle file",
-               name, both ? " or " : "", both ? second : "", doctor_where(d, &best, where));
+    bool both = best.llr - next.llr < MIN_LEAD && exchanged == (next.slip >= AUVID_MAX_THRUSTERS);
+    char name[40], second[40];
+    int column = log_input(d->use, 0);
+    int one = exchanged ? best.slip / AUVID_MAX_THRUSTERS - 1 : best.slip;
+    int other = exchanged ? best.slip % AUVID_MAX_THRUSTERS : next.slip;
+    slip_name(d, best.slip, name);
+    slip_name(d, next.slip, second);
+    doctor_add(d, DOCTOR_ERROR, exchanged ? DOCTOR_THRUSTER_EXCHANGED : DOCTOR_THRUSTER_SIGN,
+               column + one, both || exchanged ? column + other : -1, NULL,
+               exchanged ? "%s%s%s are exchanged: the motion follows if they are exchanged again: "
+                           "exchange the columns, or the thrusters in the vehicle file"
+                         : "%s%s%s has the wrong sign: the motion follows if it is reversed: "
+                           "change its sign, or its direction in the vehicle file",
+               name,
+               !both       ? ""
+               : exchanged ? ", or "
+                           : " or ",
+               both ? second : "");
     return true;
 }

@@ -8,12 +8,12 @@
 
 #include "doctor.h"
 
-#define GAP_S 0.5          /* as in fit */
-#define MILLISECONDS_S 2.0 /* rows further apart: is it another unit? */
-#define SLOW 0.6           /* interval of rows, relative to the time constant of a DoF */
-#define MIN_LENGTH_S 10.0  /* of a log: fit has too few sets below */
-#define MIN_MOTION_S 6.0   /* of a DoF, without the first seconds */
-#define MOVES 0.1          /* standard deviation of an input in a block, relative to its largest */
+#define GAP_S 0.5         /* as in fit */
+#define UNIT_S 5.0        /* rows further apart: t_s is in another unit */
+#define SLOW 0.6          /* interval of rows, relative to the time constant of a DoF */
+#define MIN_LENGTH_S 10.0 /* of a log: fit has too few sets below */
+#define MIN_MOTION_S 6.0  /* of a DoF, without the first seconds */
+#define MOVES 0.1         /* standard deviation of an input in a block, relative to its largest */
 
 double doctor_interval_quantile(const doctor_t *d, double share)
 {
@@ -30,7 +30,6 @@ double doctor_interval_quantile(const doctor_t *d, double share)
 static void find_gaps(doctor_t *d)
 {
     double median = doctor_interval_quantile(d, 0.5), total = d->last_s - d->start_s;
-    double mean = total / fmax(d->rows - 1.0, 1.0);
     if (d->back > 0.0) {
         doctor_add(
             d, DOCTOR_ERROR, DOCTOR_TIME, CSV_T, -1, NULL,
@@ -39,11 +38,14 @@ static void find_gaps(doctor_t *d)
             d->back, d->back > 1.0 ? "s" : "", d->back_at_s);
     }
     if (median > GAP_S) {
-        doctor_add(
-            d, DOCTOR_ERROR, DOCTOR_SLOW, CSV_T, -1, NULL,
-            "the rows are about %.3g s apart, more than the 0.5 s that fit bridges: log at 5 Hz or "
-            "faster%s",
-            mean, mean > MILLISECONDS_S ? "; if t_s is in milliseconds, divide it by 1000" : "");
+        double mean = total / (d->rows - 1.0);
+        doctor_add(d, DOCTOR_ERROR, DOCTOR_SLOW, CSV_T, -1, NULL,
+                   "the rows are about %.4g s apart, %s log at 5 Hz or faster",
+                   mean < UNIT_S ? median : mean,
+                   mean < UNIT_S         ? "more than the 0.5 s that fit bridges:"
+                   : mean < 1e3 * UNIT_S ? "as if t_s were in milliseconds: give seconds, or"
+                   : mean < 1e6 * UNIT_S ? "as if t_s were in microseconds: give seconds, or"
+                                         : "as if t_s were in nanoseconds: give seconds, or");
     } else if (d->gaps > 0.0) {
         doctor_add(d, d->gap_total_s > 0.2 * total ? DOCTOR_WARNING : DOCTOR_NOTE, DOCTOR_GAPS,
                    CSV_T, -1, NULL,
@@ -84,6 +86,7 @@ static void find_motion(doctor_t *d)
     static const char *const name[6] = {"surge", "sway", "heave", "roll", "pitch", "yaw"};
     char list[160] = "";
     double best = 0.0;
+    bool slow = doctor_interval_quantile(d, 0.5) > GAP_S; /* then no motion is usable */
     for (int j = 0; j < 6 && d->inputs >= 0; ++j) {
         double largest = d->column[d->inputs + j].limit;
         if (!d->has[d->inputs + j] || !d->has[CSV_NU + j] || !(largest > 0.0)) {
@@ -109,12 +112,12 @@ static void find_motion(doctor_t *d)
     } else if (d->inputs < 0) {
         doctor_add(d, DOCTOR_ERROR, DOCTOR_MISSING, CSV_WRENCH, -1, NULL,
                    "no input column (X_N .. or cmd_surge ..): add forces, moments or commands");
-    } else if (d->last_s - d->start_s < MIN_LENGTH_S || best < MIN_MOTION_S) {
+    } else if (!slow && (d->last_s - d->start_s < MIN_LENGTH_S || best < MIN_MOTION_S)) {
         doctor_add(d, DOCTOR_ERROR, DOCTOR_SHORT, -1, -1, NULL,
                    "too little motion: %s of inputs that vary in a log of %.0f s: excite each axis "
                    "for a minute or more",
                    list[0] != '\0' ? list : "0 s", d->last_s - d->start_s);
-    } else {
+    } else if (!slow) {
         doctor_add(d, DOCTOR_NOTE, DOCTOR_MOTION, -1, -1, NULL, "usable motion (varying input): %s",
                    list);
     }

@@ -87,7 +87,9 @@ static const char *convert(const char *field, double *value)
     if (end == field || *end != '\0' || (!plain && isfinite(*value))) {
         return "is not a number";
     }
-    return isfinite(*value) ? NULL : "is not a finite number";
+    return isfinite(*value) ? NULL
+           : isnan(*value)  ? "is not a finite number; a cell without sample is empty"
+                            : "is not a finite number";
 }
 
 /* Reads a field into the row. An empty one is no new sample, except for the time. */
@@ -110,7 +112,7 @@ static int take_time(csv_log_t *log, const char *field, double t)
     if (log->rows > 0 && t <= log->last_s) {
         trouble = t < log->last_s ? "time goes back" : "time does not advance";
     } else if (log->rows > 0 && t - log->first_s > LARGEST_TIME) {
-        trouble = "more than 1e9 s after the first row";
+        trouble = "more than 1e9 s after the first row, as if it were not in seconds";
     }
     log->first_s = log->rows == 0 ? t : log->first_s;
     log->last_s = t;

@@ -164,6 +164,21 @@ static bool check_start(ini_t *ini, const vehicle_t *v)
                       depth, low, high, v->sim.seabed_m);
 }
 
+/* A mass includes that of the water which moves along. */
+static bool check_masses(ini_t *ini, const vehicle_t *v)
+{
+    static const char *const girona500[] = {"m_u", "m_v", "m_w"};
+    for (int i = 0; i < 3 && v->kind == VEHICLE_GIRONA500; ++i) {
+        if (v->sim.parameter[SIM_M_U + i] < (double)v->dry_mass_kg) {
+            return ini_refuse_key(ini, "truth", girona500[i],
+                                  "is below dry_mass_kg, but contains it and the added mass");
+        }
+    }
+    return v->kind != VEHICLE_FOSSEN || v->sim.fossen.mass_kg >= (double)v->dry_mass_kg ||
+           ini_refuse_key(ini, "truth", "mass_kg",
+                          "is below dry_mass_kg, but contains it and the water inside");
+}
+
 static bool read_truth(ini_t *ini, vehicle_t *v)
 {
     static const sim_model_t models[] = {SIM_GIRONA500, SIM_FOSSEN, SIM_VEHICLE};
@@ -182,13 +197,13 @@ static bool read_truth(ini_t *ini, vehicle_t *v)
     if (v->guard.surface) {
         v->sim.position[2] = 0.0; /* its default */
     }
-    if ((v->kind == VEHICLE_TERMS &&
+    if (!vehicle_keys_read(ini, "truth", table[0], v) ||
+        (v->kind == VEHICLE_TERMS &&
          !vehicle_terms_truth(ini, &v->table, v->sim.vehicle_parameter)) ||
         (tables == 2 && !vehicle_keys_read(ini, "truth", table[1], v)) ||
-        !vehicle_keys_read(ini, "truth", table[0], v) ||
         !vehicle_keys_unknown(ini, "truth", table, tables,
                               v->kind == VEHICLE_TERMS ? "those of [parameters], " : "") ||
-        !check_start(ini, v)) {
+        !check_masses(ini, v) || !check_start(ini, v)) {
         return false;
     }
     spread_added_mass(v->sim.fossen.added);
@@ -216,12 +231,15 @@ static bool read_guard(ini_t *ini, vehicle_t *v)
 static bool read_all(ini_t *ini, vehicle_t *v)
 {
     static const char *const needed[] = {"vehicle", "thruster.1", "excitation"};
+    if (!check_sections(ini)) { /* before what may only be misspelt is missing */
+        return false;
+    }
     for (int i = 0; i < 3; ++i) {
         if (ini_find(ini, needed[i], "") == NULL) {
             return ini_refuse(ini, 1, 1, "no section [%s]: add it", needed[i]);
         }
     }
-    if (!check_sections(ini) || !vehicle_keys_section(ini, "vehicle", KEYS_VEHICLE, v) ||
+    if (!vehicle_keys_section(ini, "vehicle", KEYS_VEHICLE, v) ||
         !read_model(ini, v) || !vehicle_thrusters_read(ini, v) ||
         !vehicle_keys_section(ini, "allocation", KEYS_ALLOCATION, v) ||
         !vehicle_keys_section(ini, "excitation", KEYS_EXCITATION, v) ||

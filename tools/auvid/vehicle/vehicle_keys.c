@@ -379,9 +379,38 @@ static bool take_value(ini_t *ini, const ini_entry_t *e, const vehicle_key_t *ke
     return take_numbers(ini, e, key, base);
 }
 
+/* Names all keys that must be given and are not, and a key that may be one of them misspelt. */
+static bool refuse_missing(ini_t *ini, const char *section, const vehicle_keys_t *keys)
+{
+    const ini_entry_t *head = ini_find(ini, section, ""), *unknown = NULL;
+    char list[240] = "", rest[80] = "";
+    int missing = 0;
+    for (int k = 0; k < keys->keys; ++k) {
+        if (keys->key[k].required && ini_find(ini, section, keys->key[k].key) == NULL) {
+            char word[VEHICLE_WORD + 2];
+            (void)snprintf(word, sizeof word, "'%s'", keys->key[k].key);
+            list_word(list, sizeof list, word);
+            ++missing;
+        }
+    }
+    for (int i = 0; i < ini->entries && unknown == NULL; ++i) {
+        const ini_entry_t *e = &ini->entry[i];
+        bool known = e->used || e->key[0] == '\0' || strcmp(e->section, section) != 0;
+        for (int k = 0; k < keys->keys && !known; ++k) {
+            known = strcmp(e->key, keys->key[k].key) == 0;
+        }
+        unknown = known ? NULL : e;
+    }
+    if (unknown != NULL) {
+        (void)snprintf(rest, sizeof rest, "; '%.40s' in line %d is unknown", unknown->key,
+                       unknown->line);
+    }
+    return ini_refuse(ini, head != NULL ? head->line : 1, 1, "[%s] has no key%s %s: add %s%s",
+                      section, missing == 1 ? "" : "s", list, missing == 1 ? "it" : "them", rest);
+}
+
 bool vehicle_keys_read(ini_t *ini, const char *section, const vehicle_keys_t *keys, void *to)
 {
-    const ini_entry_t *head = ini_find(ini, section, "");
     for (int k = 0; k < keys->keys; ++k) {
         const vehicle_key_t *key = &keys->key[k];
         ini_entry_t *e = ini_find(ini, section, key->key);
@@ -391,8 +420,7 @@ bool vehicle_keys_read(ini_t *ini, const char *section, const vehicle_keys_t *ke
                 return false;
             }
         } else if (key->required) {
-            return ini_refuse(ini, head != NULL ? head->line : 1, 1, "[%s] has no key '%s': add it",
-                              section, key->key);
+            return refuse_missing(ini, section, keys);
         }
     }
     return true;

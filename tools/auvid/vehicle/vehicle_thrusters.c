@@ -108,7 +108,9 @@ static bool check_table(ini_t *ini, const char *section, const thrust_map_t *map
             return ini_refuse_key(ini, section, "command", "must increase from number to number");
         }
     }
-    return true;
+    return !(map->force_N[0] * map->force_N[map->forces - 1] > 0.0) ||
+           ini_refuse_key(ini, section, "force_N",
+                          "pushes the same way at both ends of the table: backward is negative");
 }
 
 /* Refuses keys that the kind of map does not use. */
@@ -233,12 +235,36 @@ static const char *excitation_key(int dof)
     return vehicle_keys[KEYS_EXCITATION].key[dof].key;
 }
 
+/* Does [allocation] name only degrees of freedom in which a thruster acts, and priority only those?
+ */
+static bool check_allocation(ini_t *ini, const vehicle_t *v)
+{
+    const auvid_allocation_config_t *cfg = &v->allocation_cfg;
+    unsigned acts = 0;
+    for (int i = 0; i < cfg->thrusters; ++i) {
+        for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
+            acts |= (unsigned)(fabs((double)cfg->thruster[i].wrench[j]) > 0.0) << j;
+        }
+    }
+    if ((cfg->dofs & ~acts) != 0) {
+        return ini_refuse_key(ini, "allocation", "dofs",
+                              "names a degree of freedom in which no thruster acts");
+    }
+    return ini_find(ini, "allocation", "priority") == NULL ||
+           (cfg->priority & ~(cfg->dofs != 0 ? cfg->dofs : acts)) == 0 ||
+           ini_refuse_key(ini, "allocation", "priority",
+                          "names a degree of freedom that the thrusters do not control");
+}
+
 /* Can the thrusters excite what is to be excited, one by one and together? */
 bool vehicle_excitation_check(ini_t *ini, const vehicle_t *v)
 {
     auvid_allocation_t allocation;
     auvid_allocation_fit_t fit = {0};
     bool any = false;
+    if (!check_allocation(ini, v)) {
+        return false;
+    }
     if (auvid_allocation_init(&allocation, v->allocation) < 0) {
         return ini_refuse(ini, ini_line(ini, "allocation"), 1,
                           "no thruster acts in any of the controlled degrees of freedom");
