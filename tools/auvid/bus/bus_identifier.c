@@ -13,11 +13,9 @@ int bus_identifier_begin(bus_identifier_t *to, const options_t *options, const c
     options_uncertainty(options, &identifier.uncertainty);
     identifier.exact_inputs = options->plain;
     auvid_status_t status = AUVID_OK;
-    to->calibrations =
-        vehicle_calibrations_of(vehicle, replayed, true, to->calibration);
+    to->calibrations = vehicle_calibrations_of(vehicle, replayed, true, to->calibration);
     if (to->calibrations > 0) {
-        status =
-            vehicle_use_known_force(&identifier, &to->calibration[0].force, &to->calibrated);
+        status = vehicle_use_known_force(&identifier, &to->calibration[0].force, &to->calibrated);
     }
     if (status < 0) {
         return report_error("%s: known force: %s", options->command, auvid_status_str(status));

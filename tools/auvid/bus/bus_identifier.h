@@ -15,7 +15,7 @@ typedef struct {
     auvid_actuation_t actuation;
     auvid_validation_t prediction;
     auvid_change_detector_t change;
-    auvid_uncertain_t uncertain; /* not with --plain */
+    auvid_uncertain_t uncertain;   /* not with --plain */
     auvid_calibrated_t calibrated; /* the model, if the vehicle file has known forces */
     vehicle_calibration_t calibration[VEHICLE_CALIBRATIONS]; /* those that act */
     int calibrations;

@@ -57,8 +57,8 @@ typedef enum {
     DOCTOR_FORCE_EXCHANGED, /**< two axes of the accelerometer are exchanged */
     DOCTOR_NO_GRAVITY,      /**< specific force without gravity */
     DOCTOR_THRUSTER_SIGN,   /**< a thruster has the wrong sign */
-    DOCTOR_THRUSTER_EXCHANGED, /**< two thrusters are exchanged */
-    DOCTOR_SCALE,           /**< commands that are not in -1 .. 1: pulse widths */
+    DOCTOR_THRUSTER_SWAP,   /**< two thrusters are exchanged */
+    DOCTOR_SCALE,           /**< pulse widths as commands, velocities not in m/s */
     DOCTOR_HELD,            /**< velocities repeat their value */
     DOCTOR_OUTAGE,          /**< velocities stand still: no samples */
     DOCTOR_OUTLIER,         /**< velocities that no vehicle has: marks, jumps, zeros */

@@ -11,9 +11,9 @@
 
 #include "doctor.h"
 
-#define MIN_LLR 20.0 /* as in doctor_inputs.c */
+#define MIN_LLR 20.0          /* as in doctor_inputs.c */
 #define MIN_EXCHANGE_LLR 45.0 /* there are many pairs; strong mismatches reach 42 */
-#define MIN_LEAD 8.0 /* of one thruster over the next one: else both are named */
+#define MIN_LEAD 8.0          /* of one thruster over the next one: else both are named */
 
 static double effect(const doctor_t *d, int k, int j)
 {
@@ -123,7 +123,8 @@ static void slip_name(const doctor_t *d, int slip, char text[40])
     if (pair < 0) {
         (void)snprintf(text, 40, "%s", csv_name[log_input(d->use, slip)]);
     } else {
-        (void)snprintf(text, 40, "%s and %s", csv_name[log_input(d->use, pair / AUVID_MAX_THRUSTERS)],
+        (void)snprintf(text, 40, "%s and %s",
+                       csv_name[log_input(d->use, pair / AUVID_MAX_THRUSTERS)],
                        csv_name[log_input(d->use, pair % AUVID_MAX_THRUSTERS)]);
     }
 }
@@ -177,12 +178,16 @@ bool doctor_thrusters(doctor_t *d)
     int other = exchanged ? best.slip % AUVID_MAX_THRUSTERS : next.slip;
     slip_name(d, best.slip, name);
     slip_name(d, next.slip, second);
-    doctor_add(d, DOCTOR_ERROR, exchanged ? DOCTOR_THRUSTER_EXCHANGED : DOCTOR_THRUSTER_SIGN,
+    doctor_add(d, DOCTOR_ERROR, exchanged ? DOCTOR_THRUSTER_SWAP : DOCTOR_THRUSTER_SIGN,
                column + one, both || exchanged ? column + other : -1, NULL,
                exchanged ? "%s%s%s are exchanged: the motion follows if they are exchanged again: "
                            "exchange the columns, or the thrusters in the vehicle file"
                          : "%s%s%s has the wrong sign: the motion follows if it is reversed: "
                            "change its sign, or its direction in the vehicle file",
-               name, !both ? "" : exchanged ? ", or " : " or ", both ? second : "");
+               name,
+               !both       ? ""
+               : exchanged ? ", or "
+                           : " or ",
+               both ? second : "");
     return true;
 }

@@ -42,10 +42,10 @@ static void find_gaps(doctor_t *d)
         doctor_add(d, DOCTOR_ERROR, DOCTOR_SLOW, CSV_T, -1, NULL,
                    "the rows are about %.4g s apart, %s log at 5 Hz or faster",
                    mean < UNIT_S ? median : mean,
-                   mean < UNIT_S          ? "more than the 0.5 s that fit bridges:"
-                   : mean < 1e3 * UNIT_S  ? "as if t_s were in milliseconds: give seconds, or"
+                   mean < UNIT_S         ? "more than the 0.5 s that fit bridges:"
+                   : mean < 1e3 * UNIT_S ? "as if t_s were in milliseconds: give seconds, or"
                    : mean < 1e6 * UNIT_S ? "as if t_s were in microseconds: give seconds, or"
-                                          : "as if t_s were in nanoseconds: give seconds, or");
+                                         : "as if t_s were in nanoseconds: give seconds, or");
     } else if (d->gaps > 0.0) {
         doctor_add(d, d->gap_total_s > 0.2 * total ? DOCTOR_WARNING : DOCTOR_NOTE, DOCTOR_GAPS,
                    CSV_T, -1, NULL,

@@ -7,11 +7,11 @@
 
 #include "doctor.h"
 
-#define FAST 30.0    /* no vehicle moves faster [m/s] */
-#define MANY 0.1     /* share of the samples beyond: another unit */
-#define JUMP 3.0     /* a change in one row [m/s] .. */
-#define STEEP 50.0   /* .. within less time than this [m/s2] allows */
-#define MOVES 0.1    /* a vehicle does not stop at once from faster [m/s] */
+#define FAST 30.0  /* no vehicle moves faster [m/s] */
+#define MANY 0.1   /* share of the samples beyond: another unit */
+#define JUMP 3.0   /* a change in one row [m/s] .. */
+#define STEEP 50.0 /* .. within less time than this [m/s2] allows */
+#define MOVES 0.1  /* a vehicle does not stop at once from faster [m/s] */
 #define MIN_DROPS 3.0
 
 static void watch(doctor_t *d, int i, double t, double v)

@@ -47,7 +47,8 @@ static int take(job_t *job, log_t *log, bool first)
     const char *path = log->csv.path;
     bool column = log->csv.has[CSV_WEIGHT];
     if (options->whole) {
-        log->calibrations = vehicle_calibrations_of(options->vehicle, path, first, log->calibration);
+        log->calibrations =
+            vehicle_calibrations_of(options->vehicle, path, first, log->calibration);
     }
     if (!column && log->calibrations == 0) {
         return 0;

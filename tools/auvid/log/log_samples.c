@@ -234,8 +234,7 @@ static void take_inputs(log_reader_t *r, const csv_row_t *row, log_sample_t *out
 static void take_known_force(log_reader_t *r, const csv_row_t *row, log_sample_t *out)
 {
     (void)take(r, row, CSV_WEIGHT, 1, &r->weight_N);
-    out->known =
-        vehicle_known_force(r->log->calibration, r->log->calibrations, row->value[CSV_T]);
+    out->known = vehicle_known_force(r->log->calibration, r->log->calibrations, row->value[CSV_T]);
     out->known.world[2] += (auvid_real_t)r->weight_N;
 }
 

@@ -37,7 +37,7 @@ typedef struct {
 /** [calibration.N]: a force that is known exactly */
 typedef struct {
     auvid_known_force_t force;
-    double from_s, to_s; /**< when it acts, in the time of the log [s] */
+    double from_s, to_s;     /**< when it acts, in the time of the log [s] */
     char log[VEHICLE_TITLE]; /**< name of the only log in which it acts; "": the first one */
     int number;              /**< N of the section */
 } vehicle_calibration_t;
