@@ -197,8 +197,8 @@ static void test_exchanged_thrusters_are_named(void)
                        pair[k][0] + 1, pair[k][1] + 1);
         exchange(CSV_THRUSTER_N + pair[k][0], CSV_THRUSTER_N + pair[k][1]);
         examine_thrusters();
-        assert_error(DOCTOR_THRUSTER_EXCHANGED, CSV_THRUSTER_N + pair[k][0], words);
-        TEST_ASSERT_EQUAL(CSV_THRUSTER_N + pair[k][1], finding(DOCTOR_THRUSTER_EXCHANGED)->other);
+        assert_error(DOCTOR_THRUSTER_SWAP, CSV_THRUSTER_N + pair[k][0], words);
+        TEST_ASSERT_EQUAL(CSV_THRUSTER_N + pair[k][1], finding(DOCTOR_THRUSTER_SWAP)->other);
         TEST_ASSERT_EQUAL_MESSAGE(1, count(DOCTOR_ERROR), doctor.finding[1].text);
         exchange(CSV_THRUSTER_N + pair[k][0], CSV_THRUSTER_N + pair[k][1]);
     }

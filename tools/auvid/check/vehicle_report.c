@@ -96,8 +96,9 @@ static void print_missing(const vehicle_t *v)
         {!v->has_truth, "[truth]: rough parameters, so that demo can simulate it"},
         {newtons, "[group.NAME] map: without it thruster commands are read as newtons"},
         {!voltage, "[group.NAME] voltage_V, voltage_exponent: thrust follows the battery"},
-        {is_beyond(v), "[group.NAME] force_N is beyond forward_N or backward_N of a thruster: which "
-                       "one is right?"},
+        {is_beyond(v),
+         "[group.NAME] force_N is beyond forward_N or backward_N of a thruster: which "
+         "one is right?"},
         {is_zero(v->mount.dvl_lever, 3),
          "[mount] dvl_lever_m: the DVL is taken to be at the origin of the body"},
     };

@@ -49,29 +49,29 @@ typedef enum {
     DOCTOR_EITHER_EXCHANGED,   /**< two inputs, or their velocities, are exchanged */
     DOCTOR_INPUT_SHIFT,        /**< motion is late (value > 0) against an input [s] */
     DOCTOR_INPUT_WITHOUT_EFFECT,
-    DOCTOR_DEPTH_SIGN,         /**< depth and heave velocity have opposite signs */
-    DOCTOR_DEPTH,              /**< depth and velocity contradict each other, unexplained */
-    DOCTOR_POSITION,           /**< position and velocity contradict each other */
-    DOCTOR_FORCE_UNIT,         /**< specific force in multiples of g */
-    DOCTOR_FORCE_SIGN,         /**< an axis of the accelerometer has the wrong sign */
-    DOCTOR_FORCE_EXCHANGED,    /**< two axes of the accelerometer are exchanged */
-    DOCTOR_NO_GRAVITY,         /**< specific force without gravity */
-    DOCTOR_THRUSTER_SIGN,      /**< a thruster has the wrong sign */
-    DOCTOR_THRUSTER_EXCHANGED, /**< two thrusters are exchanged */
-    DOCTOR_SCALE,              /**< values of another unit: pulse widths, mm/s */
-    DOCTOR_HELD,               /**< velocities repeat their value */
-    DOCTOR_OUTAGE,             /**< velocities stand still: no samples */
-    DOCTOR_OUTLIER,            /**< velocities that no vehicle has: marks, jumps, zeros */
-    DOCTOR_STUCK,              /**< a column never changes */
-    DOCTOR_MISSING,            /**< a column is missing, and counts as zero */
-    DOCTOR_QUANTISED,          /**< a column has few different values */
-    DOCTOR_SATURATED,          /**< an input stays at its largest value */
-    DOCTOR_VOLTAGE,            /**< the supply voltage sags */
-    DOCTOR_TIME,               /**< time goes back or stands still */
-    DOCTOR_GAPS,               /**< rows are missing */
-    DOCTOR_SLOW,               /**< rows are too far apart for this vehicle */
-    DOCTOR_SHORT,              /**< too little data */
-    DOCTOR_MOTION,             /**< seconds of usable motion of each DoF */
+    DOCTOR_DEPTH_SIGN,      /**< depth and heave velocity have opposite signs */
+    DOCTOR_DEPTH,           /**< depth and velocity contradict each other, unexplained */
+    DOCTOR_POSITION,        /**< position and velocity contradict each other */
+    DOCTOR_FORCE_UNIT,      /**< specific force in multiples of g */
+    DOCTOR_FORCE_SIGN,      /**< an axis of the accelerometer has the wrong sign */
+    DOCTOR_FORCE_EXCHANGED, /**< two axes of the accelerometer are exchanged */
+    DOCTOR_NO_GRAVITY,      /**< specific force without gravity */
+    DOCTOR_THRUSTER_SIGN,   /**< a thruster has the wrong sign */
+    DOCTOR_THRUSTER_SWAP,   /**< two thrusters are exchanged */
+    DOCTOR_SCALE,           /**< pulse widths as commands, velocities not in m/s */
+    DOCTOR_HELD,            /**< velocities repeat their value */
+    DOCTOR_OUTAGE,          /**< velocities stand still: no samples */
+    DOCTOR_OUTLIER,         /**< velocities that no vehicle has: marks, jumps, zeros */
+    DOCTOR_STUCK,           /**< a column never changes */
+    DOCTOR_MISSING,         /**< a column is missing, and counts as zero */
+    DOCTOR_QUANTISED,       /**< a column has few different values */
+    DOCTOR_SATURATED,       /**< an input stays at its largest value */
+    DOCTOR_VOLTAGE,         /**< the supply voltage sags */
+    DOCTOR_TIME,            /**< time goes back or stands still */
+    DOCTOR_GAPS,            /**< rows are missing */
+    DOCTOR_SLOW,            /**< rows are too far apart for this vehicle */
+    DOCTOR_SHORT,           /**< too little data */
+    DOCTOR_MOTION,          /**< seconds of usable motion of each DoF */
     DOCTOR_CODES
 } doctor_code_t;
 

@@ -137,9 +137,9 @@ typedef struct {
     double still_s, still_at_s;     /* the longest time of that, and its start */
     double still_total_s;           /* sum of those over a second */
     bool still_at_zero, still_counted;
+    bool dropped;        /* the velocities went from motion to exactly zero */
+    double drops, zeros; /* times of that; rows of it */
     doctor_velocity_t velocity[3];
-    double drops, zeros; /* from motion to exactly zero; rows of that */
-    bool dropped;
     doctor_cells_t cells;
     doctor_cell_t past[DOCTOR_HISTORY];
     doctor_window_t window[DOCTOR_HISTORY];

@@ -178,7 +178,7 @@ bool doctor_thrusters(doctor_t *d)
     int other = exchanged ? best.slip % AUVID_MAX_THRUSTERS : next.slip;
     slip_name(d, best.slip, name);
     slip_name(d, next.slip, second);
-    doctor_add(d, DOCTOR_ERROR, exchanged ? DOCTOR_THRUSTER_EXCHANGED : DOCTOR_THRUSTER_SIGN,
+    doctor_add(d, DOCTOR_ERROR, exchanged ? DOCTOR_THRUSTER_SWAP : DOCTOR_THRUSTER_SIGN,
                column + one, both || exchanged ? column + other : -1, NULL,
                exchanged ? "%s%s%s are exchanged: the motion follows if they are exchanged again: "
                            "exchange the columns, or the thrusters in the vehicle file"

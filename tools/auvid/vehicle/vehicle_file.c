@@ -239,8 +239,8 @@ static bool read_all(ini_t *ini, vehicle_t *v)
             return ini_refuse(ini, 1, 1, "no section [%s]: add it", needed[i]);
         }
     }
-    if (!vehicle_keys_section(ini, "vehicle", KEYS_VEHICLE, v) ||
-        !read_model(ini, v) || !vehicle_thrusters_read(ini, v) ||
+    if (!vehicle_keys_section(ini, "vehicle", KEYS_VEHICLE, v) || !read_model(ini, v) ||
+        !vehicle_thrusters_read(ini, v) ||
         !vehicle_keys_section(ini, "allocation", KEYS_ALLOCATION, v) ||
         !vehicle_keys_section(ini, "excitation", KEYS_EXCITATION, v) ||
         !vehicle_excitation_check(ini, v) || !read_guard(ini, v) ||

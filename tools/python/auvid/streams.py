@@ -80,9 +80,8 @@ def _check(recording, velocity, attitude, inputs):
 
 def streams_of(recording):
     """The streams of the CSV. Raises LogError if a series is missing."""
-    single = [name for name, series in recording.series.items()
-              if series.count < 2 and name not in WEIGHT]
-    for name in single:
+    for name in [name for name, series in recording.series.items()
+                 if series.count < 2 and name not in WEIGHT]:
         recording.notes.append(f"{recording.series.pop(name).label}: only one sample: left out")
     velocity, attitude = recording.first(*VELOCITIES), recording.first(*ATTITUDES)
     unused = {*VELOCITIES, *ATTITUDES} - {velocity, attitude}
