@@ -323,7 +323,7 @@ build/$(1)/tested.a: $(call TESTED,$(1))
 
 build/$(1)/tests/%: tests/%.cpp build/$(1)/tested.a
 	@mkdir -p $$(@D); rm -f $$@; echo "  $$@"
-	$$(Q)$$(EIGEN_CXX) -std=c++17 $(WAY_$(1)) -O1 $$(FLAGS) $$(FLAGS_tests) \
+	$$(Q)$$(EIGEN_CXX) -std=c++17 $(WAY_$(1)) -O1 $$(EIGEN_FLAGS) $$(FLAGS) $$(FLAGS_tests) \
 	    -isystem $$(EIGEN_DIR) $$(CXXFLAGS) -MF $$@.d -MT $$@ -o $$@ $$< build/$(1)/tested.a -lm
 
 build/$(1)/tests/port/%: tests/port/%.c tests/port/fake_system.c $(call objects,$(1),$(PORT))
@@ -343,6 +343,16 @@ build/$(1)/tests/$(2)/%: tests/$(2)/%.c build/$(1)/tested.a
 endef
 $(foreach way,$(WAYS),$(foreach folder,unit vehicles golden,\
     $(eval $(call test_rules,$(way),$(folder)))))
+
+# The compiler reads Eigen once.
+WITH_EIGEN := $(shell grep -l 'include <Eigen/' $(REFERENCE) $(VEHICLES_REFERENCE))
+WITH_EIGEN := $(foreach way,$(WAYS),$(WITH_EIGEN:%.cpp=build/$(way)/%))
+$(WITH_EIGEN): EIGEN_FLAGS = -include build/eigen.h
+$(WITH_EIGEN): build/eigen.h.gch
+build/eigen.h.gch: tests/reference/eigen.h Makefile | setup
+	@mkdir -p $(@D); echo "  $@"
+	$(Q)$(EIGEN_CXX) -std=c++17 -O1 $(filter-out -MMD -MP,$(FLAGS)) -isystem $(EIGEN_DIR) \
+	    $(CXXFLAGS) -x c++-header -o $@ $<
 
 $(RECORDED): STATUSES = -I. -include build/statuses/record.h -DSTATUSES_FILE='"$@.statuses"'
 $(RECORDED): build/statuses/record.h
@@ -464,7 +474,7 @@ build/validation/%.so: $(VALIDATION) Makefile \
 	    -Itests/support -I. $(CFLAGS) -o $@ $(WHOLE_LIBRARY) \
 	    $(filter-out $(LIB),$(VALIDATION)) -lm
 
-.IGNORE: $(TEST_PROGRAMS_LONG) $(VCAN_PROGRAMS) $(VALIDATION_LIBRARIES)
+.IGNORE: build/eigen.h.gch $(TEST_PROGRAMS_LONG) $(VCAN_PROGRAMS) $(VALIDATION_LIBRARIES)
 .IGNORE: $(IMAGES) $(IMAGES_LONG) $(UNIT_IMAGES_LONG) $(FIRMWARE_HOSTS_LONG) $(COUNTED_IMAGES)
 .IGNORE: $(GOLDEN_IMAGE) $(CHECKPOINT_IMAGES)
 
