@@ -469,7 +469,7 @@ build/can/%.so: $(CAN_CODEC) $(PUBLIC) $(wildcard lib/src/*/*.h) Makefile | $(SE
 build/validation/%.so: $(VALIDATION) Makefile \
         $(PUBLIC) $(wildcard lib/src/*/*.h tools/simulator/*.h tests/support/*.h) | $(SETUP)
 	@mkdir -p $(@D); echo "  $@"
-	$(Q)$(INCLUDE_LIBRARY) | $(CC) -std=c11 -O2 -g -fno-var-tracking -fPIC -shared \
+	$(Q)$(INCLUDE_LIBRARY) | $(CC) -std=c11 -O1 -g -fno-var-tracking -fPIC -shared \
 	    $(VALIDATION_$*) -ffp-contract=off -Ilib/include -Ilib/src -Itools/simulator \
 	    -Itests/support -I. $(CFLAGS) -o $@ $(WHOLE_LIBRARY) \
 	    $(filter-out $(LIB),$(VALIDATION)) -lm
