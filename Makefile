@@ -409,7 +409,7 @@ build/firmware/$(1)-$(2)/tests/%.elf: tests/%.c build/firmware/$(1)-$(2)/unity.o
         $(patsubst %.c,build/firmware/$(1)-$(2)/%.o,\
         $(LIB) $(SIMULATOR) $(SUPPORT_FIRMWARE) $(FIRMWARE_START))
 	@mkdir -p $$(@D); echo "  $$@"
-	$$(Q)`$(BOARD) $(1) link` -$(2) $$(FIRMWARE_FLAGS) $$(FLAGS_tests) $(UNITY_64) \
+	$$(Q)`$(BOARD) $(1) link` -O1 $$(FIRMWARE_FLAGS) $$(FLAGS_tests) $(UNITY_64) \
 	    --specs=rdimon.specs -Wl,--defsym=STACK_SIZE=0x80000 -MF $$@.d -MT $$@ \
 	    -o $$@ $$(filter %.c %.o,$$^) -lm
 
