@@ -52,7 +52,7 @@ both() {
     fi
 }
 
-both host "$top/build/firmware/host/gcc-O2-ours"
+both host "$top/build/firmware/host/gcc-O0"
 for board in m4f; do
     both "$board" "$top/port/cortex_m/board.sh" "$board" run \
         "$top/build/firmware/$board-Os/example.elf"

@@ -70,7 +70,8 @@ check_matrix() {
     while read -r size real; do
         flags="-DAUVID_REAL_$real -I$OUT -DAUVID_USER_CONFIG='\"sizes_$size.h\"'"
         compile gcc "$PLAIN -O2 $flags" "gcc-$real-$size" || return 1
-        each "clang $STRICT $flags -fsyntax-only {}" "${lib[@]}" || return 1
+        [ "$size $real" = "default FLOAT" ] || # check_objects compiles this with clang
+            each "clang $STRICT $flags -fsyntax-only {}" "${lib[@]}" || return 1
     done <<<$'default FLOAT\ndefault DOUBLE\nmin FLOAT\nmax DOUBLE'
 }
 
