@@ -109,6 +109,10 @@ static inline auvid_real_t auvid_seconds(uint64_t a_us, uint64_t b_us)
     return (auvid_real_t)(us < INT32_MAX ? (int32_t)us : INT32_MAX) * AUVID_C(1e-6);
 }
 
+/** Returns n, rounded once. The compiler's conversion of a 64-bit integer has ten times the code size
+ * on a core without double precision. */
+auvid_real_t auvid_real_of(uint64_t n);
+
 /** Returns n / d, rounded down; d in 1..2^63. For rare use: small but slow. The compiler's 64-bit
  * division has ten times the code size. */
 uint64_t auvid_divide(uint64_t n, uint64_t d);
