@@ -27,10 +27,8 @@ static inline uint32_t auvid_metric_ring_index(uint32_t stored, uint32_t sets, u
 /** Index in the ring of the set of that age, age < auvid_metric_sets. */
 int auvid_metric_slot(const auvid_metric_t *m, int age);
 
-static inline const auvid_set_t *auvid_metric_set(const auvid_metric_t *m, int age)
-{
-    return &m->sets.set[auvid_metric_slot(m, age)];
-}
+/** Returns the set of that age. */
+const auvid_set_t *auvid_metric_set(const auvid_metric_t *m, int age);
 
 /** Residual path: rows of the set of that age; age -1: rows of the set being recorded. */
 static inline auvid_row_t *auvid_metric_rows(const auvid_metric_t *m, int age)
