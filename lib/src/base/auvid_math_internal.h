@@ -27,6 +27,14 @@ _Static_assert(AUVID_DOF_COUNT <= 8, "masks of degrees of freedom are uint8_t");
 #define AUVID_INLINE static inline
 #endif
 
+/* For a function that many places call: copied into them, but not with -Os. One .c file declares it
+ * `extern`. */
+#if defined(__GNUC__) && !defined(__OPTIMIZE_SIZE__)
+#define AUVID_SHARED inline __attribute__((always_inline))
+#else
+#define AUVID_SHARED inline
+#endif
+
 /* For a function whose large stack frame must not merge into its caller's. */
 #if defined(__GNUC__)
 #define AUVID_NOINLINE __attribute__((noinline))

@@ -139,12 +139,6 @@ uint32_t auvid_metric_free_of(const auvid_metric_t *m, uint8_t excited)
     return m->cfg.free == 0 ? free : free & m->cfg.free;
 }
 
-auvid_real_t auvid_metric_node_s(const auvid_metric_t *m)
-{
-    return (auvid_real_t)auvid_metric_cell_us(m) * AUVID_C(1e-6) *
-           (auvid_real_t)AUVID_METRIC_DELAY_CELLS;
-}
-
 /* Terms of an equation: its parameters are of this DoF and in no equation of an excited DoF; of
  * this DoF; of others. */
 enum { OWN, SHARED, OTHER, CLASSES };

@@ -5,22 +5,10 @@
 
 #include <string.h>
 
-auvid_equation_t auvid_metric_equation(const auvid_metric_t *m, int j)
-{
-    int at = m->layout.channel_at[j];
-    return (auvid_equation_t){.factor = m->evaluator.merged + m->layout.factor_at[j],
-                              .z = m->evaluator.z + at,
-                              .index = m->layout.merged_index + at,
-                              .count = m->layout.count[j],
-                              .rows = m->layout.leading[j],
-                              .order = auvid_metric_order(m, j),
-                              .at = at};
-}
-
-bool auvid_metric_set_counts(const auvid_metric_t *m, const auvid_set_t *set, int j)
-{
-    return (set->excited >> j & 1) != 0 || (auvid_metric_is_coupled(m, j) && set->rows_of[j] > 0);
-}
+extern auvid_equation_t auvid_metric_equation(const auvid_metric_t *m, int j);
+extern bool auvid_metric_set_counts(const auvid_metric_t *m, const auvid_set_t *set, int j);
+extern const auvid_set_t *auvid_metric_set(const auvid_metric_t *m, int age);
+extern auvid_real_t auvid_metric_node_s(const auvid_metric_t *m);
 
 auvid_real_t auvid_metric_longest_delay(const auvid_metric_t *metric)
 {

@@ -23,7 +23,17 @@ typedef struct {
     int at;                /**< its first channel */
 } auvid_equation_t;
 
-auvid_equation_t auvid_metric_equation(const auvid_metric_t *m, int j);
+AUVID_SHARED auvid_equation_t auvid_metric_equation(const auvid_metric_t *m, int j)
+{
+    int at = m->layout.channel_at[j];
+    return (auvid_equation_t){.factor = m->evaluator.merged + m->layout.factor_at[j],
+                              .z = m->evaluator.z + at,
+                              .index = m->layout.merged_index + at,
+                              .count = m->layout.count[j],
+                              .rows = m->layout.leading[j],
+                              .order = m->layout.channel_at[j + 1] - at,
+                              .at = at};
+}
 
 /** Returns the parameter of each column in the rows of DoF j's equation. The order in the merged
  * sets may differ: auvid_equation_t.index. */
@@ -55,7 +65,11 @@ static inline bool auvid_metric_is_informative(const auvid_metric_t *m, int j)
 }
 
 /** Do DoF j's rows of this set count? All sets count for a DoF that only coupling moves. */
-bool auvid_metric_set_counts(const auvid_metric_t *m, const auvid_set_t *set, int j);
+AUVID_SHARED bool auvid_metric_set_counts(const auvid_metric_t *m, const auvid_set_t *set, int j)
+{
+    return (set->excited >> j & 1) != 0 ||
+           ((m->result.coupled >> j & 1) != 0 && set->rows_of[j] > 0);
+}
 
 /** Returns the sum of squares of the force that DoF j's equation explains, over the sets that
  * count: of the wrench about each set's mean, or of the force of coupling; *rows: its rows. */

@@ -22,11 +22,6 @@ int auvid_metric_slot(const auvid_metric_t *m, int age)
     return (int)auvid_metric_ring_index(m->sets.stored, m->cfg.sets, m->sets.from + (uint32_t)age);
 }
 
-const auvid_set_t *auvid_metric_set(const auvid_metric_t *m, int age)
-{
-    return &m->sets.set[auvid_metric_slot(m, age)];
-}
-
 /* ---- storage ---- */
 
 /* 2^e, -126 <= e <= 126. */

@@ -28,7 +28,10 @@ static inline uint32_t auvid_metric_ring_index(uint32_t stored, uint32_t sets, u
 int auvid_metric_slot(const auvid_metric_t *m, int age);
 
 /** Returns the set of that age. */
-const auvid_set_t *auvid_metric_set(const auvid_metric_t *m, int age);
+AUVID_SHARED const auvid_set_t *auvid_metric_set(const auvid_metric_t *m, int age)
+{
+    return &m->sets.set[auvid_metric_slot(m, age)];
+}
 
 /** Residual path: rows of the set of that age; age -1: rows of the set being recorded. */
 static inline auvid_row_t *auvid_metric_rows(const auvid_metric_t *m, int age)
