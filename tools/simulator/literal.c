@@ -60,7 +60,6 @@ auvid_status_t literal_metric(literal_t *l, auvid_metric_config_t *cfg)
     l->vehicle.acceleration = l->model->acceleration == NULL ? NULL : model_acceleration;
     cfg->vehicle = &l->vehicle;
     cfg->half_width[0] = cfg->half_width[1] = 1;
-    cfg->order = 2;
     cfg->passes = 1;
     cfg->velocity_us = 0;
     cfg->estimate_delay = false;

@@ -319,9 +319,6 @@ typedef struct auvid_identifier {
     uint8_t default_scale;             /* bit j: metric.cfg.tau_max[j] is auvid's choice */
     struct auvid_actuation *actuation; /**< the acting half (actuation.h); NULL: passive */
     auvid_identifier_attached_t attached;
-    auvid_nav_t nav;
-    auvid_recorder_t recorder;
-    auvid_metric_t metric;
     /* state: from here on, see checkpoint.h */
     uint64_t t_us;                   /* last tick */
     auvid_guard_seen_t applied;      /* last wrench recorded */
@@ -332,6 +329,11 @@ typedef struct auvid_identifier {
     bool started;
     uint8_t reserved[7];
     auvid_identifier_work_t work;
+    /* the modules, each with its configuration first; what is above is reached by short
+     * instructions */
+    auvid_nav_t nav;
+    auvid_recorder_t recorder;
+    auvid_metric_t metric;
     union { /* one after the other: the search is over when its result is assessed */
         auvid_identifier_config_t cfg; /**< may be filled here for init; undefined afterwards */
         auvid_refusal_t refusal;       /**< what init was refused for, until the next init */

@@ -69,11 +69,11 @@ typedef struct {
     uint16_t set_rows;    /**< rows in a set; >= 1, default 60 (30 s);
                               sets * set_rows <= 60000 */
     uint8_t sets;         /**< sets in the ring, 1..AUVID_MAX_SETS; default all */
-    uint8_t half_width[2]; /**< Savitzky-Golay half-width [cells] for forces [0] and for moments
-                                [1]; default 10, 7. Not used in the residual path */
+    uint8_t half_width[2]; /**< half-width of the Savitzky-Golay smoother of order 2 [cells] for
+                                forces [0] and for moments [1]; default 10, 7. Not used in the
+                                residual path */
     uint8_t lag[2]; /**< distance in rows of the two rows of a sum or difference, for forces [0] and
                          for moments [1]; 1..AUVID_METRIC_LAGS, default 2, 1 */
-    uint8_t order;  /**< order of the polynomial, default 2 */
     uint8_t passes; /**< number of applications of the smoother, 1 or 2;
                          default 2 */
     bool estimate_delay;     /**< default true */

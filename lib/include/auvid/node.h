@@ -116,7 +116,6 @@ typedef struct {
 
 /** The node. Read it freely; only the functions write it. */
 typedef struct auvid_node {
-    auvid_identifier_t id;
     auvid_node_config_t cfg;
     auvid_allocation_t allocation;
     auvid_status_t (*arm)(auvid_identifier_t *id); /* NULL: passive. A pointer, so that unused code
@@ -143,6 +142,7 @@ typedef struct auvid_node {
     bool arming;     /* an arm frame is pending: the next step arms */
     bool commanding; /* the last step commanded thrust */
     bool ready;      /* initialised */
+    auvid_identifier_t id; /* last: the rest is reached by short instructions */
 } auvid_node_t;
 
 /** Sets the defaults: passive, default identifiers. NULL is a no-op. */

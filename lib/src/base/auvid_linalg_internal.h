@@ -18,7 +18,7 @@
 /** Returns the index of row i's first entry, the diagonal, in a factor of order n. */
 static inline int auvid_qr_row(int n, int i)
 {
-    return i * n - i * (i - 1) / 2;
+    return (int)((uint32_t)(i * (2 * n + 1 - i)) / 2u);
 }
 
 /** Rotates row[n] into rows first..end-1 of the factor; the contents of row[] are undefined

@@ -107,6 +107,20 @@ auvid_status_t auvid_all_within(const auvid_real_t *x, size_t n, auvid_real_t li
     return AUVID_OK;
 }
 
+/* A 1 that is shifted out stays in the last bit, so the conversion rounds as that of n does. */
+auvid_real_t auvid_real_of(uint64_t n)
+{
+#ifdef AUVID_REAL_DOUBLE
+    return (auvid_real_t)n;
+#else
+    auvid_real_t unit = AUVID_C(1.0);
+    for (; n > UINT32_MAX; n = n >> 1 | (n & 1u)) {
+        unit *= AUVID_C(2.0);
+    }
+    return (auvid_real_t)(uint32_t)n * unit;
+#endif
+}
+
 /* Bit by bit: n shifts out to the left while the quotient shifts in from the right. */
 uint64_t auvid_divide(uint64_t n, uint64_t d)
 {

@@ -27,6 +27,14 @@ _Static_assert(AUVID_DOF_COUNT <= 8, "masks of degrees of freedom are uint8_t");
 #define AUVID_INLINE static inline
 #endif
 
+/* For a function that many places call: copied into them, but not with -Os. One .c file declares it
+ * `extern`. */
+#if defined(__GNUC__) && !defined(__OPTIMIZE_SIZE__)
+#define AUVID_SHARED inline __attribute__((always_inline))
+#else
+#define AUVID_SHARED inline
+#endif
+
 /* For a function whose large stack frame must not merge into its caller's. */
 #if defined(__GNUC__)
 #define AUVID_NOINLINE __attribute__((noinline))
@@ -108,6 +116,10 @@ static inline auvid_real_t auvid_seconds(uint64_t a_us, uint64_t b_us)
     uint64_t us = b_us - a_us;
     return (auvid_real_t)(us < INT32_MAX ? (int32_t)us : INT32_MAX) * AUVID_C(1e-6);
 }
+
+/** Returns n, rounded once. The compiler's conversion of a 64-bit integer has ten times the code size
+ * on a core without double precision. */
+auvid_real_t auvid_real_of(uint64_t n);
 
 /** Returns n / d, rounded down; d in 1..2^63. For rare use: small but slow. The compiler's 64-bit
  * division has ten times the code size. */

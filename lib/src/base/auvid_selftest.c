@@ -9,11 +9,13 @@
 #ifdef AUVID_REAL_DOUBLE
 #define EXPECTED 0x352fa703u
 #define MIN_NORMAL AUVID_C(2.2250738585072014e-308)
+typedef int64_t odd_t;
 #define ODD_INTEGER INT64_C(0x20000000000001) /* 2^53 + 1: half-way, rounds to even */
 #else
 #define EXPECTED 0xf96e2484u
 #define MIN_NORMAL AUVID_C(1.17549435e-38)
-#define ODD_INTEGER INT64_C(0x1000001) /* 2^24 + 1 */
+typedef int32_t odd_t;
+#define ODD_INTEGER INT32_C(0x1000001) /* 2^24 + 1 */
 #endif
 
 /* Hides a value from the optimizer. */
@@ -106,10 +108,10 @@ static uint32_t selftest_conversions(uint32_t hash)
 {
     volatile int32_t min_int = -INT32_MAX;
     volatile uint32_t max_unsigned = UINT32_MAX;
-    volatile int64_t odd = ODD_INTEGER;
+    volatile odd_t odd = ODD_INTEGER;
     volatile uint64_t sticky = UINT64_C(0x8000008000000001); /* just above half-way in float */
     const auvid_real_t x[] = {(auvid_real_t)min_int, (auvid_real_t)max_unsigned, (auvid_real_t)odd,
-                              (auvid_real_t)-odd, (auvid_real_t)sticky};
+                              (auvid_real_t)-odd, auvid_real_of(sticky)};
     hash = selftest_add(hash, x, SELFTEST_COUNT(x));
     hash =
         selftest_mix(hash, (uint32_t)(int32_t)selftest_opaque(AUVID_C(-2.75))); /* towards zero */

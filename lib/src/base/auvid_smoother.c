@@ -94,7 +94,7 @@ static auvid_real_t smoother_wide_magnitude(wide_t a, int32_t *shift)
             *shift -= s;
         }
     }
-    return (auvid_real_t)(a.high | (a.low != 0u ? 1u : 0u));
+    return auvid_real_of(a.high | (a.low != 0u ? 1u : 0u));
 }
 
 /* a / b, b in 1..MAX_ORDER, for a divisible by b. First halvings, then multiplication by the

@@ -56,8 +56,7 @@ auvid_status_t auvid_node_init(auvid_node_t *node, const auvid_node_config_t *cf
         return AUVID_ERR_NULL;
     }
     auvid_refusal_t why;
-    /* all but the identifier, which may contain its configuration */
-    memset((unsigned char *)node + sizeof node->id, 0, sizeof *node - sizeof node->id);
+    memset(node, 0, offsetof(auvid_node_t, id)); /* its configuration may be in node->id */
     auvid_check_begin(&why);
     node_check(node, cfg, allocation->thrusters, &why);
     if (why.status == AUVID_OK && auvid_identifier_init(&node->id, identifier) < 0) {

@@ -209,7 +209,7 @@ const auvid_checkpoint_limit_t auvid_checkpoint_limit[] = {
     COST(crs, cost, cost),
     UP_TO(crs, initial_spread, last_spread, AUVID_LARGEST),
 
-    FINITE(line_search, theta, cost_far),
+    FINITE(line_search, axis_cost, shear),
     VALUE(line_search, theta, previous),
     COST(line_search, cost, previous_cost),
     BYTE(line_search, move, move, MOVE_PROBE),
@@ -230,7 +230,7 @@ const auvid_checkpoint_limit_t auvid_checkpoint_limit[] = {
     BYTE(gauss_newton, rejected, rejected, NEWTON_MAX_REJECTED),
     BYTE(gauss_newton, damped, damped, AUVID_MAX_PARAMETERS),
 
-    FINITE(confidence_job, dry_mass_kg, spread.rows),
+    FINITE(confidence_job, dry_mass_kg, part),
     VALUE(confidence_job, pi, single_dof_optimum),
     BYTE(confidence_job, parameter_of, parameter_of, AUVID_MAX_PARAMETERS - 1),
     WHOLE(confidence_job, uint8_t, n, n, 1, AUVID_MAX_PARAMETERS),

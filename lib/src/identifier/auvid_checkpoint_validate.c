@@ -57,8 +57,8 @@ static AUVID_NOINLINE bool checkpoint_is_within(const auvid_checkpoint_limit_t *
         uint64_t sign = (uint64_t)1 << (8 * limit->width - 1);
         bool negative = limit->kind == KIND_SIGNED && (whole & sign) != 0;
         auvid_real_t x = limit->kind == KIND_REAL ? checkpoint_real(at)
-                         : negative               ? -(auvid_real_t)((sign << 1) - whole)
-                                                  : (auvid_real_t)whole;
+                         : negative               ? -auvid_real_of((sign << 1) - whole)
+                                                  : auvid_real_of(whole);
         good = good && x >= limit->low && x <= limit->high;
     }
     return good;

@@ -29,7 +29,6 @@ void auvid_metric_defaults(auvid_metric_config_t *cfg, const auvid_vehicle_t *ve
         .set_rows = 60,
         .sets = AUVID_MAX_SETS,
         .half_width = {10, 7},
-        .order = 2,
         .passes = 2,
         .lag = {2, 1},
         .estimate_delay = true,

@@ -5,6 +5,11 @@
 
 #include <string.h>
 
+extern auvid_equation_t auvid_metric_equation(const auvid_metric_t *m, int j);
+extern bool auvid_metric_set_counts(const auvid_metric_t *m, const auvid_set_t *set, int j);
+extern const auvid_set_t *auvid_metric_set(const auvid_metric_t *m, int age);
+extern auvid_real_t auvid_metric_node_s(const auvid_metric_t *m);
+
 auvid_real_t auvid_metric_longest_delay(const auvid_metric_t *metric)
 {
     return metric == NULL ? AUVID_C(0.0)

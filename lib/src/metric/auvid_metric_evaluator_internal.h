@@ -23,7 +23,7 @@ typedef struct {
     int at;                /**< its first channel */
 } auvid_equation_t;
 
-AUVID_INLINE auvid_equation_t auvid_metric_equation(const auvid_metric_t *m, int j)
+AUVID_SHARED auvid_equation_t auvid_metric_equation(const auvid_metric_t *m, int j)
 {
     int at = m->layout.channel_at[j];
     return (auvid_equation_t){.factor = m->evaluator.merged + m->layout.factor_at[j],
@@ -31,7 +31,7 @@ AUVID_INLINE auvid_equation_t auvid_metric_equation(const auvid_metric_t *m, int
                               .index = m->layout.merged_index + at,
                               .count = m->layout.count[j],
                               .rows = m->layout.leading[j],
-                              .order = auvid_metric_order(m, j),
+                              .order = m->layout.channel_at[j + 1] - at,
                               .at = at};
 }
 
@@ -65,9 +65,10 @@ static inline bool auvid_metric_is_informative(const auvid_metric_t *m, int j)
 }
 
 /** Do DoF j's rows of this set count? All sets count for a DoF that only coupling moves. */
-static inline bool auvid_metric_set_counts(const auvid_metric_t *m, const auvid_set_t *set, int j)
+AUVID_SHARED bool auvid_metric_set_counts(const auvid_metric_t *m, const auvid_set_t *set, int j)
 {
-    return (set->excited >> j & 1) != 0 || (auvid_metric_is_coupled(m, j) && set->rows_of[j] > 0);
+    return (set->excited >> j & 1) != 0 ||
+           ((m->result.coupled >> j & 1) != 0 && set->rows_of[j] > 0);
 }
 
 /** Returns the sum of squares of the force that DoF j's equation explains, over the sets that

@@ -115,7 +115,9 @@ void auvid_metric_watch(auvid_metric_t *m, const auvid_sample_t *cell, const auv
             }
         }
     } else if (phase == block - 1u) {
-        memmove(f->residual[1], f->residual[0], sizeof f->residual - sizeof f->residual[0]);
+        for (int k = RESIDUALS; k > 0; --k) {
+            memcpy(f->residual[k], f->residual[k - 1], sizeof f->residual[k]);
+        }
         memcpy(f->residual[0], f->sum, sizeof f->sum);
         memset(f->sum, 0, sizeof f->sum);
     }

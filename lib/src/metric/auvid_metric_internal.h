@@ -150,9 +150,9 @@ static inline int auvid_metric_order(const auvid_metric_t *m, int j)
 }
 
 /** Spacing of the delays at which the wrench is stored [s]. */
-static inline auvid_real_t auvid_metric_node_s(const auvid_metric_t *m)
+AUVID_SHARED auvid_real_t auvid_metric_node_s(const auvid_metric_t *m)
 {
-    return (auvid_real_t)auvid_metric_cell_us(m) * AUVID_C(1e-6) *
+    return (auvid_real_t)(m->cfg.cell_us << m->result.doublings) * AUVID_C(1e-6) *
            (auvid_real_t)AUVID_METRIC_DELAY_CELLS;
 }
 

@@ -19,7 +19,6 @@
 
 #include <string.h>
 
-#include "auvid/smoother.h"
 #include "../base/auvid_refusal_internal.h"
 #include "auvid_metric_rows_internal.h"
 
@@ -31,28 +30,27 @@
 #define REGRESSOR(metric) (&(metric)->evaluator.regressor)
 #endif
 
-/* Check that the filter exists (smoother.h). */
+/* Check the model and the width of the filter. */
 static void metric_check_regressor(const auvid_metric_config_t *cfg, auvid_refusal_t *why)
 {
-    uint32_t min_half = cfg->half_width[cfg->half_width[1] < cfg->half_width[0]];
-    auvid_real_t order = (auvid_real_t)cfg->order, max_order = (auvid_real_t)(2 * min_half);
     auvid_check_part(why, "vehicle");
     auvid_check_that(why, cfg->vehicle->regressor != NULL, AUVID_ERR_MODEL, "regressor");
     auvid_check_part(why, "metric");
     auvid_check_count(why, AUVID_ERR_SIZE, "half_width", auvid_metric_max_half(cfg),
                       AUVID_MAX_HALF_WIDTH);
-    auvid_check_in(why, "order", order, AUVID_C(0.0), AUVID_SMOOTHER_MAX_ORDER);
-    auvid_check_limit(why, order <= max_order, AUVID_ERR_SINGULAR, "order", order, max_order);
 }
 
-/* Write Savitzky-Golay, as often as `passes` says, to the middle of the kernel. */
+/* Write Savitzky-Golay, as often as `passes` says, to the middle of the kernel. For n points and
+ * order 2 (or 3) the middle has the weights 3 (3 n^2 - 7 - 20 k^2) / (4 n (n^2 - 4)); numerator and
+ * denominator are exact in float up to n = 161. */
 static void metric_make_kernel(const auvid_metric_t *m, auvid_real_t *kernel, uint8_t half_width)
 {
-    auvid_real_t dt_s = (auvid_real_t)m->cfg.cell_us * AUVID_C(1e-6);
     auvid_real_t *first = kernel + m->layout.taps / 2 - m->cfg.passes * half_width;
-    (void)auvid_smoother_coefficients(half_width, m->cfg.order, 0, dt_s, 0,
-                                      first); /* they exist: metric_check_regressor */
     int n = 2 * half_width + 1;
+    for (int k = -half_width; k <= half_width; ++k) {
+        first[half_width + k] =
+            (auvid_real_t)(3 * (3 * n * n - 7 - 20 * k * k)) / (auvid_real_t)(4 * n * (n * n - 4));
+    }
     for (int t = 2 * n - 2; m->cfg.passes == 2 && t >= 0; --t) { /* in place, from the end */
         auvid_real_t sum = AUVID_C(0.0);
         for (int i = t < n ? 0 : t - n + 1; i <= t && i < n; ++i) {

@@ -27,7 +27,8 @@ static inline uint32_t auvid_metric_ring_index(uint32_t stored, uint32_t sets, u
 /** Index in the ring of the set of that age, age < auvid_metric_sets. */
 int auvid_metric_slot(const auvid_metric_t *m, int age);
 
-static inline const auvid_set_t *auvid_metric_set(const auvid_metric_t *m, int age)
+/** Returns the set of that age. */
+AUVID_SHARED const auvid_set_t *auvid_metric_set(const auvid_metric_t *m, int age)
 {
     return &m->sets.set[auvid_metric_slot(m, age)];
 }

@@ -198,7 +198,7 @@ static bool line_search_build_direction(auvid_optimizer_t *o, auvid_real_t cost)
         }
         ++ls->built;
         ls->axis_cost = cost;
-        ls->axis_step = line_search_sign(o) * ls->t;
+        ls->axis_step = auvid_line_search_sign(o) * ls->t;
         if (auvid_line_search_probe(o, 0)) {
             return true;
         }

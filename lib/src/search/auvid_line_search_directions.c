@@ -17,6 +17,13 @@
 /* A larger part of d_k per unit of e_i is rounding. */
 #define PART_MAX AUVID_C(1e6)
 
+auvid_real_t auvid_line_search_sign(const auvid_optimizer_t *o)
+{
+    const bool minus =
+        o->cfg.paper ? o->line_search.direction >= o->cfg.n : o->line_search.direction % 2u != 0;
+    return minus ? AUVID_C(-1.0) : AUVID_C(1.0);
+}
+
 /* Component of d_i along parameter k <= i [parameter's unit]. */
 static auvid_real_t line_search_component(const auvid_optimizer_t *o, size_t i, size_t k)
 {
@@ -50,7 +57,7 @@ static bool line_search_place_along(auvid_optimizer_t *o)
     auvid_line_search_t *ls = &o->line_search;
     const auvid_search_config_t *c = &o->cfg;
     const size_t i = line_search_parameter(o), first = c->paper ? i : 0;
-    const auvid_real_t sign = line_search_sign(o);
+    const auvid_real_t sign = auvid_line_search_sign(o);
     auvid_real_t d = AUVID_C(0.0), to = AUVID_C(0.0), t = ls->t;
     size_t bound = AUVID_MAX_PARAMETERS;
     bool moved = false;
@@ -101,7 +108,7 @@ void auvid_line_search_release(auvid_optimizer_t *o)
     const auvid_search_config_t *c = &o->cfg;
     const size_t i = line_search_parameter(o);
     for (size_t k = 0; k < i && i < AUVID_MAX_PARAMETERS; ++k) {
-        const auvid_real_t d = line_search_sign(o) * line_search_component(o, i, k);
+        const auvid_real_t d = auvid_line_search_sign(o) * line_search_component(o, i, k);
         const auvid_real_t x = ls->base[k] + c->sigma * ls->t * d;
         if (!(x >= c->lower[k] && x <= c->upper[k])) {
             ls->shear[AUVID_SHEAR(i) + k] = AUVID_C(0.0);
@@ -118,7 +125,7 @@ void auvid_line_search_note_slope(auvid_optimizer_t *o)
     const auvid_real_t c = ls->curvature[i], t = ls->t_near;
     if (auvid_abs(t) > AUVID_C(0.0) && c > AUVID_C(0.0) && ls->cost_near < AUVID_COST_FAILED) {
         const auvid_real_t chord = (ls->cost_near - ls->base_cost) / t;
-        ls->slope[i] = line_search_sign(o) * (chord + c * (AUVID_C(2.0) * ls->t_best - t));
+        ls->slope[i] = auvid_line_search_sign(o) * (chord + c * (AUVID_C(2.0) * ls->t_best - t));
     }
 }
 

@@ -29,12 +29,8 @@ static inline size_t line_search_parameter(const auvid_optimizer_t *o)
     return !o->cfg.paper ? d / 2u : (d < n ? d : d - n);
 }
 
-static inline auvid_real_t line_search_sign(const auvid_optimizer_t *o)
-{
-    const bool minus =
-        o->cfg.paper ? o->line_search.direction >= o->cfg.n : o->line_search.direction % 2u != 0;
-    return minus ? AUVID_C(-1.0) : AUVID_C(1.0);
-}
+/** Sign of the direction. */
+auvid_real_t auvid_line_search_sign(const auvid_optimizer_t *o);
 
 /** Make the trial of the present move at t, cut at the box. Returns false if there is nothing to
  * evaluate: the trial equals the iterate, or a probe has no room. */

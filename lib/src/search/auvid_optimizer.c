@@ -31,7 +31,7 @@ auvid_status_t auvid_optimizer_init(auvid_optimizer_t *o, const auvid_search_con
     if (status < 0) {
         return status;
     }
-    memmove(&o->cfg, cfg, sizeof o->cfg);
+    o->cfg = *cfg; /* may be the same */
     memset((unsigned char *)o + sizeof o->cfg, 0, sizeof *o - sizeof o->cfg);
     auvid_search_config_t *c = &o->cfg;
     auvid_search_resolve(c);

@@ -360,6 +360,27 @@ static void test_all_functions_give_the_recorded_bits(void)
     TEST_ASSERT_EQUAL_HEX32(golden, hash);
 }
 
+/* ---- conversion of integers ---- */
+
+/* Of all magnitudes: random ones, and those next to half-way between two neighbours. */
+static void test_an_integer_of_64_bits_is_converted_with_one_rounding(void)
+{
+    const uint64_t edge[] = {0, 1, UINT32_MAX, (uint64_t)UINT32_MAX + 1, UINT64_MAX};
+    for (size_t i = 0; i < sizeof edge / sizeof edge[0]; ++i) {
+        TEST_ASSERT_TRUE(auvid_real_of(edge[i]) == (auvid_real_t)edge[i]);
+    }
+    for (int i = 0; i < 100000; ++i) {
+        uint64_t n = (uint64_t)auvid_rng_next(&rng) << 32 | auvid_rng_next(&rng);
+        uint64_t half = n >> 40 << 40 | (uint64_t)1 << 39;
+        for (unsigned shift = (unsigned)i % 40, step = 0; step < 3; ++step) {
+            uint64_t near = (half >> shift) + step - 1;
+            TEST_ASSERT_TRUE(auvid_real_of(near) == (auvid_real_t)near);
+        }
+        n >>= i % 64;
+        TEST_ASSERT_TRUE(auvid_real_of(n) == (auvid_real_t)n);
+    }
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -383,5 +404,6 @@ int main(void)
     RUN_TEST(test_rng_seed_is_expanded_by_splitmix64);
     RUN_TEST(test_rng_uniform_and_below_stay_in_range_and_have_the_right_mean);
     RUN_TEST(test_all_functions_give_the_recorded_bits);
+    RUN_TEST(test_an_integer_of_64_bits_is_converted_with_one_rounding);
     return UNITY_END();
 }

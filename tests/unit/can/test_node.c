@@ -717,9 +717,7 @@ static void test_the_configuration_may_be_inside_the_node(void)
                           auvid_node_init(&separate, &bus, &auvid_allocation_girona500, &cfg));
     TEST_ASSERT_EQUAL_INT(
         AUVID_OK, auvid_node_init(&inside, &bus, &auvid_allocation_girona500, &inside.id.cfg));
-    TEST_ASSERT_EQUAL_MEMORY(&separate, &inside, offsetof(auvid_identifier_t, cfg));
-    TEST_ASSERT_EQUAL_MEMORY(&separate.cfg, &inside.cfg,
-                             sizeof separate - offsetof(auvid_node_t, cfg));
+    TEST_ASSERT_EQUAL_MEMORY(&separate, &inside, offsetof(auvid_node_t, id.cfg));
 }
 
 static void test_work_is_that_of_the_identifier(void)

@@ -193,7 +193,6 @@ static void test_a_field_of_the_metric_is_named(void)
     WHOLE(metric, set_rows, 60001, 60000 / AUVID_MAX_SETS);
     WHOLE(metric, sets, AUVID_MAX_SETS + 1, AUVID_MAX_SETS);
     WHOLE(metric, passes, 3, 2);
-    WHOLE(metric, order, 6, 5);
     NAMED(RANGE, "metric", "tau_max", 4, -1, 0, cfg.metric.tau_max[4] = -1);
     NAMED(NOT_FINITE, "metric", "fixed", 3, NAN, -(double)AUVID_LARGEST,
           cfg.metric.fixed[3] = (auvid_real_t)NAN);
@@ -205,8 +204,6 @@ static void test_a_field_of_the_metric_is_named(void)
 
 static void test_a_metric_beyond_the_sizes_is_named(void)
 {
-    NAMED(SINGULAR, "metric", "order", -1, 3, 2,
-          (cfg.metric.order = 3, cfg.metric.half_width[1] = 1));
     NAMED(SIZE, "metric", "half_width", -1, 4 * 13 + 3, AUVID_MAX_TAPS,
           cfg.metric.half_width[0] = 13);
     NAMED(SIZE, "metric", "row_cells", -1, 4, 5, cfg.metric.row_cells = 4);

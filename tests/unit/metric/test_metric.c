@@ -6,6 +6,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "auvid/smoother.h"
 #include "metric_cells.h"
 #include "sines.h"
 #include "unity.h"
@@ -254,6 +255,27 @@ static void test_sets_of_one_row_use_pairs_across_their_borders(void)
     assert_least_squares_find_truth(cfg.free);
 }
 
+/* ---- the smoother ---- */
+
+/* The kernel has the bits of smoother.h up to half-width 13, whose numerators are below 2^24. Beyond
+ * it rounds once, the smoother three times. */
+static void test_one_pass_has_the_weights_of_savitzky_golay_of_order_2(void)
+{
+    const int widest = (AUVID_MAX_TAPS - 1) / 2;
+    cfg.passes = 1;
+    cfg.row_cells = AUVID_MAX_TAPS;
+    for (uint8_t h = 1; h <= widest && h <= AUVID_MAX_HALF_WIDTH; ++h) {
+        auvid_real_t c[2 * AUVID_MAX_HALF_WIDTH + 1];
+        cfg.half_width[0] = cfg.half_width[1] = h;
+        start();
+        TEST_ASSERT_EQUAL(AUVID_OK, auvid_smoother_coefficients(h, 2, 0, 1, 0, c));
+        for (int k = 0; k <= 2 * h; ++k) {
+            double tolerance = h <= 13 ? 0 : 2 * (double)AUVID_EPSILON * fabs((double)c[k]);
+            TEST_ASSERT_DOUBLE_WITHIN(tolerance, (double)c[k], (double)metric.layout.kernel[0][k]);
+        }
+    }
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -271,5 +293,6 @@ int main(void)
     RUN_TEST(test_set_closed_early_counts_its_rows);
     RUN_TEST(test_a_set_completes_with_its_last_row_and_not_before);
     RUN_TEST(test_sets_of_one_row_use_pairs_across_their_borders);
+    RUN_TEST(test_one_pass_has_the_weights_of_savitzky_golay_of_order_2);
     return UNITY_END();
 }

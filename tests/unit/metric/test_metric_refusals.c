@@ -50,7 +50,6 @@ static void test_init_refuses_a_field_out_of_its_range_and_changes_nothing(void)
     REFUSED(AUVID_ERR_RANGE, cfg.passes = 3);
     REFUSED(AUVID_ERR_RANGE, cfg.half_width[0] = 0);
     REFUSED(AUVID_ERR_RANGE, cfg.half_width[1] = 0);
-    REFUSED(AUVID_ERR_RANGE, cfg.order = 6);
     REFUSED(AUVID_ERR_RANGE, cfg.delay_s[2] = AUVID_C(-0.21));
     REFUSED(AUVID_ERR_RANGE, cfg.delay_s[2] = AUVID_C(0.61));
 }
@@ -82,7 +81,6 @@ static void test_init_refuses_what_exceeds_the_sizes_and_changes_nothing(void)
 static void test_init_refuses_what_cannot_work_and_changes_nothing(void)
 {
     static auvid_vehicle_t broken;
-    REFUSED(AUVID_ERR_SINGULAR, (cfg.half_width[1] = 1, cfg.order = 3));
     REFUSED(AUVID_ERR_NULL, cfg.vehicle = NULL);
     REFUSED(AUVID_ERR_PARAMETERS, cfg.free = 1u << 20); /* none of the model's */
     broken = auvid_girona500;

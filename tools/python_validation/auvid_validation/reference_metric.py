@@ -81,7 +81,7 @@ class Pipeline:
         tau = np.array([values(c.tau)[girona500.DRIVEN] for c in cells], float)
         spread = min((1e-6 * config.velocity_us)**2 / 12 / CELL_S**2, 0.5)
         for k, dof in enumerate(girona500.DRIVEN):
-            once = savgol_coeffs(2 * config.half_width[int(dof >= 3)] + 1, config.order)
+            once = savgol_coeffs(2 * config.half_width[int(dof >= 3)] + 1, 2)
             smooth = np.convolve(once, once)
             smooth = np.pad(smooth, (taps_of(config) - len(smooth)) // 2)
             self.kernels.append(smooth)

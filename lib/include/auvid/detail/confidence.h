@@ -76,6 +76,13 @@ typedef struct {
     /* state: from here on, see checkpoint.h */
     auvid_confidence_t result;
     auvid_real_t dry_mass_kg;
+    auvid_real_t score[AUVID_MAX_PARAMETERS]; /* of one DoF of one set, at its optimum */
+    auvid_confidence_influence_t influence;
+    auvid_real_t variance[AUVID_MAX_PARAMETERS]; /* diagonal of (J'J)^-1 */
+    auvid_real_t widening[AUVID_MAX_PARAMETERS]; /* of it, for estimated and uncertain delays */
+    /* step of the parameters to the most probable delays */
+    auvid_real_t delay_step[AUVID_MAX_PARAMETERS];
+    auvid_confidence_spread_t spread;
     auvid_real_t pi[AUVID_MAX_PARAMETERS]; /* the estimate */
     /* the optimum of each DoF's equation, then minus the weights of its delay */
     auvid_real_t single_dof_optimum[AUVID_MAX_COLUMNS];
@@ -87,13 +94,6 @@ typedef struct {
         auvid_regressor_t regressor;               /* between the phases SCATTER and JUDGE */
         auvid_real_t covariance[AUVID_COVARIANCE]; /* from JUDGE on; copied to the estimate */
     };
-    auvid_real_t score[AUVID_MAX_PARAMETERS]; /* of one DoF of one set, at its optimum */
-    auvid_confidence_influence_t influence;
-    auvid_real_t variance[AUVID_MAX_PARAMETERS]; /* diagonal of (J'J)^-1 */
-    auvid_real_t widening[AUVID_MAX_PARAMETERS]; /* of it, for estimated and uncertain delays */
-    /* step of the parameters to the most probable delays */
-    auvid_real_t delay_step[AUVID_MAX_PARAMETERS];
-    auvid_confidence_spread_t spread;
     uint32_t at_bound;                          /* bit i: parameter i is near a bound */
     uint8_t column_of[AUVID_MAX_PARAMETERS];    /* of parameter i in the joint factor; or NOWHERE */
     uint8_t parameter_of[AUVID_MAX_PARAMETERS]; /* of column k */

@@ -102,6 +102,12 @@ typedef struct {
 
 /** State of the local phase. */
 typedef struct {
+    auvid_real_t axis_cost, axis_step; /**< cost of base + axis_step e_i, where d_i is made */
+    auvid_real_t cost, base_cost, previous_cost; /**< of theta, base, previous */
+    auvid_real_t t;                              /**< step of the trial along the line [scale] */
+    auvid_real_t t_best;                         /**< step accepted last, 0: none */
+    auvid_real_t t_near, cost_near;              /**< the line's last point */
+    auvid_real_t t_far, cost_far;                /**< the point before that; t_far 0: none */
     auvid_real_t theta[AUVID_MAX_PARAMETERS];     /**< the best point, x [parameter's unit] */
     auvid_real_t base[AUVID_MAX_PARAMETERS];      /**< y_i, where the current line starts */
     auvid_real_t previous[AUVID_MAX_PARAMETERS];  /**< theta^k, where the current sweep started */
@@ -111,12 +117,6 @@ typedef struct {
     auvid_real_t slope[AUVID_MAX_PARAMETERS];     /**< along d_i, at the end of its line */
     /** d_i = e_i + sum of shear[i (i - 1) / 2 + k] e_k, k < i [scale] */
     auvid_real_t shear[AUVID_MAX_PARAMETERS * (AUVID_MAX_PARAMETERS - 1) / 2 + 1];
-    auvid_real_t axis_cost, axis_step; /**< cost of base + axis_step e_i, where d_i is made */
-    auvid_real_t cost, base_cost, previous_cost; /**< of theta, base, previous */
-    auvid_real_t t;                              /**< step of the trial along the line [scale] */
-    auvid_real_t t_best;                         /**< step accepted last, 0: none */
-    auvid_real_t t_near, cost_near;              /**< the line's last point */
-    auvid_real_t t_far, cost_far;                /**< the point before that; t_far 0: none */
     uint8_t direction;                           /**< 0..2n-1; 2n: the pattern step */
     uint8_t built;                               /**< d_i with i < built have been made conjugate */
     uint8_t probe;                               /**< k of the d_k that is probed */
