@@ -21,6 +21,7 @@
 
 #include "auvid/smoother.h"
 #include "../base/auvid_refusal_internal.h"
+#include "../base/auvid_smoother_centre_internal.h"
 #include "auvid_metric_rows_internal.h"
 
 /* Where the regressor is evaluated: in memory that only the residual path needs, or else on the
@@ -48,10 +49,8 @@ static void metric_check_regressor(const auvid_metric_config_t *cfg, auvid_refus
 /* Write Savitzky-Golay, as often as `passes` says, to the middle of the kernel. */
 static void metric_make_kernel(const auvid_metric_t *m, auvid_real_t *kernel, uint8_t half_width)
 {
-    auvid_real_t dt_s = (auvid_real_t)m->cfg.cell_us * AUVID_C(1e-6);
     auvid_real_t *first = kernel + m->layout.taps / 2 - m->cfg.passes * half_width;
-    (void)auvid_smoother_coefficients(half_width, m->cfg.order, 0, dt_s, 0,
-                                      first); /* they exist: metric_check_regressor */
+    auvid_smoother_centre(half_width, m->cfg.order, first); /* it exists: metric_check_regressor */
     int n = 2 * half_width + 1;
     for (int t = 2 * n - 2; m->cfg.passes == 2 && t >= 0; --t) { /* in place, from the end */
         auvid_real_t sum = AUVID_C(0.0);

@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "auvid/smoother.h"
+#include "base/auvid_smoother_centre_internal.h"
 #include "unity.h"
 
 #define POINTS 300
@@ -368,6 +369,25 @@ static void test_null_pointers_are_refused(void)
                           auvid_smoother_coefficients(H, 2, 0, AUVID_C(1.0), 0, NULL));
 }
 
+static void test_the_closed_form_of_the_centre_equals_the_coefficients(void)
+{
+    auvid_real_t expected[2 * AUVID_MAX_HALF_WIDTH + 1], c[2 * AUVID_MAX_HALF_WIDTH + 1];
+    for (int h = 1; h <= AUVID_MAX_HALF_WIDTH; ++h) {
+        for (int order = 0; order <= AUVID_SMOOTHER_MAX_ORDER && order <= 2 * h; ++order) {
+            TEST_ASSERT_EQUAL_INT(AUVID_OK,
+                                  auvid_smoother_coefficients((uint8_t)h, (uint8_t)order, 0,
+                                                              AUVID_C(1.0), 0, expected));
+            auvid_smoother_centre(h, order, c);
+            for (int k = 0; k <= 2 * h; ++k) {
+                double error = fabs((double)c[k] - (double)expected[k]);
+                double size = fabs((double)expected[order < 4 ? k : h]);
+                double units = order < 4 ? 3.5 : 7.0; /* 3 of them by the coefficients */
+                TEST_ASSERT_TRUE(error <= units * (double)AUVID_EPSILON * size);
+            }
+        }
+    }
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -389,5 +409,6 @@ int main(void)
     RUN_TEST(test_a_bad_configuration_is_refused_and_changes_nothing);
     RUN_TEST(test_coefficients_of_no_smoother_are_refused_and_nothing_is_written);
     RUN_TEST(test_null_pointers_are_refused);
+    RUN_TEST(test_the_closed_form_of_the_centre_equals_the_coefficients);
     return UNITY_END();
 }
