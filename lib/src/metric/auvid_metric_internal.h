@@ -39,6 +39,8 @@ struct auvid_path {
     void (*add_cell)(auvid_metric_t *m, const auvid_sample_t *cell, uint32_t n, uint32_t slot);
     /** Takes the complete row at `slot`, whose middle is at t_us. */
     void (*finish_row)(auvid_metric_t *m, uint64_t t_us, uint32_t slot);
+    /** Rotates a part of the row that waits in rows.waiting into the R factors. NULL: none waits. */
+    void (*rotate_row)(auvid_metric_t *m);
     /** Begins the evaluation of a candidate. NULL if `linearise` is. */
     void (*begin)(auvid_metric_t *m, const auvid_real_t *pi, auvid_real_t delay_s);
     /** Continues it, for the cost (PASS_COST) or the residuals (PASS_MEASURE).

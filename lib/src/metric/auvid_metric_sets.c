@@ -14,6 +14,7 @@
 
 #include "../base/auvid_checksum_internal.h"
 #include "../base/auvid_linalg_internal.h"
+#include "auvid_metric_rows_internal.h"
 
 enum { DIGITS = AUVID_METRIC_DIGITS };
 
@@ -179,6 +180,7 @@ auvid_status_t auvid_metric_close(auvid_metric_t *metric)
     if (set->rows == 0) {
         return AUVID_ERR_NO_DATA;
     }
+    auvid_metric_rotate_rows(m);
     uint8_t excited = 0;
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
         auvid_real_t min_rms = m->cfg.excitation_threshold * m->cfg.tau_max[j];

@@ -32,7 +32,7 @@ auvid_status_t auvid_optimizer_init(auvid_optimizer_t *o, const auvid_search_con
         return status;
     }
     memmove(&o->cfg, cfg, sizeof o->cfg);
-    memset((unsigned char *)o + sizeof o->cfg, 0, sizeof *o - sizeof o->cfg);
+    auvid_zero((unsigned char *)o + sizeof o->cfg, sizeof *o - sizeof o->cfg);
     auvid_search_config_t *c = &o->cfg;
     auvid_search_resolve(c);
     for (size_t i = 0; i < c->n; ++i) {
