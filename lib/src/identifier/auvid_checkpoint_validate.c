@@ -422,6 +422,9 @@ static bool checkpoint_check_job(const subject_t *s)
         good = good && (!used || column_of[i] < n || column_of[i] == NOWHERE) &&
                parameter_of[i] < m->cfg.vehicle->parameters;
     }
+    if (phase == DONE) {
+        return good;
+    }
     if (!good || j >= AUVID_DOF_COUNT || m->layout.count[j] == 0 ||
         ((WORD(metric.result.excited) | WORD(metric.result.coupled)) >> j & 1u) == 0) {
         return false;
