@@ -7,8 +7,8 @@
 
 #include "auvid/types.h"
 
-/** Compute the weights of auvid_smoother_coefficients for derivative 0 and position 0, in a tenth of
- * its code and instructions.
+/** Compute the weights of auvid_smoother_coefficients for derivative 0 and position 0, with much
+ * less code.
  * @param half_width h, 1..AUVID_MAX_HALF_WIDTH
  * @param order 0..5 and <= 2 h
  * @param c out, 2 h + 1 values. Error: up to order 3 half a unit in the last place, else 4

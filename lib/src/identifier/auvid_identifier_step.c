@@ -48,7 +48,7 @@ static bool identifier_continue_cell(auvid_identifier_t *id)
            (uncertain != NULL && uncertain->add_cell(id));
 }
 
-/* Pass a complete cell to the metric and the simulation of velocity. @return false: there is none */
+/* Pass a complete cell to the metric and the simulation of velocity. @return false: none is */
 static bool identifier_take_cell(auvid_identifier_t *id)
 {
     auvid_sample_t cell;

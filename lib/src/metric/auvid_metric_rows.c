@@ -46,13 +46,6 @@ static void metric_update_max_speed(auvid_partial_set_t *set, const auvid_sample
     }
 }
 
-void auvid_metric_rotate_rows(auvid_metric_t *m)
-{
-    while (m->rows.waiting != 0) {
-        auvid_metric_path(m)->rotate_row(m);
-    }
-}
-
 auvid_status_t auvid_metric_take_cell(auvid_metric_t *m, const auvid_sample_t *sample)
 {
     if (!auvid_is_finite(sample->phi) || !auvid_is_finite(sample->theta) ||

@@ -60,9 +60,6 @@ static inline uint32_t auvid_metric_slot_of_complete(const auvid_metric_t *m, ui
     return (n - (m->layout.taps - 1u)) / m->cfg.row_cells % m->layout.overlap;
 }
 
-/** Rotate the row that waits into the R factors. */
-void auvid_metric_rotate_rows(auvid_metric_t *m);
-
 /** auvid_metric_add in parts, one for each tick: take the cell, checked; then, while something
  * waits, continue. @return as auvid_metric_add */
 auvid_status_t auvid_metric_take_cell(auvid_metric_t *m, const auvid_sample_t *sample);

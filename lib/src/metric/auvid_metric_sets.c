@@ -14,7 +14,6 @@
 
 #include "../base/auvid_checksum_internal.h"
 #include "../base/auvid_linalg_internal.h"
-#include "auvid_metric_rows_internal.h"
 
 enum { DIGITS = AUVID_METRIC_DIGITS };
 

@@ -240,9 +240,20 @@ typedef struct {
 #define G500(name) AUVID_G500_##name
 #if AUVID_MAX_PARAMETERS >= 17
 #define G500_EQUATION(dof, mass, n, bias, ...)                                                     \
-    {AUVID_##dof, G500(mass), (n) + 1, {__VA_ARGS__, G500(bias)}}
+    {                                                                                              \
+        AUVID_##dof, G500(mass), (n) + 1,                                                          \
+        {                                                                                          \
+            __VA_ARGS__, G500(bias)                                                                \
+        }                                                                                          \
+    }
 #else
-#define G500_EQUATION(dof, mass, n, bias, ...) {AUVID_##dof, G500(mass), n, {__VA_ARGS__}}
+#define G500_EQUATION(dof, mass, n, bias, ...)                                                     \
+    {                                                                                              \
+        AUVID_##dof, G500(mass), n,                                                                \
+        {                                                                                          \
+            __VA_ARGS__                                                                            \
+        }                                                                                          \
+    }
 #endif
 static const g500_equation_t g500_equation[] = {
     G500_EQUATION(SURGE, M_U, 5, X_0, G500(M_V), G500(M_W), G500(W_B), G500(X_U), G500(X_UU)),
