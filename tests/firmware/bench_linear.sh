@@ -7,7 +7,7 @@
 # usage: tests/firmware/bench_linear.sh [SIZE...]       default: 4 7 13 22 26 32
 # all: instructions from the complete sets to the estimate; time: at the default budget, in ticks of
 # 20 ms; work, record: the largest call of auvid_identifier_work at this budget, and of
-# auvid_identifier_applied, which completes rows and sets. bytes: sizeof(auvid_identifier_t), and
+# auvid_identifier_motion, which completes rows and sets. bytes: sizeof(auvid_identifier_t), and
 # the same with AUVID_MAX_POPULATION 0.
 set -euo pipefail
 cd "$(dirname "$0")/../.."
@@ -52,7 +52,7 @@ for size; do
     awk -v n="$n" -v evaluations="$evaluations" -v memory="$memory" '
         { sub(/_f32.*/, "", $1) }
         $1 == "auvid_identifier_work" { calls = $2; all = $3; work = $4 }
-        $1 == "auvid_identifier_applied" { record = $4 }
+        $1 == "auvid_identifier_motion" { record = $4 }
         END { printf "%10d  %11d  %7.0f  %5.0f  %8.1f  %8.0f  %10.0f  %13s\n", n, evaluations,
             all / 1e3, all / n ^ 3, 0.02 * calls, work / 1e3, record / 1e3, memory }' \
         "$here/$size/count"

@@ -43,7 +43,8 @@ def figures(name):
         "navigation step: imu, depth, dvl": (
             sum(together(calls[f"auvid_nav_{f}"], f"nav_{f}") for f in ("imu", "dvl")) + depth,
             None),
-        "smoothing, a tick": (together(calls["tick"], "metric_add"), None),
+        "smoothing, a tick": (
+            together(calls["tick"], "metric_take_cell", "metric_continue"), None),
         "cost of a point, R": (
             together(calls["auvid_metric_cost_begin"], "metric_cost_begin", "metric_cost"), None),
         "cost of a point, 240 rows": (rows["auvid_metric_cost"][1], None),

@@ -18,12 +18,14 @@
  * Algorithm 2 in each direction. With search.paper (types.h) both algorithms run to their ends. On
  * the residual path the delay is one more parameter of the search.
  *
- * Cost of step: one prediction of the filter, the updates that arrived, at most
- * AUVID_CELLS_PER_STEP cells of the recorder. Cost of work: at most `budget` units. A unit is about
+ * Cost of step: one prediction of the filter, the updates that arrived, and a cell of the recorder.
+ * What the cell leaves to do follows in the next steps, a part in each: rows of two degrees of
+ * freedom, the end of a set, the simulation of velocity. If cells pile up, a step takes up to
+ * AUVID_CELLS_PER_STEP as a whole. Cost of work: at most `budget` units. A unit is about
  * 250 instructions of a Cortex-M4F: a row of an R factor, or a trial point (rejected ones count
  * too). A stored sample evaluated by the user's model takes vehicle.work units. If the budget is
  * smaller, several calls save up for it, and the last of them evaluates the sample as a whole.
- * The start of a search, m n random numbers, takes 100 units.
+ * The start of a search takes 25 units.
  * Memory: only sizeof(auvid_identifier_t).
  *
  * An identifier is passive: the user or a controller drives. auvid_identifier_attach_actuation
@@ -423,7 +425,7 @@ auvid_status_t auvid_identifier_velocity(auvid_identifier_t *id, uint64_t t_us,
 #define auvid_identifier_applied AUVID_SIZED(auvid_identifier_applied)
 /** Record the applied wrench from t_us on. Call it in every tick after auvid_identifier_step, when
  * the sum of pilot, controller and excitation is known; each time is recorded once, here or in the
- * step's input. Takes at most AUVID_CELLS_PER_STEP cells.
+ * step's input. The next step takes the cells that it completes.
  * @param t_us of the tick, or of the measurement [us]; later than that of the last wrench
  * @param wrench [AUVID_DOF_COUNT] sum of all sources [N, Nm]
  * @param command [AUVID_MAX_COMMANDS] as in auvid_input_t; NULL: none

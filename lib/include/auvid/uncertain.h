@@ -205,7 +205,7 @@ typedef struct {
     uint8_t slot;         /* of the newest row under construction */
     uint8_t complete;     /* slot of the row that the cell completes */
     uint8_t dofs;         /* that have this row */
-    uint8_t waits;        /* calls until the next cell; > 1: the last one is to be added */
+    bool waits;           /* the last cell is to be added */
     bool completes, counts;
     bool takes_rows;
     auvid_real_t accumulator[AUVID_MAX_OVERLAP][AUVID_UNCERTAIN_CHANNELS];

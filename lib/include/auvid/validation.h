@@ -13,7 +13,7 @@
  *
  * The identifier (see auvid_identifier_attach and auvid_identifier_attach_prediction) or the user's
  * own loop calls it for each cell of the record. Cost: 16 calls of the model's acceleration a cell.
- * Memory: sizeof(auvid_validation_t), 592 bytes with default sizes.
+ * Memory: sizeof(auvid_validation_t), 720 bytes with default sizes.
  */
 #ifndef AUVID_VALIDATION_H
 #define AUVID_VALIDATION_H
@@ -33,6 +33,7 @@ typedef struct {
     const auvid_vehicle_t *vehicle;
     /* state: from here on, see checkpoint.h */
     auvid_sample_t last; /* the cell before */
+    auvid_sample_t next; /* in an identifier: the cell that waits */
     auvid_real_t pi[AUVID_MAX_PARAMETERS];
     auvid_real_t delay_cells[AUVID_DOF_COUNT];
     auvid_real_t wrench[AUVID_DOF_COUNT]; /* after the lag */
@@ -46,7 +47,8 @@ typedef struct {
     uint32_t compared[AUVID_DOF_COUNT]; /* cells in which this velocity was measured */
     uint32_t cells;                     /**< cells simulated so far */
     bool running;                       /* the integration has started */
-    uint8_t reserved[AUVID_GAP(8, (AUVID_MAX_PARAMETERS + 85) * sizeof(auvid_real_t) + 1)];
+    bool waits;                         /* `next` does */
+    uint8_t reserved[AUVID_GAP(8, (AUVID_MAX_PARAMETERS + 85) * sizeof(auvid_real_t) + 2)];
 } auvid_validation_t;
 
 #define auvid_validation_init AUVID_SIZED(auvid_validation_init)

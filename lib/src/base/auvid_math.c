@@ -67,8 +67,13 @@ void auvid_zero(void *object, size_t bytes)
     typedef uint32_t __attribute__((may_alias)) word_t;
     word_t *x = object;
     size_t n = bytes / sizeof *x;
-    for (; n >= 4; n -= 4, x += 4) { /* compilers do not replace this by memset() */
+    for (; n >= 8; n -= 8, x += 8) { /* compilers do not replace this by memset() */
+        x[0] = x[1] = x[2] = x[3] = x[4] = x[5] = x[6] = x[7] = 0;
+    }
+    if (n >= 4) {
         x[0] = x[1] = x[2] = x[3] = 0;
+        x += 4;
+        n -= 4;
     }
     if (n >= 2) {
         x[0] = x[1] = 0;

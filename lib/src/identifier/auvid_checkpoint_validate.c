@@ -188,7 +188,7 @@ static bool checkpoint_check_ring(const subject_t *s)
            WORD(metric.evaluator.sets_merged) <= sets && tests == (untested > 0) &&
            held == (phase != AUVID_WORK_IDLE) && from == (held ? later : 0u) &&
            (held || (least == 0 && !full && !changed)) && !(full && !stored) &&
-           !(changed && stored) && WORD(metric.rows.set.rows) + !full <= s->id->metric.cfg.set_rows;
+           !(changed && stored) && WORD(metric.rows.set.rows) <= s->id->metric.cfg.set_rows;
 }
 
 /* One set, or the one being recorded: each DoF has all of its rows or some. */
@@ -421,6 +421,9 @@ static bool checkpoint_check_job(const subject_t *s)
         bool used = i < m->cfg.vehicle->parameters;
         good = good && (!used || column_of[i] < n || column_of[i] == NOWHERE) &&
                parameter_of[i] < m->cfg.vehicle->parameters;
+    }
+    if (phase == DONE) {
+        return good;
     }
     if (!good || j >= AUVID_DOF_COUNT || m->layout.count[j] == 0 ||
         ((WORD(metric.result.excited) | WORD(metric.result.coupled)) >> j & 1u) == 0) {

@@ -13,8 +13,8 @@
  * (metric_config.h). Only before the first wrench is recorded. */
 void auvid_identifier_set_scale(auvid_identifier_t *id, const auvid_allocation_t *allocation);
 
-/** Units that the start of a search costs: it draws a population. */
-enum { SEARCH_START_COST = 140 };
+/** Units that the start of a search costs. */
+enum { SEARCH_START_COST = 25 };
 
 /** Values of work.spent. */
 enum {
@@ -182,6 +182,7 @@ auvid_status_t auvid_identifier_begin_search(auvid_identifier_t *id, auvid_real_
 /** What the identifier calls of the simulation of velocity, if something is attached. */
 typedef struct auvid_simulate_functions {
     void (*cell)(auvid_identifier_t *id, const auvid_sample_t *cell); /**< NULL: a gap */
+    bool (*advance)(auvid_identifier_t *id); /**< the cell that waits. @return false: none does */
     void (*restart)(
         auvid_identifier_t *id);            /**< simulate subsequent cells with the last estimate */
     void (*finish)(auvid_identifier_t *id); /**< a set is complete: publish, then restart */

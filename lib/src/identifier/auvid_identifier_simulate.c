@@ -7,15 +7,34 @@
 #include "auvid_identifier_internal.h"
 #include "../base/auvid_math_internal.h"
 
+/* The prediction of a cell has a tick of its own. */
+static bool simulate_advance(auvid_identifier_t *id)
+{
+    auvid_validation_t *prediction = id->attached.prediction;
+    bool waits = prediction != NULL && prediction->waits;
+    if (waits) {
+        prediction->waits = false;
+        (void)auvid_validation_add(prediction, &prediction->next);
+    }
+    return waits;
+}
+
 static void simulate_cell(auvid_identifier_t *id, const auvid_sample_t *cell)
 {
-    auvid_validation_t *const both[] = {id->attached.validation, id->attached.prediction};
-    for (int i = 0; i < 2; ++i) {
-        if (cell == NULL) {
-            auvid_validation_gap(both[i]);
-        } else if (both[i] != NULL && both[i]->vehicle != NULL) {
-            (void)auvid_validation_add(both[i], cell);
-        }
+    auvid_validation_t *validation = id->attached.validation;
+    auvid_validation_t *prediction = id->attached.prediction;
+    (void)simulate_advance(id);
+    if (cell == NULL) {
+        auvid_validation_gap(validation);
+        auvid_validation_gap(prediction);
+        return;
+    }
+    if (validation != NULL && validation->vehicle != NULL) {
+        (void)auvid_validation_add(validation, cell);
+    }
+    if (prediction != NULL && prediction->vehicle != NULL) {
+        prediction->next = *cell;
+        prediction->waits = true;
     }
 }
 
@@ -37,6 +56,7 @@ static void simulate_restart(auvid_identifier_t *id)
 static void simulate_finish(auvid_identifier_t *id)
 {
     auvid_change_test_t *test = &id->change_test;
+    (void)simulate_advance(id);
     bool simulated = id->attached.prediction != NULL && id->attached.prediction->vehicle != NULL &&
                      id->metric.sets.waiting == 1 &&
                      auvid_validation_r2(id->attached.prediction, test->r2_velocity) == AUVID_OK;
@@ -44,8 +64,8 @@ static void simulate_finish(auvid_identifier_t *id)
     simulate_restart(id);
 }
 
-static const auvid_simulate_functions_t simulate_functions = {simulate_cell, simulate_restart,
-                                                              simulate_finish};
+static const auvid_simulate_functions_t simulate_functions = {simulate_cell, simulate_advance,
+                                                              simulate_restart, simulate_finish};
 
 void auvid_identifier_attach(auvid_identifier_t *id, auvid_validation_t *validation)
 {

@@ -9,6 +9,7 @@
 #include "auvid_actuation_internal.h"
 #include "../base/auvid_math_internal.h"
 #include "../metric/auvid_metric_feedback_internal.h"
+#include "../metric/auvid_metric_rows_internal.h"
 #include "../metric/auvid_metric_sets_internal.h"
 #include "../navigation/auvid_nav_internal.h"
 #include "auvid_input_internal.h"
@@ -31,46 +32,64 @@ static void identifier_watch_cell(auvid_identifier_t *id, const auvid_sample_t *
     auvid_metric_watch(&id->metric, cell, watched ? e->pi : NULL, e->excited);
 }
 
-/* Pass complete cells, at most max_cells, to the metric and the simulation of velocity. */
-static void identifier_take_cells(auvid_identifier_t *id, int max_cells)
+/* Do a part of what the last cell has left to do. @return false: nothing was left */
+static bool identifier_continue_cell(auvid_identifier_t *id)
+{
+    const auvid_simulate_functions_t *simulate = id->attached.simulate;
+    const auvid_uncertain_functions_t *uncertain = id->attached.uncertain_functions;
+    if (auvid_metric_waits(&id->metric)) {
+        uint32_t dropped = id->metric.sets.rows_dropped;
+        identifier_take_set(id, auvid_metric_continue(&id->metric));
+        bool drops = id->metric.sets.rows_dropped != dropped;
+        id->events |= drops ? AUVID_EVENT_ROWS_DROPPED : 0u;
+        return true;
+    }
+    return (simulate != NULL && simulate->advance(id)) ||
+           (uncertain != NULL && uncertain->add_cell(id));
+}
+
+/* Pass a complete cell to the metric and the simulation of velocity. @return false: none is */
+static bool identifier_take_cell(auvid_identifier_t *id)
 {
     auvid_sample_t cell;
     uint32_t dropped = id->metric.sets.rows_dropped;
-    for (int i = 0; i < max_cells; ++i) {
-        auvid_status_t status = auvid_recorder_pop(&id->recorder, &cell);
-        if (status == AUVID_GAP) {
-            auvid_metric_gap(&id->metric);
-            identifier_pass_cell(id, NULL);
-            id->events |= AUVID_EVENT_GAP;
-        } else if (status != AUVID_OK) {
-            if (i == 0 && id->attached.uncertain_functions != NULL) {
-                id->attached.uncertain_functions->rotate(id);
-            }
-            return;
-        } else {
-            auvid_metric_set_velocity_us(&id->metric, id->recorder.velocity_us);
-            identifier_pass_cell(id, &cell);
-            identifier_take_set(id, auvid_metric_add(&id->metric, &cell));
-            identifier_watch_cell(id, &cell);
-            bool drops = id->metric.sets.rows_dropped != dropped;
-            id->events |= drops ? AUVID_EVENT_ROWS_DROPPED : 0u;
-        }
+    auvid_status_t status = auvid_recorder_pop(&id->recorder, &cell);
+    if (status == AUVID_GAP) {
+        auvid_metric_gap(&id->metric);
+        identifier_pass_cell(id, NULL);
+        id->events |= AUVID_EVENT_GAP;
+    } else if (status == AUVID_OK) {
+        auvid_metric_set_velocity_us(&id->metric, id->recorder.velocity_us);
+        identifier_pass_cell(id, &cell);
+        (void)auvid_metric_take_cell(&id->metric, &cell);
+        identifier_watch_cell(id, &cell);
+        bool drops = id->metric.sets.rows_dropped != dropped;
+        id->events |= drops ? AUVID_EVENT_ROWS_DROPPED : 0u;
     }
+    return status == AUVID_GAP || status == AUVID_OK;
+}
+
+/* Take complete cells, at most max_cells, each with all that it leaves to do. */
+static void identifier_take_cells(auvid_identifier_t *id, int max_cells)
+{
+    do {
+        while (identifier_continue_cell(id)) {
+        }
+    } while (max_cells-- > 0 && identifier_take_cell(id));
 }
 
 /* Cells that the recorder has open where none piles up, at a DVL of 5 Hz. */
 enum { MAX_OPEN_CELLS = 6 };
 
-/* The same in a tick. Uncertain inputs store a cell and add it to their rows later: until then none
- * comes, unless cells pile up. */
+/* The same in a tick: one cell, or a part of what the last one has left to do, unless cells pile
+ * up. */
 static void identifier_take_cells_of_tick(auvid_identifier_t *id)
 {
     const auvid_uncertain_functions_t *uncertain = id->attached.uncertain_functions;
-    bool pile = id->recorder.opened - id->recorder.next > MAX_OPEN_CELLS;
-    if (uncertain == NULL || pile) {
+    if (id->recorder.opened - id->recorder.next > MAX_OPEN_CELLS) {
         identifier_take_cells(id, AUVID_CELLS_PER_STEP);
-    } else if (!uncertain->add_cell(id)) {
-        identifier_take_cells(id, 1);
+    } else if (!identifier_continue_cell(id) && !identifier_take_cell(id) && uncertain != NULL) {
+        uncertain->rotate(id);
     }
 }
 
@@ -277,7 +296,6 @@ auvid_status_t auvid_identifier_applied(auvid_identifier_t *id, uint64_t t_us,
     }
     auvid_status_t status = identifier_record_input(id, t_us, wrench, command);
     id->events |= status < 0 ? AUVID_EVENT_INPUT_DROPPED : 0u; /* of the next step */
-    identifier_take_cells_of_tick(id);
     return status;
 }
 

@@ -417,9 +417,16 @@ static auvid_status_t identifier_linearise(auvid_identifier_t *id, uint32_t *bud
     return status;
 }
 
+/* What follows, publishing the estimate, has a call of its own. */
 static auvid_status_t identifier_confidence(auvid_identifier_t *id, uint32_t *budget)
 {
-    return auvid_confidence_work(&id->confidence, &id->metric, budget);
+    uint32_t before = *budget;
+    auvid_status_t status = auvid_confidence_work(&id->confidence, &id->metric, budget);
+    if (status == AUVID_OK && *budget < before) {
+        *budget = 0;
+        status = AUVID_PENDING;
+    }
+    return status;
 }
 
 /* The search reads only the merged sets. */

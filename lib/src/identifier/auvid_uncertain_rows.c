@@ -13,17 +13,13 @@
 #include "auvid_uncertain_parts_internal.h"
 #include "../metric/auvid_metric_rows_internal.h"
 
-/* Where each tick makes two calls, a cell, its addition to the rows and the next cell are in ticks
- * of their own. CALLS_TO_WAIT: the largest recorded.waits. */
-enum { CELL_IS_ADDED = 1, CALLS_TO_WAIT = 3 };
-
 void auvid_uncertain_restart(auvid_uncertain_t *u)
 {
     auvid_zero(u->factor, sizeof u->factor);
     memset(u->rows, 0, sizeof u->rows);
     u->begin_us = 0;
     u->recorded.pending = 0;
-    u->recorded.waits = 0;
+    u->recorded.waits = false;
     u->recorded.wrench = u->recorded.difference = AUVID_C(0.0);
     memset(u->recorded.successive, 0, sizeof u->recorded.successive);
 }
@@ -125,10 +121,10 @@ static void uncertain_finish(void *context, const auvid_metric_t *m)
 {
     auvid_uncertain_t *u = context;
     auvid_uncertain_rows_t *r = &u->recorded;
-    if (r->waits <= CELL_IS_ADDED) {
+    if (!r->waits) {
         return;
     }
-    r->waits = 0;
+    r->waits = false;
     auvid_uncertain_channels(u, m, &u->cell, r->n == 0);
     auvid_metric_add_extra(m, &(auvid_metric_place_t){r->n, r->slot, r->spread},
                            uncertain_accumulate, u);
@@ -172,7 +168,7 @@ static void uncertain_cell(void *context, const auvid_metric_t *m, const auvid_s
     r->n = place->n;
     r->slot = (uint8_t)place->slot;
     r->spread = place->spread;
-    r->waits = CALLS_TO_WAIT;
+    r->waits = true;
     r->completes = false;
 }
 
@@ -189,12 +185,9 @@ static void uncertain_take(void *context, const auvid_metric_t *m, uint32_t slot
 
 bool auvid_uncertain_add_cell(auvid_uncertain_t *u)
 {
-    uint8_t left = u->recorded.waits;
-    if (left == CELL_IS_ADDED + 1) {
-        u->id->metric.extra->finish(u->id->metric.extra_context, &u->id->metric);
-    }
-    u->recorded.waits = (uint8_t)(left - (left > 0));
-    return left > 0;
+    bool waits = u->recorded.waits;
+    u->id->metric.extra->finish(u->id->metric.extra_context, &u->id->metric);
+    return waits;
 }
 
 void auvid_uncertain_rotate(auvid_uncertain_t *u)

@@ -39,6 +39,8 @@ struct auvid_path {
     void (*add_cell)(auvid_metric_t *m, const auvid_sample_t *cell, uint32_t n, uint32_t slot);
     /** Takes the complete row at `slot`, whose middle is at t_us. */
     void (*finish_row)(auvid_metric_t *m, uint64_t t_us, uint32_t slot);
+    /** Rotates a part of the row that waits in rows.waiting into the R factors. NULL: none does. */
+    void (*rotate_row)(auvid_metric_t *m);
     /** Begins the evaluation of a candidate. NULL if `linearise` is. */
     void (*begin)(auvid_metric_t *m, const auvid_real_t *pi, auvid_real_t delay_s);
     /** Continues it, for the cost (PASS_COST) or the residuals (PASS_MEASURE).
@@ -95,6 +97,14 @@ const auvid_real_t *auvid_metric_complete_row(const auvid_metric_t *m, uint32_t 
 static inline const auvid_path_t *auvid_metric_path(const auvid_metric_t *m)
 {
     return m->cfg.vehicle->path;
+}
+
+/** Rotate all of the row that waits into the R factors. */
+static inline void auvid_metric_rotate_rows(auvid_metric_t *m)
+{
+    while (m->rows.waiting != 0) {
+        auvid_metric_path(m)->rotate_row(m);
+    }
 }
 
 /** Does the path store rows, to be evaluated with one delay for all DoF? Else it has R factors. */

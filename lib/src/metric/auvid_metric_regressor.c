@@ -178,6 +178,17 @@ const auvid_real_t *auvid_metric_complete_row(const auvid_metric_t *m, uint32_t 
     return row;
 }
 
+/* Returns DoF j's wrench at each delay in the complete row at `slot`. */
+static const auvid_real_t *metric_complete_wrench(const auvid_metric_t *m, uint32_t slot, int j)
+{
+    const auvid_real_t *wrench =
+        m->rows.accumulator[slot] + metric_section(m, j < AUVID_ROLL ? 1 : 3);
+    for (int i = j < AUVID_ROLL ? AUVID_SURGE : AUVID_ROLL; i < j; ++i) {
+        wrench += auvid_metric_order(m, i) - m->layout.count[i];
+    }
+    return wrench;
+}
+
 /* Add weight * channel to the row under construction `slot`, which has `age` cells. fixed: NULL if
  * it is zero. */
 static void metric_accumulate_rows(auvid_metric_t *m, uint32_t slot, uint32_t age,
@@ -208,9 +219,9 @@ static void metric_rotate_row(auvid_metric_t *m, int j, const auvid_real_t *row)
 {
     auvid_metric_rows_t *rows = &m->rows;
     int at = m->layout.channel_at[j], n = auvid_metric_order(m, j);
-    uint32_t lag = m->cfg.lag[j >= AUVID_ROLL];
+    uint32_t lag = m->cfg.lag[j >= AUVID_ROLL], number = rows->since_gap - 1u;
     const auvid_real_t *previous =
-        rows->previous[(rows->since_gap + AUVID_METRIC_LAGS - lag) % AUVID_METRIC_LAGS] + at;
+        rows->previous[(number + AUVID_METRIC_LAGS - lag) % AUVID_METRIC_LAGS] + at;
     for (int band = 0; band < AUVID_METRIC_BANDS && rows->successive[j] >= lag; ++band) {
         auvid_real_t sum[AUVID_MAX_PARAMETERS + AUVID_METRIC_DELAYS];
         auvid_real_t other = band == 0 ? AUVID_C(0.5) : AUVID_C(-0.5);
@@ -219,9 +230,34 @@ static void metric_rotate_row(auvid_metric_t *m, int j, const auvid_real_t *row)
         }
         auvid_qr_update(rows->set.factor[band] + m->layout.factor_at[j], n, 0, sum);
     }
-    memcpy(rows->previous[rows->since_gap % AUVID_METRIC_LAGS] + at, row, (size_t)n * sizeof *row);
+    memcpy(rows->previous[number % AUVID_METRIC_LAGS] + at, row, (size_t)n * sizeof *row);
     rows->successive[j] =
         (uint8_t)(rows->successive[j] + (rows->successive[j] < AUVID_METRIC_LAGS));
+}
+
+/* Rotate the row of up to ROTATED_DOFS DoF that wait. The last cell has completed it, so the next
+ * one has not yet overwritten it. */
+static void metric_rotate_dofs(auvid_metric_t *m)
+{
+    enum { ROTATED_DOFS = 2 };
+    auvid_metric_rows_t *rows = &m->rows;
+    uint32_t slot = auvid_metric_slot_of_complete(m, rows->cells - METRIC_PAST);
+    int left = ROTATED_DOFS;
+    for (int j = 0; rows->waiting >> j != 0 && left > 0; ++j) {
+        auvid_real_t row[AUVID_MAX_PARAMETERS + AUVID_METRIC_DELAYS];
+        int count = m->layout.count[j];
+        if ((rows->waiting >> j & 1) == 0) {
+            continue;
+        }
+        rows->waiting = (uint8_t)(rows->waiting & ~(1u << j));
+        const auvid_real_t *wrench = metric_complete_wrench(m, slot, j);
+        memcpy(row, auvid_metric_complete_row(m, slot, j), (size_t)count * sizeof *row);
+        for (int d = 0; d < AUVID_METRIC_DELAYS; ++d) {
+            row[count + d] = wrench[d] - rows->fixed_wrench[slot][j];
+        }
+        metric_rotate_row(m, j, row);
+        --left;
+    }
 }
 
 /* Pass the complete row to the columns from outside. */
@@ -232,13 +268,12 @@ static void metric_take_extra(auvid_metric_t *m, uint32_t slot, bool counts, uin
     }
 }
 
-/* Take a row into the R factors, except for the DoF whose equation reads what was not measured. A
- * row in which the regressor failed does not count: its wrench would seem explained. */
+/* Take a row, except for the DoF whose equation reads what was not measured: it waits for its
+ * rotation. A row in which the regressor failed does not count: its wrench would seem explained. */
 static void metric_take_row(auvid_metric_t *m, uint64_t t_us, uint32_t slot)
 {
     auvid_metric_rows_t *rows = &m->rows;
     const auvid_real_t *channel = rows->accumulator[slot], *fixed = rows->fixed_wrench[slot];
-    const auvid_real_t *motion = channel, *wrench = channel + metric_section(m, 1);
     uint8_t excluded = auvid_metric_dofs_without_row(m, slot);
     (void)t_us;
     if (auvid_all_within(channel, m->layout.channel_at[AUVID_DOF_COUNT], METRIC_LARGEST_ENTRY) !=
@@ -250,30 +285,17 @@ static void metric_take_row(auvid_metric_t *m, uint64_t t_us, uint32_t slot)
     }
     uint8_t taken = 0;
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
-        auvid_real_t row[AUVID_MAX_PARAMETERS + AUVID_METRIC_DELAYS];
-        int count = m->layout.count[j];
-        if (j == AUVID_ROLL) {
-            motion = channel + metric_section(m, 2);
-            wrench = channel + metric_section(m, 3);
-        }
         if (auvid_metric_order(m, j) == 0) {
             continue;
         }
         if ((excluded >> j & 1) != 0) {
             rows->successive[j] = 0;
-            motion += count;
-            wrench += AUVID_METRIC_DELAYS;
             continue;
         }
         taken = (uint8_t)(taken | 1u << j);
-        auvid_metric_update_wrench_moments(&rows->set, j, *wrench);
-        memcpy(row, motion, (size_t)count * sizeof *row);
-        motion += count;
-        for (int d = 0; d < AUVID_METRIC_DELAYS; ++d) {
-            row[count + d] = *wrench++ - fixed[j];
-        }
-        metric_rotate_row(m, j, row);
+        auvid_metric_update_wrench_moments(&rows->set, j, *metric_complete_wrench(m, slot, j));
     }
+    rows->waiting = taken;
     auvid_metric_count_row(&rows->set, taken != 0);
     ++rows->since_gap;
     metric_take_extra(m, slot, true, taken);
@@ -352,6 +374,7 @@ const auvid_path_t auvid_path_regressor = {.check = metric_check_regressor,
                                            .make_filter = metric_make_smoother,
                                            .add_cell = metric_add_equations,
                                            .finish_row = metric_take_row,
+                                           .rotate_row = metric_rotate_dofs,
                                            .evaluate = metric_evaluate_factor,
                                            .merge = auvid_metric_merge_sets,
                                            .start = &auvid_start_optimum};

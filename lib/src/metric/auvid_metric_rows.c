@@ -1,7 +1,8 @@
 /*
  * Metric, rows (Karras et al. 2013, III-B): cells to rows. auvid_metric_sets.c completes sets.
  * What a cell adds to a row, and where a complete row goes, is the path's: see
- * auvid_metric_regressor.c and auvid_metric_residual.c.
+ * auvid_metric_regressor.c and auvid_metric_residual.c. The rotation of a complete row, and the end
+ * of a complete set, are parts of their own: the control tick spreads them (auvid_metric_continue).
  *
  * The filter runs in transposed form: each cell is added, with the right coefficient, to the few
  * rows under construction, so no window of cells is stored.
@@ -30,7 +31,7 @@ static int metric_add_to_rows(auvid_metric_t *m, const auvid_sample_t *sample)
         memset(rows->missing[slot], 0, sizeof rows->missing[slot]);
     }
     auvid_metric_path(m)->add_cell(m, sample, n, slot);
-    return n >= last && (n - last) % step == 0 ? (int)((n - last) / step % m->layout.overlap) : -1;
+    return n >= last && (n - last) % step == 0 ? (int)auvid_metric_slot_of_complete(m, n) : -1;
 }
 
 /* Update the largest speed in each direction, in thousandths. */
@@ -45,12 +46,8 @@ static void metric_update_max_speed(auvid_partial_set_t *set, const auvid_sample
     }
 }
 
-auvid_status_t auvid_metric_add(auvid_metric_t *metric, const auvid_sample_t *sample)
+auvid_status_t auvid_metric_take_cell(auvid_metric_t *m, const auvid_sample_t *sample)
 {
-    if (metric == NULL || sample == NULL) {
-        return AUVID_ERR_NULL;
-    }
-    auvid_metric_t *m = metric;
     if (!auvid_is_finite(sample->phi) || !auvid_is_finite(sample->theta) ||
         !auvid_is_finite(sample->psi) || !auvid_all_finite(sample->nu, AUVID_DOF_COUNT) ||
         !auvid_all_finite(sample->nu_dot, AUVID_DOF_COUNT) ||
@@ -65,18 +62,38 @@ auvid_status_t auvid_metric_add(auvid_metric_t *metric, const auvid_sample_t *sa
     memcpy(inputs, sample->tau, sizeof sample->tau);
     memcpy(inputs + AUVID_DOF_COUNT, sample->command,
            AUVID_MAX_COMMANDS * sizeof sample->command[0]);
-    auvid_status_t status = AUVID_OK;
+    auvid_metric_rotate_rows(m);
     int slot = metric_add_to_rows(m, sample);
     if (slot >= 0) {
         uint64_t middle =
             sample->t_us - (uint64_t)(m->layout.taps - 1u) * auvid_metric_cell_us(m) / 2u;
         auvid_metric_path(m)->finish_row(m, middle, (uint32_t)slot);
-        if (m->rows.set.rows >= m->cfg.set_rows) {
-            status = auvid_metric_close(m);
-        }
     }
     ++m->rows.cells;
+    return AUVID_OK;
+}
+
+auvid_status_t auvid_metric_continue(auvid_metric_t *m)
+{
+    auvid_status_t status = AUVID_OK;
+    if (m->rows.waiting != 0) {
+        auvid_metric_path(m)->rotate_row(m);
+    } else if (auvid_metric_waits(m)) {
+        status = auvid_metric_close(m);
+    }
     return status == AUVID_PENDING ? AUVID_OK : status;
+}
+
+auvid_status_t auvid_metric_add(auvid_metric_t *metric, const auvid_sample_t *sample)
+{
+    if (metric == NULL || sample == NULL) {
+        return AUVID_ERR_NULL;
+    }
+    auvid_status_t status = auvid_metric_take_cell(metric, sample);
+    while (status >= 0 && auvid_metric_waits(metric)) {
+        status = auvid_metric_continue(metric);
+    }
+    return status;
 }
 
 uint32_t auvid_metric_rows_begun(const auvid_metric_t *m)
@@ -88,6 +105,7 @@ uint32_t auvid_metric_rows_begun(const auvid_metric_t *m)
 void auvid_metric_gap(auvid_metric_t *metric)
 {
     if (metric != NULL) {
+        auvid_metric_rotate_rows(metric);
         auvid_metric_count_lost_rows(&metric->rows.set, auvid_metric_rows_begun(metric));
         metric->rows.cells = 0;
         memset(metric->rows.successive, 0, sizeof metric->rows.successive);

@@ -54,6 +54,23 @@ static inline uint8_t auvid_metric_dofs_without_row(const auvid_metric_t *m, uin
     return (uint8_t)((forces & 7u) | (moments & ~7u));
 }
 
+/** Slot of the row whose last cell is cell n of the record. */
+static inline uint32_t auvid_metric_slot_of_complete(const auvid_metric_t *m, uint32_t n)
+{
+    return (n - (m->layout.taps - 1u)) / m->cfg.row_cells % m->layout.overlap;
+}
+
+/** auvid_metric_add in parts, one for each tick: take the cell, checked; then, while something
+ * waits, continue. @return as auvid_metric_add */
+auvid_status_t auvid_metric_take_cell(auvid_metric_t *m, const auvid_sample_t *sample);
+auvid_status_t auvid_metric_continue(auvid_metric_t *m);
+
+/** Does a complete row wait for its rotation, or a complete set for its end? */
+static inline bool auvid_metric_waits(const auvid_metric_t *m)
+{
+    return m->rows.waiting != 0 || (m->rows.set.rows >= m->cfg.set_rows && !m->sets.full);
+}
+
 /** Number of rows under construction: a gap costs them. */
 uint32_t auvid_metric_rows_begun(const auvid_metric_t *m);
 

@@ -179,6 +179,7 @@ auvid_status_t auvid_metric_close(auvid_metric_t *metric)
     if (set->rows == 0) {
         return AUVID_ERR_NO_DATA;
     }
+    auvid_metric_rotate_rows(m);
     uint8_t excited = 0;
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
         auvid_real_t min_rms = m->cfg.excitation_threshold * m->cfg.tau_max[j];

@@ -88,24 +88,18 @@ static auvid_real_t validation_past_wrench(const auvid_validation_t *v, int j, a
     return near + (ago - (auvid_real_t)whole) * (far - near);
 }
 
-/* Compute nu_dot with the recorded signals interpolated by `part` from the last cell to `to`, and
- * the commands of `half`. */
-static void validation_rates(const auvid_validation_t *v, const auvid_sample_t *to,
-                             const auvid_sample_t *half, auvid_real_t part, const auvid_real_t *nu,
-                             const auvid_real_t *tau, auvid_real_t *nu_dot)
+/* Interpolate the recorded signals by `part` from the last cell to `to`. */
+static void validation_interpolate(const auvid_validation_t *v, const auvid_sample_t *to,
+                                   auvid_real_t part, auvid_sample_t *s)
 {
-    auvid_sample_t s = v->last;
-    memcpy(s.command, half->command, sizeof s.command);
-    s.phi += part * (to->phi - v->last.phi);
-    s.theta += part * (to->theta - v->last.theta);
-    s.psi += part * (to->psi - v->last.psi);
+    s->phi = v->last.phi + part * (to->phi - v->last.phi);
+    s->theta = v->last.theta + part * (to->theta - v->last.theta);
+    s->psi = v->last.psi + part * (to->psi - v->last.psi);
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
-        bool integrated = (v->dofs >> j & 1u) != 0;
-        s.nu[j] = integrated ? nu[j] : v->last.nu[j] + part * (to->nu[j] - v->last.nu[j]);
-        s.tau[j] = tau[j];
-        nu_dot[j] = AUVID_C(0.0);
+        if ((v->dofs >> j & 1u) == 0) {
+            s->nu[j] = v->last.nu[j] + part * (to->nu[j] - v->last.nu[j]);
+        }
     }
-    (void)v->vehicle->acceleration(v->vehicle->context, &s, v->pi, nu_dot);
 }
 
 /* One step over `part` of a cell, starting at `from` of it, under a constant wrench. */
@@ -117,12 +111,20 @@ static void validation_runge_kutta(auvid_validation_t *v, const auvid_sample_t *
     static const auvid_real_t weight[4] = {AUVID_C(1.0), AUVID_C(2.0), AUVID_C(2.0), AUVID_C(1.0)};
     auvid_real_t h = part * v->cell_s, k[AUVID_DOF_COUNT] = {AUVID_C(0.0)};
     auvid_real_t step[AUVID_DOF_COUNT] = {AUVID_C(0.0)};
+    auvid_sample_t s = v->last;
+    memcpy(s.command, half->command, sizeof s.command);
+    memcpy(s.tau, tau, sizeof s.tau);
     for (int stage = 0; stage < 4; ++stage) {
-        auvid_real_t nu[AUVID_DOF_COUNT];
-        for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
-            nu[j] = v->predicted[j] + node[stage] * h * k[j];
+        if (stage != 2) { /* its node is that of stage 1 */
+            validation_interpolate(v, to, from + part * node[stage], &s);
         }
-        validation_rates(v, to, half, from + part * node[stage], nu, tau, k);
+        for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
+            if ((v->dofs >> j & 1u) != 0) {
+                s.nu[j] = v->predicted[j] + node[stage] * h * k[j];
+            }
+            k[j] = AUVID_C(0.0);
+        }
+        (void)v->vehicle->acceleration(v->vehicle->context, &s, v->pi, k);
         for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
             step[j] += weight[stage] * k[j];
         }

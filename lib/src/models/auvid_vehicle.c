@@ -232,29 +232,51 @@ static void vehicle_g500_regressor(const void *context, const auvid_sample_t *s,
     }
 }
 
+/* An equation: its DoF, the mass of its acceleration, and its other n parameters. */
+typedef struct {
+    uint8_t dof, mass, n, other[6];
+} g500_equation_t;
+
+#define G500(name) AUVID_G500_##name
+#if AUVID_MAX_PARAMETERS >= 17
+#define G500_EQUATION(dof, mass, n, bias, ...)                                                     \
+    {                                                                                              \
+        AUVID_##dof, G500(mass), (n) + 1,                                                          \
+        {                                                                                          \
+            __VA_ARGS__, G500(bias)                                                                \
+        }                                                                                          \
+    }
+#else
+#define G500_EQUATION(dof, mass, n, bias, ...)                                                     \
+    {                                                                                              \
+        AUVID_##dof, G500(mass), n,                                                                \
+        {                                                                                          \
+            __VA_ARGS__                                                                            \
+        }                                                                                          \
+    }
+#endif
+static const g500_equation_t g500_equation[] = {
+    G500_EQUATION(SURGE, M_U, 5, X_0, G500(M_V), G500(M_W), G500(W_B), G500(X_U), G500(X_UU)),
+    G500_EQUATION(SWAY, M_V, 5, Y_0, G500(M_U), G500(M_W), G500(W_B), G500(Y_V), G500(Y_VV)),
+    G500_EQUATION(HEAVE, M_W, 5, Z_0, G500(M_U), G500(M_V), G500(W_B), G500(Z_W), G500(Z_WW)),
+    G500_EQUATION(YAW, M_R, 4, N_0, G500(M_U), G500(M_V), G500(N_R), G500(N_RR))};
+
 /* Solves the equations for nu_dot. Each contains one acceleration, times one mass. So it divides
  * tau minus all other terms by this mass. */
 static bool vehicle_g500_acceleration(const void *context, const auvid_sample_t *sample,
                                       const auvid_real_t *pi, auvid_real_t nu_dot[AUVID_DOF_COUNT])
 {
-    static const struct {
-        auvid_dof_t dof;
-        auvid_girona500_parameter_t mass;
-    } equation[] = {{AUVID_SURGE, AUVID_G500_M_U},
-                    {AUVID_SWAY, AUVID_G500_M_V},
-                    {AUVID_HEAVE, AUVID_G500_M_W},
-                    {AUVID_YAW, AUVID_G500_M_R}};
     auvid_regressor_t y;
     auvid_zero(&y, sizeof y);
     vehicle_g500_regressor(context, sample, NULL, &y);
-    for (size_t k = 0; k < sizeof equation / sizeof equation[0]; ++k) {
-        int j = (int)equation[k].dof;
-        auvid_real_t rest = sample->tau[j], mass = pi[equation[k].mass];
-        uint32_t others = auvid_girona500.columns[j] & ~(1u << equation[k].mass);
-        for (int i = 0; others != 0; ++i, others >>= 1) {
-            rest -= (others & 1u) != 0 ? y.row[j][i] * pi[i] : AUVID_C(0.0);
+    for (size_t k = 0; k < sizeof g500_equation / sizeof g500_equation[0]; ++k) {
+        const g500_equation_t *equation = &g500_equation[k];
+        const auvid_real_t *row = y.row[equation->dof];
+        auvid_real_t rest = sample->tau[equation->dof], mass = pi[equation->mass];
+        for (const uint8_t *i = equation->other, *end = i + equation->n; i < end; ++i) {
+            rest -= row[*i] * pi[*i];
         }
-        nu_dot[j] = rest / auvid_max(mass, AUVID_C(0.0)); /* no mass: not finite */
+        nu_dot[equation->dof] = rest / auvid_max(mass, AUVID_C(0.0)); /* no mass: not finite */
     }
     return true;
 }

@@ -31,15 +31,27 @@ void auvid_crs_begin(auvid_optimizer_t *o)
     auvid_crs_t *crs = &o->crs;
     auvid_rng_t rng;
     auvid_rng_seed(&rng, c->seed);
-    for (uint16_t k = 0; k < c->population; ++k) { /* (3) */
+    for (uint16_t k = 0; k < c->population; ++k) {
         crs->order[k] = k;
-        for (size_t i = 0; i < c->n; ++i) {
-            auvid_real_t x = c->lower[i] + (c->upper[i] - c->lower[i]) * auvid_rng_uniform(&rng);
+    }
+    memcpy(crs->rng, rng.s, sizeof crs->rng);
+    o->state = AUVID_OPTIMIZER_FRESH;
+}
+
+/* (3) Draw point k of S, when it is asked for. A known point takes the place of a random one. */
+static void crs_draw_point(auvid_optimizer_t *o, uint32_t k)
+{
+    const auvid_search_config_t *c = &o->cfg;
+    auvid_crs_t *crs = &o->crs;
+    auvid_rng_t rng;
+    memcpy(rng.s, crs->rng, sizeof rng.s);
+    for (size_t i = 0; i < c->n; ++i) {
+        auvid_real_t x = c->lower[i] + (c->upper[i] - c->lower[i]) * auvid_rng_uniform(&rng);
+        if (k >= crs->known) {
             crs->theta[k][i] = auvid_min(x, c->upper[i]); /* the sum may round upwards */
         }
     }
     memcpy(crs->rng, rng.s, sizeof crs->rng);
-    o->state = AUVID_OPTIMIZER_FRESH;
 }
 
 /* (6) and the caps: the state after a cost or a rejection. */
@@ -215,6 +227,7 @@ auvid_status_t auvid_crs_next(auvid_optimizer_t *o)
         return crs_make_trial(o);
     }
     o->state = AUVID_OPTIMIZER_FILL;
+    crs_draw_point(o, o->work.crs);
     memcpy(o->trial, o->crs.theta[o->work.crs], sizeof o->trial);
     return AUVID_OK;
 }

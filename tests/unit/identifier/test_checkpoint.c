@@ -502,7 +502,7 @@ static void test_impossible_values_are_refused(void)
 {
     init(&good);
     IMPOSSIBLE(work.phase = UINT8_MAX);
-    IMPOSSIBLE(metric.rows.set.rows = SET_ROWS);
+    IMPOSSIBLE(metric.rows.set.rows = SET_ROWS + 1);
     IMPOSSIBLE(metric.sets.set[3].exponent[0] = 100);
     IMPOSSIBLE(metric.sets.set[3].excited = 1); /* without a row */
     IMPOSSIBLE(metric.rows.set.factor[0][0] = AUVID_C(1e30));

@@ -69,6 +69,9 @@ static void test_without_it_nothing_is_simulated_and_the_estimates_are_the_same(
     TEST_ASSERT_NULL(without.id.attached.prediction);
     TEST_ASSERT_EQUAL(0, without.id.change_test.simulated);
     TEST_ASSERT_TRUE(with.id.estimate.number > 1);
+    uint64_t with_us = with.id.estimate.t_us, without_us = without.id.estimate.t_us;
+    TEST_ASSERT_TRUE(with_us >= without_us && with_us <= without_us + 2 * 20000);
+    with.id.estimate.t_us = without_us; /* a cell waits until the one before is simulated */
     TEST_ASSERT_EQUAL_MEMORY(&with.id.estimate, &without.id.estimate, sizeof with.id.estimate);
     TEST_ASSERT_EQUAL_MEMORY(with.id.change_test.variance_ratio,
                              without.id.change_test.variance_ratio,

@@ -145,6 +145,8 @@ typedef struct {
     uint8_t successive[AUVID_DOF_COUNT];   /* rows without a gap of the DoF, ..AUVID_METRIC_LAGS */
     uint8_t missing[AUVID_MAX_OVERLAP][2]; /* bit i: velocity i was not measured in a cell of a row
                                               under construction, of forces and of moments */
+    uint8_t waiting; /* bit j: the last row of DoF j is not yet in its R factors */
+    uint8_t reserved[AUVID_GAP(sizeof(auvid_real_t), 7 + 2 * AUVID_MAX_OVERLAP)];
 } auvid_metric_rows_t;
 
 /** Sets: the ring of completed sets. See auvid_metric_hold. */

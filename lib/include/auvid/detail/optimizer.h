@@ -68,8 +68,8 @@ extern "C" {
 /** Progress of a search. What stands before AUVID_OPTIMIZER_START is the global phase. */
 typedef enum {
     AUVID_OPTIMIZER_NONE = 0,         /**< not initialised */
-    AUVID_OPTIMIZER_FRESH,            /**< the first population is drawn */
-    AUVID_OPTIMIZER_FILL,             /**< its points are evaluated */
+    AUVID_OPTIMIZER_FRESH,            /**< before the first point */
+    AUVID_OPTIMIZER_FILL,             /**< points of the first population are drawn, evaluated */
     AUVID_OPTIMIZER_GLOBAL,           /**< controlled random search */
     AUVID_OPTIMIZER_GLOBAL_CONVERGED, /**< ended by its spread */
     AUVID_OPTIMIZER_GLOBAL_CAPPED,    /**< ended by a cap, or no point has a cost */
@@ -157,8 +157,8 @@ auvid_status_t auvid_search_check(const auvid_search_config_t *cfg);
 
 #define auvid_optimizer_init AUVID_SIZED(auvid_optimizer_init)
 /**
- * Check and copy the configuration; draw the m points of S uniformly in the box (Algorithm 1,
- * line 3), or begin the local phase.
+ * Check and copy the configuration; begin the global phase, whose m points of S are drawn uniformly
+ * in the box as they are asked for (Algorithm 1, line 3), or the local phase.
  * @param optimizer  state to start; need not be zeroed.
  * @param cfg    copied; may be optimizer->cfg.
  * @param scale  n units of the local steps [parameter's unit], >= 0, <= 1e18: a step alpha moves
@@ -167,7 +167,7 @@ auvid_status_t auvid_search_check(const auvid_search_config_t *cfg);
  *               the box.
  * @return AUVID_OK; AUVID_ERR_NULL (but scale); the errors of auvid_search_check;
  *         AUVID_ERR_NOT_FINITE, AUVID_ERR_RANGE (scale). After an error *optimizer is unchanged.
- * Cost: m n random numbers, ~60k instructions for n = 13, m = 52 on a Cortex-M4F. Once.
+ * Cost: ~4k instructions for n = 13, m = 52 on a Cortex-M4F.
  */
 auvid_status_t auvid_optimizer_init(auvid_optimizer_t *optimizer, const auvid_search_config_t *cfg,
                                     const auvid_real_t *scale);
@@ -212,7 +212,7 @@ auvid_status_t auvid_optimizer_certify(auvid_optimizer_t *optimizer, const auvid
  *         AUVID_FINISHED: converged;
  *         AUVID_EVALUATION_LIMIT: the last phase was ended by a cap;
  *         AUVID_ERR_NULL; AUVID_ERR_STATE (not initialised).
- * Cost: at most one trial point. Stack: ~0.3 KiB.
+ * Cost: at most one trial point, or n random numbers. Stack: ~0.3 KiB.
  */
 auvid_status_t auvid_optimizer_ask(auvid_optimizer_t *optimizer, auvid_real_t *theta);
 
