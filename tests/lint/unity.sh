@@ -5,6 +5,8 @@
 # usage: STRICT=FLAGS unity.sh FILE.c...
 set -euo pipefail
 for compiler in gcc clang; do
-    printf '#include "%s"\n' "$@" |
-        $compiler $STRICT -Wno-shadow -I. -fsyntax-only -xc - # parameters may be called as statics
+    for size in '' -DAUVID_MAX_PARAMETERS=32; do # some models need more than the default
+        printf '#include "%s"\n' "$@" |
+            $compiler $STRICT $size -Wno-shadow -I. -fsyntax-only -xc - # parameters called as statics
+    done
 done
