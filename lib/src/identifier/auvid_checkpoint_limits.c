@@ -225,7 +225,7 @@ const auvid_checkpoint_limit_t auvid_checkpoint_limit[] = {
     VALUE(gauss_newton, lower, x),
     COST(gauss_newton, cost, cost),
     SQUARES(gauss_newton, squares, squares),
-    UP_TO(gauss_newton, damping, damping, AUVID_C(1e6)),
+    UP_TO(gauss_newton, damping, damping, NEWTON_MAX_DAMPING),
     BYTE(gauss_newton, state, state, NEWTON_DONE),
     BYTE(gauss_newton, rows, rows, NEWTON_MAX_ROWS),
     BYTE(gauss_newton, rejected, rejected, NEWTON_MAX_REJECTED),
