@@ -205,8 +205,8 @@ auvid_status_t auvid_identifier_begin_sets_search(auvid_identifier_t *id);
 /** The optimizer's search is over: take its best point, the cost and the work. */
 void auvid_identifier_end_search(auvid_identifier_t *id);
 
-/** A cost is known. If the line search has found a better point than the one that it had to confirm,
- * continue the steps of Gauss-Newton there or, if that has not helped, search everywhere. */
+/** A cost is known. If the line search has found a better point than the one that it had to
+ * confirm, continue the steps of Gauss-Newton there or, if that has not helped, search. */
 void auvid_identifier_check_start(auvid_identifier_t *id);
 
 /** Returns the point from which a search starts: after a refutation the better point, else the last
