@@ -4,7 +4,10 @@
 #
 # usage: STRICT=FLAGS unity.sh FILE.c...
 set -euo pipefail
+# -Wno-shadow: parameters may be called as statics.
 for compiler in gcc clang; do
-    printf '#include "%s"\n' "$@" |
-        $compiler $STRICT -Wno-shadow -I. -fsyntax-only -xc - # parameters may be called as statics
+    for size in '' -DAUVID_MAX_PARAMETERS=32; do # some models need more than the default
+        printf '#include "%s"\n' "$@" |
+            $compiler $STRICT $size -Wno-shadow -I. -fsyntax-only -xc -
+    done
 done

@@ -6,6 +6,8 @@
  * A result is far from the optimum if coordinate descent in double finds a lower cost within the
  * bounds. A result is at the optimum if no seed finds a cost that is lower by more than a
  * thousandth.
+ *
+ * Long form (AUVID_TEST_LONG): 200 seeds; or COUNT and FIRST as arguments.
  */
 #include <math.h>
 #include <stdio.h>
@@ -19,7 +21,8 @@
 #include "simulator.h"
 #include "unity.h"
 
-enum { N = AUVID_FOSSEN_COUNT, SECONDS = 40, TICKS_PER_S = 1000000 / SIM_TICK_US, MAX_SEEDS = 30 };
+enum { N = AUVID_FOSSEN_COUNT, MAX_SEEDS = 1000 };
+enum { SECONDS = 40, TICKS_PER_S = 1000000 / SIM_TICK_US };
 
 /* The wrench of a DoF: a sine or a square wave. */
 typedef struct {
@@ -115,7 +118,7 @@ static void configure(const world_t *world, uint64_t seed)
 }
 
 /* Records a row of the log every 0.1 s. */
-static void record(const world_t *world)
+static void record(const world_t *world, uint64_t log_seed)
 {
     sim_config_t vehicle;
     sim_output_t seen;
@@ -127,7 +130,8 @@ static void record(const world_t *world)
     vehicle.disturbance_N = world->disturbance_N;
     vehicle.disturbance_Nm = world->disturbance_Nm;
     TEST_ASSERT_TRUE(sim_init(&sim, &vehicle));
-    sim_rng_seed(&rng, 1, 77);
+    vehicle.seed += log_seed;
+    sim_rng_seed(&rng, 1 + log_seed, 77);
     for (int k = 0; k < SECONDS * TICKS_PER_S; ++k) {
         double wrench[AUVID_DOF_COUNT], t = (double)k / TICKS_PER_S;
         auvid_real_t attitude[3], nu[AUVID_DOF_COUNT], input[AUVID_DOF_COUNT];
@@ -151,10 +155,10 @@ static void record(const world_t *world)
     TEST_ASSERT_EQUAL(AUVID_SET_COMPLETE, auvid_identifier_close(&id));
 }
 
-static void identify(const world_t *world, uint64_t seed)
+static void identify(const world_t *world, uint64_t seed, uint64_t log_seed)
 {
     configure(world, seed);
-    record(world);
+    record(world, log_seed);
     while (auvid_identifier_work(&id, 1000) == AUVID_PENDING) {
     }
     TEST_ASSERT_TRUE(id.estimate.number > 0);
@@ -238,37 +242,36 @@ typedef struct {
 } result_t;
 
 static result_t result[MAX_SEEDS];
+static int seeds = 8;
+static uint64_t first_seed = 1;
 
-static int run(const world_t *world, int seeds, bool paper)
+/* One search for each seed: of the same log, or of a log of its own. */
+static void run(const world_t *world, bool paper, bool own_logs)
 {
     cfg.search.paper = paper;
     for (int k = 0; k < seeds; ++k) {
         double x[N];
         result_t *to = &result[k];
-        identify(world, (uint64_t)k + 1);
+        uint64_t seed = first_seed + (uint64_t)k;
+        identify(world, seed, own_logs ? seed : 0);
         for (int i = 0; i < N; ++i) {
             x[i] = (double)id.estimate.pi[i];
         }
         to->cost = cost_of(x) + (double)id.metric.result.constant;
-        descend(x, 1000);
+        descend(x, 5000);
         to->min_cost = cost_of(x) + (double)id.metric.result.constant;
         to->by_criterion = id.estimate.evaluations_line <
                            1000u * (unsigned)__builtin_popcount(id.estimate.identified);
         to->not_converged = id.estimate.not_converged;
         to->flags = __builtin_popcount(id.estimate.confidence.identifiable);
     }
-    return seeds;
-}
-
-static int seeds_to_run(void)
-{
-    return getenv("AUVID_TEST_LONG") != NULL ? MAX_SEEDS : 8;
 }
 
 /* Returns the number of results far from the optimum whose search ended by its own criterion. */
-static int assert_far_results_are_reported(int seeds, const char *name)
+static int assert_far_results_are_reported(const world_t *world, const char *name)
 {
     int far = 0, by_criterion = 0;
+    run(world, true, false);
     for (int k = 0; k < seeds; ++k) {
         const result_t *r = &result[k];
         if (r->cost > 1.001 * r->min_cost) {
@@ -287,16 +290,16 @@ static int assert_far_results_are_reported(int seeds, const char *name)
 static void test_a_result_far_from_the_optimum_has_not_converged_and_has_no_flags(void)
 {
     const world_t world = unbounded();
-    (void)assert_far_results_are_reported(run(&faint, seeds_to_run(), true), "faint roll");
-    (void)assert_far_results_are_reported(run(&weak, seeds_to_run(), true), "weak roll and pitch");
-    int by_criterion =
-        assert_far_results_are_reported(run(&world, seeds_to_run(), true), "wide bounds");
+    (void)assert_far_results_are_reported(&faint, "faint roll");
+    (void)assert_far_results_are_reported(&weak, "weak roll and pitch");
+    int by_criterion = assert_far_results_are_reported(&world, "wide bounds");
     TEST_ASSERT_TRUE(by_criterion > 0 || in_double); /* else this test would prove nothing */
 }
 
 static void test_a_result_at_the_optimum_has_converged(void)
 {
-    int seeds = run(&weak, seeds_to_run(), false), at = 0;
+    int at = 0;
+    run(&weak, false, false);
     double min_cost = HUGE_VAL;
     for (int k = 0; k < seeds; ++k) {
         min_cost = fmin(min_cost, result[k].min_cost);
@@ -315,17 +318,31 @@ static void test_a_result_at_the_optimum_has_converged(void)
 static void test_with_its_certificate_the_search_ends_at_the_optimum(void)
 {
     const world_t wide = unbounded(), *const worlds[] = {&faint, &weak, &wide};
+    const char *const name[] = {"faint roll", "weak roll and pitch", "wide bounds"};
     for (size_t w = 0; w < 3; ++w) {
-        int seeds = run(worlds[w], seeds_to_run(), false);
+        double largest = 0.0;
+        int unconverged = 0;
+        run(worlds[w], false, true);
         for (int k = 0; k < seeds; ++k) {
-            TEST_ASSERT_TRUE(result[k].cost <= 1.001 * result[k].min_cost);
-            TEST_ASSERT_FALSE(result[k].not_converged);
+            largest = fmax(largest, result[k].cost / result[k].min_cost - 1.0);
+            unconverged += result[k].not_converged;
         }
+        printf("%s: %d logs with a certificate, largest excess %.1e, %d not converged\n", name[w],
+               seeds, largest, unconverged);
+        TEST_ASSERT_TRUE(largest <= 1e-3);
+        TEST_ASSERT_EQUAL_INT(0, unconverged);
     }
 }
 
-int main(void)
+int main(int argc, char **argv)
 {
+    seeds = getenv("AUVID_TEST_LONG") != NULL ? 200 : seeds;
+    if (argc > 1) {
+        seeds = (int)fmin(fmax(atof(argv[1]), 1.0), MAX_SEEDS);
+    }
+    if (argc > 2) {
+        first_seed = strtoull(argv[2], NULL, 10);
+    }
     UNITY_BEGIN();
     RUN_TEST(test_with_its_certificate_the_search_ends_at_the_optimum);
     RUN_TEST(test_a_result_far_from_the_optimum_has_not_converged_and_has_no_flags);

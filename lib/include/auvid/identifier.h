@@ -292,6 +292,7 @@ typedef struct {
     uint8_t phase;       /**< auvid_work_phase_t */
     uint8_t spent;       /* 0: merges; 1: finds the minimum; then units of the start cost + 2 */
     uint8_t untested;    /* completed sets still to be validated before the merge */
+    uint8_t refuted;     /* polls of this search that found a better point than its start */
     bool set_pending, searching, not_converged;
     bool cold_start;                            /* search without the last estimate */
     bool seeks_optimum;                         /* in `optimum` */

@@ -4,6 +4,7 @@
  * Conditions between members are in auvid_checkpoint_validate.c.
  */
 #include "auvid_checkpoint_layout_internal.h"
+#include "auvid_identifier_internal.h"
 #include "auvid_uncertain_parts_internal.h"
 #include "../metric/auvid_confidence_notes_internal.h"
 #include "../search/auvid_gauss_newton_internal.h"
@@ -224,7 +225,7 @@ const auvid_checkpoint_limit_t auvid_checkpoint_limit[] = {
     VALUE(gauss_newton, lower, x),
     COST(gauss_newton, cost, cost),
     SQUARES(gauss_newton, squares, squares),
-    UP_TO(gauss_newton, damping, damping, AUVID_C(1e6)),
+    UP_TO(gauss_newton, damping, damping, NEWTON_MAX_DAMPING),
     BYTE(gauss_newton, state, state, NEWTON_DONE),
     BYTE(gauss_newton, rows, rows, NEWTON_MAX_ROWS),
     BYTE(gauss_newton, rejected, rejected, NEWTON_MAX_REJECTED),
@@ -245,6 +246,7 @@ const auvid_checkpoint_limit_t auvid_checkpoint_limit[] = {
     DELAY(identifier, work.delay_s, work.delay_s),
     COST(identifier, work.cost, work.minimum),
     BYTE(identifier, work.untested, work.untested, AUVID_MAX_SETS),
+    BYTE(identifier, work.refuted, work.refuted, WORK_CONTINUATIONS + 1),
     FLAG(identifier, work.set_pending, work.seeks_optimum),
     FLAG(identifier, started, started),
 

@@ -6,9 +6,9 @@
 #include "auvid_uncertain_parts_internal.h"
 
 /* Byte of the block in which a member is; the member, unsigned; a real. */
-#define AT(type, first, member) (state + offsetof(type, member) - offsetof(type, first))
+#define STATE_AT(type, first, member) (state + offsetof(type, member) - offsetof(type, first))
 #define WHOLE_AT(type, first, member)                                                              \
-    auvid_checkpoint_whole(AT(type, first, member), sizeof(((type *)0)->member))
+    auvid_checkpoint_whole(STATE_AT(type, first, member), sizeof(((type *)0)->member))
 #define OF_INPUTS(member) WHOLE_AT(auvid_uncertain_t, begin_us, member)
 #define OF_INSTRUMENTS(member) WHOLE_AT(auvid_instruments_t, last_us, member)
 
@@ -51,9 +51,9 @@ bool auvid_checkpoint_check_uncertain(const auvid_identifier_t *id, const uint8_
     const auvid_uncertain_t *u = id->attached.uncertain;
     auvid_real_t rows[AUVID_DOF_COUNT];
     bool good = true;
-    memcpy(rows, AT(auvid_uncertain_t, begin_us, rows), sizeof rows);
-    good = checkpoint_check_causes(AT(auvid_uncertain_t, begin_us, causes)) &&
-           checkpoint_check_causes(AT(auvid_uncertain_t, begin_us, work.causes));
+    memcpy(rows, STATE_AT(auvid_uncertain_t, begin_us, rows), sizeof rows);
+    good = checkpoint_check_causes(STATE_AT(auvid_uncertain_t, begin_us, causes)) &&
+           checkpoint_check_causes(STATE_AT(auvid_uncertain_t, begin_us, work.causes));
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
         bool any = rows[j] > AUVID_C(0.0) || (OF_INPUTS(recorded.pending) >> 2 * j & 3u) != 0;
         good = good && (!any || u->equation[j].order > 0);

@@ -248,7 +248,7 @@ static bool checkpoint_check_pass(const subject_t *s)
     bool right = true;
     switch (phase) {
     case AUVID_WORK_MERGE:
-        right = ((s->view->parts & PART_NEWTON) != 0 || merges) && in_dof;
+        right = ((s->view->parts & (PART_NEWTON | PART_LOCAL)) != 0 || merges) && in_dof;
         break;
     case AUVID_WORK_COST:
         right = at.pass == PASS_COST && at.dof <= AUVID_DOF_COUNT &&

@@ -16,6 +16,9 @@ void auvid_identifier_set_scale(auvid_identifier_t *id, const auvid_allocation_t
 /** Units that the start of a search costs. */
 enum { SEARCH_START_COST = 25 };
 
+/** How often the steps of Gauss-Newton continue from a better point, in one search. */
+enum { WORK_CONTINUATIONS = 3 };
+
 /** Values of work.spent. */
 enum {
     WORK_OPTIMUM = 1, /* the start of the search is being found */
@@ -131,7 +134,8 @@ auvid_status_t auvid_identifier_check_attach(const auvid_identifier_t *id, const
 
 /** How a path finds the point at which a search starts, and what the search has to confirm. */
 struct auvid_path_start {
-    /** The sets are merged, and work.active is known: begins it. */
+    /** The sets are merged, and work.active is known: begins it. After a refutation it begins at
+     * work.candidate and work.delay_s. */
     void (*begin)(auvid_identifier_t *id);
     /** Continues it.
      * @return AUVID_OK: the point is in work.candidate and work.delay_s, its cost in work.minimum;
@@ -195,6 +199,21 @@ static inline void identifier_simulate(auvid_identifier_t *id)
         id->attached.simulate->restart(id);
     }
 }
+
+/** Begin the search of the merged sets: its start is found. */
+auvid_status_t auvid_identifier_begin_sets_search(auvid_identifier_t *id);
+
+/** The optimizer's search is over: take its best point, the cost and the work. */
+void auvid_identifier_end_search(auvid_identifier_t *id);
+
+/** A cost is known. If the line search has found a better point than the one that it had to
+ * confirm, continue the steps of Gauss-Newton there or, if that has not helped, search. */
+void auvid_identifier_check_start(auvid_identifier_t *id);
+
+/** Returns the point from which a search starts: after a refutation the better point, else the last
+ * estimate; NULL: none is known. Its delay is written only if it is known. */
+const auvid_real_t *auvid_identifier_known_point(const auvid_identifier_t *id,
+                                                 auvid_real_t *delay_s);
 
 /** Delay of an estimate on the residual path, where it is common to all excited DoF [s]. */
 auvid_real_t auvid_identifier_common_delay(const auvid_estimate_t *estimate);

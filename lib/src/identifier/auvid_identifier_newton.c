@@ -1,11 +1,12 @@
 /*
  * The identifier: the start of a search on the residual path. The linearised sets give Gauss-Newton
- * steps, which end near a minimum of the cost. The search confirms it (auvid_optimizer_certify). A
- * model with kinks, or with several minima, may refute it; then the search goes on as without it.
+ * steps, which end near a minimum of the cost. The search confirms it (auvid_optimizer_certify). If
+ * its poll finds a better point, the steps continue there, at most WORK_CONTINUATIONS times; then
+ * the search goes on as without them.
  *
- * The steps begin at the last estimate or, in a cold start, at the prior, the good point or the
- * middle of the bounds. There the first step finds the parameters in which the model is affine,
- * given the others.
+ * The steps begin at the better point, at the last estimate or, in a cold start, at the prior, the
+ * good point or the middle of the bounds. There the first step finds the parameters in which the
+ * model is affine, given the others.
  *
  * A prior, of weight w about the mean p, adds P = sum (w (pi_i - p))^2 mean squares of a DoF's
  * residual to the cost: S + P S / N, with S the sum of squares of its N rows. So it is the rows
@@ -59,7 +60,8 @@ static void identifier_begin_newton(auvid_identifier_t *id)
     const auvid_vehicle_t *vehicle = identifier_vehicle(id);
     auvid_gauss_newton_t *gn = &id->linear.newton;
     auvid_real_t x[AUVID_MAX_PARAMETERS], lower[AUVID_MAX_PARAMETERS], upper[AUVID_MAX_PARAMETERS];
-    bool warm = id->estimate.number > 0 && !id->work.cold_start;
+    auvid_real_t delay_s = id->metric.cfg.delay_s[0];
+    const auvid_real_t *known = auvid_identifier_known_point(id, &delay_s);
     uint32_t affine = 0;
     int n = 0;
     for (int p = 0; p < vehicle->parameters; ++p) {
@@ -72,16 +74,15 @@ static void identifier_begin_newton(auvid_identifier_t *id)
             }
             lower[n] = search->lower[p];
             upper[n] = search->upper[p];
-            x[n] = auvid_clamp(warm ? id->estimate.pi[p] : middle, lower[n], upper[n]);
-            affine |= (uint32_t)(!warm && (vehicle->affine >> p & 1u) != 0) << n;
+            x[n] = auvid_clamp(known != NULL ? known[p] : middle, lower[n], upper[n]);
+            affine |= (uint32_t)(known == NULL && (vehicle->affine >> p & 1u) != 0) << n;
             id->work.parameter_of[n++] = (uint8_t)p;
         }
     }
     if (identifier_searches_delay(id)) {
         lower[n] = AUVID_C(0.0);
         upper[n] = auvid_metric_longest_delay(&id->metric);
-        x[n] = warm ? auvid_identifier_common_delay(&id->estimate) : id->metric.cfg.delay_s[0];
-        x[n] = auvid_clamp(x[n], lower[n], upper[n]);
+        x[n] = auvid_clamp(delay_s, lower[n], upper[n]);
         ++n;
     }
     auvid_gauss_newton_begin(gn, n, x, affine);

@@ -10,7 +10,8 @@
  * then the phases that read the ring restart with the remaining sets. The validation, if it is
  * attached, is in auvid_identifier_validate.c; the minimum of the regressor path, part of MERGE, in
  * auvid_identifier_optimum.c; its LINEARISE, with uncertain inputs, in auvid_uncertain_solve.c. The
- * start of the residual path, also part of MERGE, is in auvid_identifier_newton.c.
+ * start of the residual path, also part of MERGE, is in auvid_identifier_newton.c. How a search
+ * begins, and what follows if it refutes that start, is in auvid_identifier_search.c.
  */
 #include <string.h>
 
@@ -18,15 +19,6 @@
 #include "../base/auvid_math_internal.h"
 #include "../metric/auvid_metric_evaluator_internal.h"
 #include "../navigation/auvid_recorder_internal.h"
-
-auvid_real_t auvid_identifier_common_delay(const auvid_estimate_t *estimate)
-{
-    auvid_real_t delay_s = AUVID_C(0.0);
-    for (int j = 0; AUVID_MAX_COMMANDS > 0 && j < AUVID_DOF_COUNT; ++j) {
-        delay_s = auvid_max(delay_s, estimate->delay_s[j]); /* the same in all excited DoF */
-    }
-    return delay_s;
-}
 
 /* End the work: nothing is left to do for the sets of the ring. */
 static void identifier_rest(auvid_identifier_t *id)
@@ -36,114 +28,6 @@ static void identifier_rest(auvid_identifier_t *id)
     id->work.searching = id->work.seeks_optimum = false;
     id->work.phase = AUVID_WORK_IDLE;
     identifier_take_set(id, auvid_metric_release(&id->metric, id->applied.t_us + lead_us));
-}
-
-/* Does this search only have to confirm a point, although both phases are configured? */
-static bool identifier_only_confirms(const auvid_identifier_t *id)
-{
-    return auvid_metric_stores_rows(&id->metric) && id->search.phases == AUVID_SEARCH_BOTH &&
-           id->optimizer.cfg.phases == AUVID_SEARCH_LOCAL;
-}
-
-/* Is the minimum a certificate, or only a good point? Steps of Gauss-Newton may end at a kink. */
-static bool identifier_certifies(const auvid_identifier_t *id)
-{
-    return !auvid_metric_stores_rows(&id->metric) || identifier_vehicle(id)->smooth;
-}
-
-auvid_status_t auvid_identifier_begin_search(auvid_identifier_t *id, auvid_real_t *scale,
-                                             const auvid_real_t *last,
-                                             const auvid_minimum_t *minimum, const auvid_real_t *pi,
-                                             auvid_real_t delay_s)
-{
-    auvid_search_config_t *search = &id->optimizer.cfg;
-    auvid_real_t known[AUVID_MAX_PARAMETERS], at[AUVID_MAX_PARAMETERS];
-    *search = id->search;
-    search->seed += id->work.searches;
-    id->work.searched = (auvid_optimizer_work_t){0};
-    auvid_identifier_select(search, id->work.active, id->work.parameter_of);
-    for (int i = 0; i < search->n; ++i) { /* in place: the i-th is the i-th or a later one */
-        auvid_real_t half = AUVID_C(0.5) * (search->upper[i] - search->lower[i]);
-        int p = id->work.parameter_of[i];
-        scale[i] = auvid_min(scale[p], half);
-        known[i] = last != NULL ? last[p] : AUVID_C(0.0);
-        at[i] = minimum != NULL ? pi[p] : AUVID_C(0.0);
-    }
-    if (identifier_searches_delay(id)) {
-        int n = search->n++;
-        search->lower[n] = AUVID_C(0.0);
-        search->upper[n] = auvid_metric_longest_delay(&id->metric);
-        search->good[n] = id->metric.cfg.delay_s[0];
-        scale[n] = auvid_min(scale[identifier_vehicle(id)->parameters], search->upper[n]);
-        known[n] = at[n] = delay_s;
-    }
-    if (auvid_metric_stores_rows(&id->metric) && last != NULL && minimum != NULL &&
-        search->phases == AUVID_SEARCH_BOTH && identifier_certifies(id)) {
-        search->phases = AUVID_SEARCH_LOCAL;
-    }
-    auvid_status_t status =
-        auvid_optimizer_init(&id->optimizer, search, search->scale_by_bounds ? NULL : scale);
-    if (status >= 0 && last != NULL) {
-        (void)auvid_optimizer_add_point(&id->optimizer, known);
-    }
-    if (status >= 0 && minimum != NULL && !id->search.paper) {
-        (void)(identifier_certifies(id) ? auvid_optimizer_certify(&id->optimizer, at, minimum->cost,
-                                                                  minimum->allowed)
-                                        : auvid_optimizer_add_point(&id->optimizer, at));
-    }
-    return status;
-}
-
-/* A search that only had to confirm a point has found a better one: search everywhere. */
-static auvid_status_t identifier_begin_full_search(auvid_identifier_t *id)
-{
-    auvid_real_t scale[SCALES] = {AUVID_C(0.0)};
-    const auvid_optimizer_work_t done = id->optimizer.work;
-    int n = id->optimizer.cfg.n;
-    for (int i = 0; i < n; ++i) {
-        bool delay = identifier_searches_delay(id) && i == n - 1;
-        int p = delay ? identifier_vehicle(id)->parameters : id->work.parameter_of[i];
-        scale[p] = id->optimizer.scale[i];
-    }
-    auvid_status_t status =
-        auvid_identifier_begin_search(id, scale, id->work.candidate, NULL, NULL, id->work.delay_s);
-    id->work.searched = done;
-    return status;
-}
-
-static auvid_status_t identifier_begin_sets_search(auvid_identifier_t *id)
-{
-    bool warm = id->estimate.number > 0 && !id->work.cold_start;
-    bool known = id->work.minimum.cost < AUVID_COST_FAILED;
-    auvid_real_t scale[SCALES] = {AUVID_C(0.0)};
-    if (id->work.searching) {
-        return identifier_begin_full_search(id);
-    }
-    auvid_metric_path(&id->metric)->start->scale(id, scale);
-    auvid_status_t status = auvid_identifier_begin_search(
-        id, scale, warm ? id->estimate.pi : NULL, known ? &id->work.minimum : NULL,
-        id->work.candidate,
-        known ? id->work.delay_s : auvid_identifier_common_delay(&id->estimate));
-    if (status >= 0) {
-        ++id->work.searches;
-        id->work.cold_start = false;
-    }
-    return status;
-}
-
-void auvid_identifier_expand(auvid_identifier_t *id, const auvid_real_t *theta, int n)
-{
-    bool delay = identifier_searches_delay(id);
-    memcpy(id->work.candidate, id->metric.cfg.fixed, sizeof id->work.candidate);
-    for (int i = 0; i < n - delay; ++i) {
-        id->work.candidate[id->work.parameter_of[i]] = theta[i];
-    }
-    id->work.delay_s = delay ? theta[n - 1] : id->metric.cfg.delay_s[0];
-}
-
-static void identifier_expand(auvid_identifier_t *id, const auvid_real_t *theta)
-{
-    auvid_identifier_expand(id, theta, id->optimizer.cfg.n);
 }
 
 auvid_real_t auvid_identifier_speed(const auvid_metric_t *m, int k)
@@ -227,6 +111,7 @@ static void identifier_begin_merge(auvid_identifier_t *id)
     }
     auvid_metric_merge_begin(&id->metric);
     id->work.seeks_optimum = false;
+    id->work.refuted = 0;
     id->work.spent = 0;
     id->work.phase = AUVID_WORK_MERGE;
 }
@@ -292,7 +177,7 @@ static auvid_status_t identifier_merge(auvid_identifier_t *id, uint32_t *budget)
         return AUVID_PENDING;
     }
     *budget = 0; /* most of the cost may have been spent in earlier calls, but it is due now */
-    return identifier_begin_sets_search(id);
+    return auvid_identifier_begin_sets_search(id);
 }
 
 static void identifier_end_merge(auvid_identifier_t *id)
@@ -346,12 +231,9 @@ static AUVID_NOINLINE auvid_status_t identifier_ask(auvid_identifier_t *id, uint
     --*budget;
     auvid_status_t status = auvid_optimizer_ask(&id->optimizer, theta);
     if (status == AUVID_OK) {
-        identifier_expand(id, theta);
+        auvid_identifier_expand(id, theta, id->optimizer.cfg.n);
     } else if (status != AUVID_PENDING) {
-        identifier_expand(id, auvid_optimizer_best(&id->optimizer, &id->work.cost));
-        id->work.searched.crs += id->optimizer.work.crs;
-        id->work.searched.line_search += id->optimizer.work.line_search;
-        id->work.searched.attempts += id->optimizer.work.attempts;
+        auvid_identifier_end_search(id);
         id->work.not_converged = status != AUVID_FINISHED || !identifier_found_minimum(id);
         identifier_solve_coupled(id);
         identifier_begin_measure(id);
@@ -370,11 +252,7 @@ static void identifier_end_cost(auvid_identifier_t *id)
 {
     (void)auvid_optimizer_tell(&id->optimizer, id->metric.result.cost);
     id->work.phase = AUVID_WORK_ASK;
-    if (identifier_only_confirms(id) && !id->optimizer.certified) {
-        identifier_expand(id, auvid_optimizer_best(&id->optimizer, NULL));
-        id->work.spent = WORK_START;
-        id->work.phase = AUVID_WORK_MERGE;
-    }
+    auvid_identifier_check_start(id);
 }
 
 static void identifier_begin_confidence(auvid_identifier_t *id)

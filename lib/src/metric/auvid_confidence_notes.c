@@ -13,7 +13,7 @@
 /* Largest part of an equation's rms wrench that the impossible part of an estimate may explain. */
 #define IMPOSSIBLE AUVID_C(0.1)
 /* Largest rms variation of a constant wrench, relative to tau_max: rounding. */
-#define CONSTANT AUVID_C(1e-4)
+#define ROUNDING AUVID_C(1e-4)
 
 /* ---- bias of masses by the noise of the measured acceleration ---- */
 
@@ -116,7 +116,7 @@ void auvid_confidence_bias(auvid_confidence_job_t *c, int j)
 /* Returns why nothing is known about DoF j: AUVID_NOTE_NOT_EXCITED in estimate.h. */
 static uint8_t confidence_idle_reason(const auvid_metric_t *m, int j)
 {
-    auvid_real_t rounding = CONSTANT * m->cfg.tau_max[j];
+    auvid_real_t rounding = ROUNDING * m->cfg.tau_max[j];
     for (int age = 0; age < auvid_metric_sets(m); ++age) {
         const auvid_set_t *set = auvid_metric_set(m, age);
         if (set->tau_m2[j] > rounding * rounding * (auvid_real_t)set->rows_of[j]) {

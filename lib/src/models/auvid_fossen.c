@@ -164,11 +164,12 @@ static void fossen_regressor(const void *context, const auvid_sample_t *s, const
 typedef struct {
     uint8_t middle, end[2];
     uint8_t coupling[2]; /* indices of parameters */
-} block_t;
+} fossen_block_t;
 
 /* Solves one block in place by L D L' factorization, the ends first. A zero coupling has no effect,
  * even if the other DoF is not finite. */
-static void fossen_solve_block(const block_t *block, const auvid_real_t *pi, auvid_real_t *nu_dot)
+static void fossen_solve_block(const fossen_block_t *block, const auvid_real_t *pi,
+                               auvid_real_t *nu_dot)
 {
     auvid_real_t pivot = pi[ON_DIAGONAL(block->middle)], rest = nu_dot[block->middle];
     auvid_real_t min_pivot = AUVID_EPSILON * auvid_max(pivot, AUVID_C(0.0)), c[2];
@@ -195,7 +196,7 @@ static void fossen_solve_block(const block_t *block, const auvid_real_t *pi, auv
 #else
 #define COUPLING(name) AUVID_FOSSEN_COUNT
 #endif
-static const block_t fossen_block[2] = {
+static const fossen_block_t fossen_block[2] = {
     {AUVID_PITCH, {AUVID_SURGE, AUVID_HEAVE}, {COUPLING(M_UQ), COUPLING(M_WQ)}},
     {AUVID_SWAY, {AUVID_ROLL, AUVID_YAW}, {COUPLING(M_VP), COUPLING(M_VR)}}};
 

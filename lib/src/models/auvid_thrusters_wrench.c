@@ -48,7 +48,7 @@ static auvid_real_t thrusters_exponential(auvid_real_t x)
 }
 
 /* What a row leaves to the next one. */
-enum { FORCES, RESPONSES };
+enum { CARRY_FORCES, CARRY_RESPONSES };
 
 /* A group's parameters for one candidate. Commands are in steps of the log. */
 typedef struct {
@@ -389,7 +389,7 @@ bool auvid_thrusters_slopes(const auvid_thrusters_t *th, uint64_t t_us, const au
     memset(sum, 0, sizeof sum);
     thrusters_mean_responses(
         th, groups, &slots,
-        thrusters_resume(th, t_us, pi + th->cfg.hull->parameters, RESPONSES, &slots), sum);
+        thrusters_resume(th, t_us, pi + th->cfg.hull->parameters, CARRY_RESPONSES, &slots), sum);
     /* derivatives by gain, dead band and lag in their own units */
     const auvid_real_t step = th->cfg.command_max / AUVID_C(32767.0);
     const response_t unit = {step, step, AUVID_C(1.0) / step,
@@ -417,7 +417,8 @@ bool auvid_thrusters_force(const auvid_thrusters_t *th, uint64_t t_us, const auv
         return false;
     }
     auvid_thrusters_carry_t *carry =
-        resume ? thrusters_resume(th, t_us, pi + th->cfg.hull->parameters, FORCES, &slots) : NULL;
+        resume ? thrusters_resume(th, t_us, pi + th->cfg.hull->parameters, CARRY_FORCES, &slots)
+               : NULL;
     thrusters_mean_forces(th, groups, &slots, carry, sum);
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
         for (int i = 0; i < th->cfg.thrusters; ++i) {

@@ -51,6 +51,7 @@ static void gauss_newton_reject(auvid_gauss_newton_t *gn)
     }
     ++gn->rejected;
     gn->damping *= gn->affine != 0 ? AUVID_C(1.0) : DAMPING_FACTOR;
+    gn->damping = auvid_min(gn->damping, NEWTON_MAX_DAMPING);
     gn->affine = 0;
     auvid_gauss_newton_begin_step(gn);
 }

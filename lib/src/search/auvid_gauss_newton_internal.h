@@ -32,7 +32,8 @@
 enum { NEWTON_COST, NEWTON_ROWS, NEWTON_STEP, NEWTON_DONE };
 
 /** Limits of the steps. */
-enum { NEWTON_MAX_ROWS = 10, NEWTON_MAX_REJECTED = 4 };
+enum { NEWTON_MAX_ROWS = 10, NEWTON_MAX_REJECTED = 8 };
+#define NEWTON_MAX_DAMPING AUVID_C(1e6)
 
 /** Begin with n parameters, 1..AUVID_MAX_PARAMETERS, at gn->x; ls.x is a copy of it.
  * @param affine bit i: x_i moves in the first step; 0: there is no such step */
