@@ -40,8 +40,7 @@ enum { OPEN = 0x01, WRITE0 = 0x04, WRITE = 0x05, READ = 0x06, EXIT_EXTENDED = 0x
 enum { APPLICATION_EXIT = 0x20026 };
 
 /* Without the attribute gcc calls strlen(), which has 220 bytes. */
-__attribute__((optimize("no-tree-loop-distribute-patterns"))) static size_t length(
-    const char *text)
+__attribute__((optimize("no-tree-loop-distribute-patterns"))) static size_t length(const char *text)
 {
     size_t n = 0;
     while (text[n] != '\0') {

@@ -117,8 +117,8 @@ static inline auvid_real_t auvid_seconds(uint64_t a_us, uint64_t b_us)
     return (auvid_real_t)(us < INT32_MAX ? (int32_t)us : INT32_MAX) * AUVID_C(1e-6);
 }
 
-/** Returns n, rounded once. The compiler's conversion of a 64-bit integer has ten times the code size
- * on a core without double precision. */
+/** Returns n, rounded once. In float the compiler's conversion of 64 bits has ten times the code
+ * size. */
 auvid_real_t auvid_real_of(uint64_t n);
 
 /** Returns n / d, rounded down; d in 1..2^63. For rare use: small but slow. The compiler's 64-bit

@@ -143,8 +143,8 @@ static auvid_real_t adaptive_available_rows(const auvid_identifier_t *id, int j)
     uint64_t end_us = id->actuation->excitation.start_us + id->actuation->excitation.run_us;
     uint64_t left_us = end_us > id->t_us ? end_us - id->t_us : 0;
     auvid_real_t row_s = AUVID_C(1e-6) * (auvid_real_t)(id->recorder.cell_us * m->row_cells);
-    auvid_real_t rows =
-        (auvid_real_t)id->metric.result.dof_rows[j] + AUVID_C(1e-6) * auvid_real_of(left_us) / row_s;
+    auvid_real_t rows = (auvid_real_t)id->metric.result.dof_rows[j] +
+                        AUVID_C(1e-6) * auvid_real_of(left_us) / row_s;
     return auvid_min(rows, (auvid_real_t)(m->sets * m->set_rows));
 }
 

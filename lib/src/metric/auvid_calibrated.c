@@ -241,26 +241,26 @@ static int calibrated_entry(int n, int i, int k)
 }
 
 /* Combines the k of the data with its prior. */
-static void calibrated_combine(calibrated_scale_t *to, const auvid_estimate_t *told, int k)
+static void calibrated_combine(calibrated_scale_t *to, const auvid_estimate_t *estimate, int k)
 {
-    auvid_real_t prior = told->confidence.uncertainty.thrust_scale, v = to->column[k];
-    auvid_real_t off = told->pi[k] - AUVID_C(1.0), q = auvid_max(prior * prior, off * off - v);
+    auvid_real_t prior = estimate->confidence.uncertainty.thrust_scale, v = to->column[k];
+    auvid_real_t off = estimate->pi[k] - AUVID_C(1.0), q = auvid_max(prior * prior, off * off - v);
     to->variance = v;
     to->prior = q;
     to->shift = -off / (v + q);
     to->sigma = auvid_sqrt(v * q / (v + q));
-    to->k = told->pi[k] + to->shift * v;
+    to->k = estimate->pi[k] + to->shift * v;
 }
 
 /* Half-width up to which a parameter was, or would have been, identifiable; 0: it has another
  * fault. */
-static auvid_real_t calibrated_allowed(const auvid_estimate_t *told, int i)
+static auvid_real_t calibrated_allowed(const auvid_estimate_t *estimate, int i)
 {
-    const auvid_confidence_t *c = &told->confidence;
+    const auvid_confidence_t *c = &estimate->confidence;
     auvid_real_t sigma = c->sigma[i], thrust = c->thrust_error[i];
     if ((c->identifiable >> i & 1u) != 0) {
         return auvid_max(AUVID_CONFIDENCE_HALF_WIDTH * sigma,
-                         AUVID_CONFIDENCE_IDENTIFIABLE * auvid_abs(told->pi[i]));
+                         AUVID_CONFIDENCE_IDENTIFIABLE * auvid_abs(estimate->pi[i]));
     }
     if (c->note[i] != AUVID_NOTE_THRUST_SCALE || c->unchecked) {
         return AUVID_C(0.0);
@@ -351,32 +351,32 @@ static void calibrated_leave(const auvid_calibrated_t *c, auvid_estimate_t *si)
     }
 }
 
-auvid_status_t auvid_calibrated_estimate(const auvid_calibrated_t *c, const auvid_estimate_t *told,
-                                         auvid_estimate_t *si)
+auvid_status_t auvid_calibrated_estimate(const auvid_calibrated_t *c,
+                                         const auvid_estimate_t *estimate, auvid_estimate_t *si)
 {
-    if (c == NULL || told == NULL || si == NULL) {
+    if (c == NULL || estimate == NULL || si == NULL) {
         return AUVID_ERR_NULL;
     }
     if (c->other == NULL) {
         return AUVID_ERR_STATE;
     }
-    if (told->number == 0) {
+    if (estimate->number == 0) {
         return AUVID_ERR_NO_DATA;
     }
     const int n = c->vehicle.parameters, k = c->k;
     calibrated_scale_t scale = {.k = AUVID_C(1.0)};
     for (int i = 0; i < n && i < AUVID_MAX_PARAMETERS; ++i) { /* which n never exceeds */
-        scale.column[i] = told->covariance[calibrated_entry(n, i, k)];
+        scale.column[i] = estimate->covariance[calibrated_entry(n, i, k)];
     }
-    bool seen = (told->identified >> k & 1u) != 0 && scale.column[k] > AUVID_C(0.0) &&
-                told->confidence.sigma[k] < AUVID_LARGEST;
+    bool seen = (estimate->identified >> k & 1u) != 0 && scale.column[k] > AUVID_C(0.0) &&
+                estimate->confidence.sigma[k] < AUVID_LARGEST;
     if (seen) {
-        calibrated_combine(&scale, told, k);
+        calibrated_combine(&scale, estimate, k);
     }
     if (seen && !(scale.k >= LEAST_K)) {
         return AUVID_ERR_RANGE;
     }
-    memmove(si, told, sizeof *si);
+    memmove(si, estimate, sizeof *si);
     if (!seen) {
         calibrated_leave(c, si);
         return AUVID_UNUSED;

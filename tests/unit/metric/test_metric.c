@@ -257,8 +257,8 @@ static void test_sets_of_one_row_use_pairs_across_their_borders(void)
 
 /* ---- the smoother ---- */
 
-/* The kernel has the bits of smoother.h up to half-width 13, whose numerators are below 2^24. Beyond
- * it rounds once, the smoother three times. */
+/* The kernel has the bits of smoother.h up to half-width 13, whose numerators are below 2^24. For
+ * more it rounds once, the smoother three times. */
 static void test_one_pass_has_the_weights_of_savitzky_golay_of_order_2(void)
 {
     const int widest = (AUVID_MAX_TAPS - 1) / 2;

@@ -103,11 +103,11 @@ typedef struct {
 /** State of the local phase. */
 typedef struct {
     auvid_real_t axis_cost, axis_step; /**< cost of base + axis_step e_i, where d_i is made */
-    auvid_real_t cost, base_cost, previous_cost; /**< of theta, base, previous */
-    auvid_real_t t;                              /**< step of the trial along the line [scale] */
-    auvid_real_t t_best;                         /**< step accepted last, 0: none */
-    auvid_real_t t_near, cost_near;              /**< the line's last point */
-    auvid_real_t t_far, cost_far;                /**< the point before that; t_far 0: none */
+    auvid_real_t cost, base_cost, previous_cost;  /**< of theta, base, previous */
+    auvid_real_t t;                               /**< step of the trial along the line [scale] */
+    auvid_real_t t_best;                          /**< step accepted last, 0: none */
+    auvid_real_t t_near, cost_near;               /**< the line's last point */
+    auvid_real_t t_far, cost_far;                 /**< the point before that; t_far 0: none */
     auvid_real_t theta[AUVID_MAX_PARAMETERS];     /**< the best point, x [parameter's unit] */
     auvid_real_t base[AUVID_MAX_PARAMETERS];      /**< y_i, where the current line starts */
     auvid_real_t previous[AUVID_MAX_PARAMETERS];  /**< theta^k, where the current sweep started */
