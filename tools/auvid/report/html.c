@@ -85,7 +85,9 @@ static void write_sentences(FILE *out, const result_t *result, const char *none,
         escaped(out, text);
         fputc('\n', out);
     }
-    fprintf(out, k == 0 ? "  %s\n" : "", none);
+    if (k == 0) {
+        fprintf(out, "  %s\n", none);
+    }
 }
 
 /* What is wrong with the logs. */
