@@ -180,10 +180,9 @@ enum {
                                               another one waits sets no event: `unused` */
     AUVID_EVENT_DEPTH_DROPPED = 1u << 3,     /**< likewise: depth or pressure */
     AUVID_EVENT_GPS_DROPPED = 1u << 4,       /**< likewise */
-    AUVID_EVENT_INPUT_DROPPED = 1u << 5,     /**< applied wrench or commands rejected, in this
-                                              step or in auvid_identifier_applied since the last
-                                              one: not finite, beyond AUVID_RECORDER_LARGEST, or
-                                              a wrench of this time was given before */
+    AUVID_EVENT_INPUT_DROPPED = 1u << 5,     /**< wrench or commands of `applied` rejected: not
+                                              finite, beyond AUVID_RECORDER_LARGEST, or a wrench
+                                              of this time was given before */
     AUVID_EVENT_VELOCITY_STALE = 1u << 6,    /**< no DVL sample accepted for nav.stale_us */
     AUVID_EVENT_GAP = 1u << 7,               /**< the record was broken and restarted */
     AUVID_EVENT_SET = 1u << 8,               /**< a data set was completed */
@@ -430,7 +429,7 @@ auvid_status_t auvid_identifier_velocity(auvid_identifier_t *id, uint64_t t_us,
  * @param t_us of the tick, or of the measurement [us]; later than that of the last wrench
  * @param wrench [AUVID_DOF_COUNT] sum of all sources [N, Nm]
  * @param command [AUVID_MAX_COMMANDS] as in auvid_input_t; NULL: none
- * @return as auvid_identifier_motion. A rejected wrench is an event of the next step, too. */
+ * @return as auvid_identifier_motion. No event is set: check the status */
 auvid_status_t auvid_identifier_applied(auvid_identifier_t *id, uint64_t t_us,
                                         const auvid_real_t *wrench, const auvid_real_t *command);
 

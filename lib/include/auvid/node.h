@@ -137,11 +137,11 @@ typedef struct auvid_node {
     uint32_t events;     /**< AUVID_EVENT_... of the last step */
     uint32_t load;       /* maximum since the last health frame */
     auvid_node_next_t next;
-    bool started;    /* a tick was received or opened */
-    bool feedback;   /* thrust feedback has arrived since the last tick */
-    bool arming;     /* an arm frame is pending: the next step arms */
-    bool commanding; /* the last step commanded thrust */
-    bool ready;      /* initialised */
+    bool started;          /* a tick was received or opened */
+    bool feedback;         /* thrust feedback has arrived since the last tick */
+    bool arming;           /* an arm frame is pending: the next step arms */
+    bool commanding;       /* the last step commanded thrust */
+    bool ready;            /* initialised */
     auvid_identifier_t id; /* last: the rest is reached by short instructions */
 } auvid_node_t;
 

@@ -279,9 +279,22 @@ static bool checkpoint_check_pass(const subject_t *s)
            at.set <= sets + (phase == AUVID_WORK_CHANGE_TEST ? 2u : 0u);
 }
 
+/* The row that waits for its rotation: of the regressor path, and of DoF with an equation. */
+static bool checkpoint_check_row(const subject_t *s)
+{
+    const auvid_metric_t *m = &s->id->metric;
+    uint32_t waiting = WORD(metric.rows.waiting);
+    bool good = waiting == 0 || (!auvid_metric_stores_rows(m) && WORD(metric.rows.since_gap) > 0);
+    for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
+        good = good && ((waiting >> j & 1u) == 0 || auvid_metric_order(m, j) > 0);
+    }
+    return good;
+}
+
 static bool checkpoint_check_metric(const subject_t *s)
 {
-    return checkpoint_check_ring(s) && checkpoint_check_sets(s) && checkpoint_check_pass(s);
+    return checkpoint_check_ring(s) && checkpoint_check_row(s) && checkpoint_check_sets(s) &&
+           checkpoint_check_pass(s);
 }
 
 /* Are all `n` reals of `point` between the bounds? */

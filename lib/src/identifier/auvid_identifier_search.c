@@ -85,9 +85,9 @@ auvid_status_t auvid_identifier_begin_search(auvid_identifier_t *id, auvid_real_
         (void)auvid_optimizer_add_point(&id->optimizer, known);
     }
     if (status >= 0 && minimum != NULL && !id->search.paper) {
-        (void)(identifier_certifies(id) ? auvid_optimizer_certify(&id->optimizer, at, minimum->cost,
-                                                                  minimum->allowed)
-                                        : auvid_optimizer_add_point(&id->optimizer, at));
+        (void)(identifier_certifies(id)
+                   ? auvid_optimizer_certify(&id->optimizer, at, minimum->cost, minimum->allowed)
+                   : auvid_optimizer_add_point(&id->optimizer, at));
     }
     return status;
 }
@@ -115,9 +115,9 @@ auvid_status_t auvid_identifier_begin_sets_search(auvid_identifier_t *id)
     }
     auvid_metric_path(&id->metric)->start->scale(id, scale);
     const auvid_real_t *last = auvid_identifier_known_point(id, &delay_s);
-    auvid_status_t status = auvid_identifier_begin_search(
-        id, scale, last, known ? &id->work.minimum : NULL, id->work.candidate,
-        known ? id->work.delay_s : delay_s);
+    auvid_status_t status =
+        auvid_identifier_begin_search(id, scale, last, known ? &id->work.minimum : NULL,
+                                      id->work.candidate, known ? id->work.delay_s : delay_s);
     if (status >= 0 && id->work.refuted == 0) {
         ++id->work.searches;
         id->work.cold_start = false;

@@ -294,9 +294,7 @@ auvid_status_t auvid_identifier_applied(auvid_identifier_t *id, uint64_t t_us,
     if (!identifier_is_ready(id)) {
         return AUVID_ERR_STATE;
     }
-    auvid_status_t status = identifier_record_input(id, t_us, wrench, command);
-    id->events |= status < 0 ? AUVID_EVENT_INPUT_DROPPED : 0u; /* of the next step */
-    return status;
+    return identifier_record_input(id, t_us, wrench, command);
 }
 
 auvid_status_t auvid_identifier_close(auvid_identifier_t *id)

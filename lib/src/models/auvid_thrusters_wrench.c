@@ -54,9 +54,9 @@ enum { CARRY_FORCES, CARRY_RESPONSES };
 typedef struct {
     auvid_real_t gain[2]; /* forward, backward [N per step] */
     auvid_real_t dead_band;
-    int32_t whole_band; /* dead_band rounded down: a larger command exceeds it */
-    auvid_real_t decay; /* e^-a */
-    auvid_real_t mean;  /* (1 - e^-a) / a */
+    int32_t whole_band;                   /* dead_band rounded down: a larger command exceeds it */
+    auvid_real_t decay;                   /* e^-a */
+    auvid_real_t mean;                    /* (1 - e^-a) / a */
     auvid_real_t decay_slope, mean_slope; /* by the lag [1 / slots] */
 } group_t;
 
@@ -265,8 +265,8 @@ static void thrusters_mean_forces(const auvid_thrusters_t *th, const group_t *gr
         for (int i = 0; i < th->cfg.thrusters; ++i) {
             const group_t *group = &groups[th->cfg.group[i]];
             if (at == 0) { /* else from steady state */
-                x[i] = slots->resumes ? carry->force[i]
-                                      : thrusters_static_force(group, run.slot[i]);
+                x[i] =
+                    slots->resumes ? carry->force[i] : thrusters_static_force(group, run.slot[i]);
             }
             thrusters_follow_force(group, &run, i, &x[i], sum[i]);
         }
@@ -434,6 +434,5 @@ auvid_status_t auvid_thrusters_wrench(const auvid_thrusters_t *thrusters, uint64
     if (thrusters == NULL || pi == NULL || wrench == NULL) {
         return AUVID_ERR_NULL;
     }
-    return auvid_thrusters_force(thrusters, t_us, pi, false, wrench) ? AUVID_OK
-                                                                     : AUVID_ERR_NO_DATA;
+    return auvid_thrusters_force(thrusters, t_us, pi, false, wrench) ? AUVID_OK : AUVID_ERR_NO_DATA;
 }

@@ -52,10 +52,9 @@ void auvid_vehicle_check_fields(const auvid_vehicle_t *vehicle, auvid_refusal_t 
     auvid_check_count(why, AUVID_ERR_PARAMETERS, "parameters", vehicle->parameters,
                       AUVID_MAX_PARAMETERS);
     auvid_check_that(why, vehicle->path != NULL, AUVID_ERR_MODEL, "path");
-    auvid_check_that(why,
-                     vehicle->residual != NULL ||
-                         (vehicle->regressor != NULL && vehicle->thrust == NULL),
-                     AUVID_ERR_MODEL, "residual");
+    auvid_check_that(
+        why, vehicle->residual != NULL || (vehicle->regressor != NULL && vehicle->thrust == NULL),
+        AUVID_ERR_MODEL, "residual");
     auvid_check_that(why, vehicle->thrust == NULL || vehicle->ignores_inputs, AUVID_ERR_MODEL,
                      "thrust");
     if (why->status == AUVID_OK) {

@@ -23,7 +23,7 @@ static void test_an_empty_set_cannot_be_closed(void)
     static auvid_identifier_t before;
     TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &cfg));
     TEST_ASSERT_EQUAL(AUVID_ERR_NO_DATA, auvid_identifier_close(&chain.id));
-    chain_run(&chain, 2.0); /* cells, but no row yet */
+    chain_run(&chain, 2.0);                  /* cells, but no row yet */
     (void)auvid_identifier_close(&chain.id); /* takes the last one */
     before = chain.id;
     TEST_ASSERT_EQUAL(AUVID_ERR_NO_DATA, auvid_identifier_close(&chain.id));

@@ -195,7 +195,7 @@ def test_thrusters_get_the_directions_of_a_vehicle_file(run, tmp_path, convert):
     path, vehicle = tmp_path / "dive.BIN", ROOT / "tools/auvid/vehicles/bluerov2.ini"
     path.write_bytes(log_writers.bin_log(run))
     status, said, rows = convert(path, "--resample", "velocity", "--vehicle", str(vehicle))
-    assert status == 0 and "push the other way in the vehicle file" in said, said
+    assert status == 0 and "push against their direction in the vehicle file" in said, said
     wrench = table(rows, [f"thruster_{k + 1}" for k in range(8)]) @ vehicle_file.wrenches(vehicle)
     for dof, command in enumerate(run.commands.T):
         if np.any(command):

@@ -210,7 +210,7 @@ typedef struct {
                                                    DoF: see auvid_metric_coupled.c */
     auvid_real_t delay_weight[AUVID_METRIC_DELAYS]; /* of the residual path's common delay */
     auvid_real_t thrust; /* number of the candidate's thrust, if the model computes its own */
-    auvid_real_t pi[AUVID_MAX_PARAMETERS];          /* pi by parameter */
+    auvid_real_t pi[AUVID_MAX_PARAMETERS];     /* pi by parameter */
     auvid_real_t candidate[AUVID_MAX_COLUMNS]; /* pi by channel, then minus the delay's weights */
     auvid_real_t z[AUVID_MAX_COLUMNS];         /* wrench at the delay, by channel */
     auvid_real_t merged[AUVID_MAX_FACTOR];     /* the ring's [R_j | Z_j], bands weighted */

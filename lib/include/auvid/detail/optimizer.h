@@ -91,13 +91,13 @@ typedef struct {
 typedef struct {
     auvid_real_t theta[AUVID_POPULATION_SLOTS][AUVID_MAX_PARAMETERS]; /**< S [parameter's unit] */
     auvid_real_t cost[AUVID_POPULATION_SLOTS]; /**< J of each point, once evaluated */
-    auvid_real_t initial_spread;          /**< J0_max - J0_min over the points that did not fail */
-    auvid_real_t last_spread;             /**< J_max - J_min at which the search ends */
-    uint32_t rng[4];                      /**< state of the random numbers */
-    uint32_t rejections;                  /**< consecutive trials outside the box, now */
+    auvid_real_t initial_spread; /**< J0_max - J0_min over the points that did not fail */
+    auvid_real_t last_spread;    /**< J_max - J_min at which the search ends */
+    uint32_t rng[4];             /**< state of the random numbers */
+    uint32_t rejections;         /**< consecutive trials outside the box, now */
     uint16_t order[AUVID_POPULATION_SLOTS]; /**< a permutation of 0..m-1; draws shuffle it */
-    uint16_t known;                       /**< points added by auvid_optimizer_add_point, 0..m */
-    uint16_t best, worst;                 /**< indices of theta_min and theta_max */
+    uint16_t known;                         /**< points added by auvid_optimizer_add_point, 0..m */
+    uint16_t best, worst;                   /**< indices of theta_min and theta_max */
 } auvid_crs_t;
 
 /** State of the local phase. */
@@ -117,12 +117,12 @@ typedef struct {
     auvid_real_t slope[AUVID_MAX_PARAMETERS];     /**< along d_i, at the end of its line */
     /** d_i = e_i + sum of shear[i (i - 1) / 2 + k] e_k, k < i [scale] */
     auvid_real_t shear[AUVID_MAX_PARAMETERS * (AUVID_MAX_PARAMETERS - 1) / 2 + 1];
-    uint8_t direction;                           /**< 0..2n-1; 2n: the pattern step */
-    uint8_t built;                               /**< d_i with i < built have been made conjugate */
-    uint8_t probe;                               /**< k of the d_k that is probed */
-    uint8_t move;                                /**< private enum: purpose of the trial */
-    uint8_t restarts_left;                       /**< 0..restarts */
-    bool plain;                                  /**< no d_i has been made in this sweep */
+    uint8_t direction;     /**< 0..2n-1; 2n: the pattern step */
+    uint8_t built;         /**< d_i with i < built have been made conjugate */
+    uint8_t probe;         /**< k of the d_k that is probed */
+    uint8_t move;          /**< private enum: purpose of the trial */
+    uint8_t restarts_left; /**< 0..restarts */
+    bool plain;            /**< no d_i has been made in this sweep */
     uint8_t reserved[2];
 } auvid_line_search_t;
 
