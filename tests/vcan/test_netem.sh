@@ -127,7 +127,7 @@ counters() {
         /refused/ { good += near($2, refused) }
         END { exit good != 2 }' expected reported
     awk -v arrived="$(grep -c ' 042#' vx0.log)" '
-        /commands/ { print; good = ($2 + $6 + $8 - arrived) ^ 2 <= 100 && $10 == 0 }
+        /commands/ { print; good = ($2 + $6 + $8 - arrived) ^ 2 <= 100 && $12 == 0 }
         END { exit !good }' vehicle.out
 }
 
