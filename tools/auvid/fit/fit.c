@@ -18,13 +18,23 @@
 /* Exit statuses beside 0, at least one parameter is identifiable, and EXIT_REFUSED, bad usage. */
 enum { EXIT_LOG_REFUSED = 1, EXIT_NOTHING = 3 };
 
+/* The first error of the logs, or NULL. */
+static const char *first_error(const report_findings_t *findings)
+{
+    for (int i = 0; i < findings->count; ++i) {
+        if (findings->at[i].error) {
+            return findings->at[i].sentence;
+        }
+    }
+    return NULL;
+}
+
 /* Why nothing can be trusted. */
 static const char *why_nothing(const result_t *result, const auvid_identifier_t *id)
 {
-    for (int i = 0; i < result->findings->count; ++i) {
-        if (result->findings->at[i].error) {
-            return result->findings->at[i].sentence;
-        }
+    const char *error = first_error(result->findings);
+    if (error != NULL) {
+        return error;
     }
     if (result->estimate.number == 0 || result->estimate.identified == 0) {
         return "no input varies enough in an unbroken part of the log";
@@ -160,16 +170,6 @@ static void gather_logs(const job_t *job, result_t *result)
     result->remedy = job->remedy[0] != '\0' ? job->remedy : NULL;
 }
 
-static bool has_error(const report_findings_t *findings)
-{
-    for (int i = 0; i < findings->count; ++i) {
-        if (findings->at[i].error) {
-            return true;
-        }
-    }
-    return false;
-}
-
 /* What must be done before any other advice. */
 static void find_remedy(job_t *job, const auvid_identifier_t *id)
 {
@@ -187,7 +187,7 @@ static void find_remedy(job_t *job, const auvid_identifier_t *id)
     if (empty) {
         words = survey->gaps > 0 ? "the log: record a row every 0.2 s or more often, without gaps"
                                  : "the log: record for longer";
-    } else if (has_error(&job->findings) && (e == NULL || report_identifiable(e) == 0)) {
+    } else if (first_error(&job->findings) != NULL && (e == NULL || report_identifiable(e) == 0)) {
         words = "the log: correct its errors first";
     }
     (void)snprintf(job->remedy, sizeof job->remedy, "%s", words);
