@@ -90,9 +90,10 @@ passed_by() {
     cat "/sys/class/net/$1/statistics/tx_packets"
 }
 
-# dump INTERFACE LOG: starts candump in the background, with its pid in $candump.
+# dump INTERFACE LOG: starts candump in the background, with its pid in $candump. The log also has a
+# line "DROPCOUNT" when candump's socket lost frames.
 dump() {
-    candump -L -r 268435456 "$1" >"$2" &
+    candump -L -d -r 268435456 "$1" >"$2" &
     candump=$!
 }
 
@@ -103,7 +104,7 @@ witness() {
 }
 
 has_all() {
-    [ "$(wc -l <"$1")" = "$(($(passed_by vcan0) - passed))" ]
+    [ "$(grep -c '#' "$1")" = "$(($(passed_by vcan0) - passed))" ]
 }
 
 all_seen() {
@@ -119,6 +120,23 @@ start() {
     shift
     "$AUVID" "$@" >"$name.out" 2>"$name.err" &
     printf -v "$name" '%s' $!
+}
+
+# estimates FILE: prints parameter, estimate, half-width and, where the report has it, true value.
+estimates() {
+    awk '$1 ~ /._|W-B/ {
+        line = $1
+        for (i = 2; i <= NF; i++) if ($i ~ /^-?[0-9]+\.[0-9]+$/) line = line " " $i
+        print line }' "$1"
+}
+
+# compared: prints parameter, estimate, half-width and true value of the node's report node.out. The
+# true values are in the report of the same run over the bus in memory.
+compared() {
+    [ -e memory.out ] || "$AUVID" node --bus memory --excite --sets 1 >memory.out || true
+    estimates memory.out >memory.estimates
+    estimates node.out | awk 'NR == FNR { truth[$1] = $4; next }
+        $1 in truth { print $1, $2, $3, truth[$1] }' memory.estimates -
 }
 
 finish() {

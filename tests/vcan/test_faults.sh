@@ -80,7 +80,9 @@ killed() {
             exit !(NR == kills && ms[1] > 0 && ms[NR] <= 200) }' ends
 }
 
-# All faults at once: there is an estimate in the end, and each fault is in the report.
+# All faults at once: there is an estimate in the end, its intervals contain the truth, each fault
+# is in the report. Without faults the intervals of one set contain it in 1950 of 1950 cases
+# (build/auvid node --bus memory --excite --sets 1, seeds 1 to 150).
 disturbed() {
     begin 2
     "$PEER" busoff vx0
@@ -112,7 +114,9 @@ disturbed() {
     [ "$VCAN_INSIDE" = namespace ] || grep -q 'wall clock set 1 times' node.out
     grep -Eq ' sent, [1-9][0-9]* lost;' node.out
     grep -q 'is up again' node.err
-    awk '/rms error/ { found = $6 < 10 } END { exit !found }' vehicle.out
+    compared | awk '{ off = ($2 - $4) ^ 2 > $3 ^ 2; outside += off; if (off) print }
+        END { print NR " parameters, " outside + 0 " outside their interval"
+            exit !(NR == 13 && !outside) }'
 }
 
 # The receive buffer overflows while the node sleeps; the DVL is unplugged.
