@@ -125,11 +125,11 @@ objects = $(patsubst %.c,build/$(1)/%.o,$(2))
 TESTED = $(call objects,$(1),$(LIB) $(SIMULATOR) $(WORLD) $(SUPPORT)) build/$(1)/unity.o
 # Under the sanitizers and in double these take a minute, and others run the same code: the long
 # form only. The program itself is never built in double.
-SLOW := $(addprefix %/tests/unit/identifier/,\
-    test_adaptive test_change_test test_uncertain test_uncertain_causes test_width)
+SLOW := $(addprefix %/tests/unit/,$(addprefix identifier/,test_adaptive test_change_test \
+    test_width) $(addprefix uncertain/,test_uncertain test_uncertain_causes))
 SLOW_SANITIZED := $(SLOW) $(addprefix %/tests/unit/tools/,test_doctor test_doctor_sensors \
     test_doctor_campaign)
-SLOW_DOUBLE := $(SLOW) %/tests/unit/identifier/test_checkpoint_uncertain
+SLOW_DOUBLE := $(SLOW) %/tests/unit/uncertain/test_uncertain_checkpoint
 unit_tests = $(UNIT:tests/unit/%.c=build/$(1)/tests/unit/%)
 TEST_PROGRAMS := $(call unit_tests,release) \
     $(filter-out $(SLOW_SANITIZED),$(call unit_tests,sanitized)) \
@@ -185,7 +185,7 @@ GOLDEN_IMAGE := build/firmware/m4f-O2/tests/golden/test_core.elf
 # Its bytes are compared, see tests/firmware/test_checkpoint.sh; as a unit test it is left to the
 # long form.
 CHECKPOINT_IMAGES := $(foreach board,$(UNIT_BOARDS),\
-    build/firmware/$(board)/tests/unit/identifier/test_checkpoint.elf)
+    build/firmware/$(board)/tests/unit/checkpoint/test_checkpoint.elf)
 FIRMWARE_FLAGS := -std=c11 $(FLAGS) -ffunction-sections -fdata-sections -fcallgraph-info=su
 FIRMWARE_HOSTS := $(addprefix build/firmware/host/,gcc-O0 gcc-O3 clang-O2-ours gcc-O0-ours-20k)
 # The other pairs of a compiler and its flags are left to the long form. gcc-O2-ours is what the

@@ -76,8 +76,8 @@ refused 'a bit of `used`' identifier/auvid_thrusters.c \
     's/(AUVID_THRUSTERS_GROUPS) 4/\1 32/' $public/thrusters.h
 refused 'AUVID_CAN_DATA_ID' can/auvid_can.c 's/(AUVID_CAN_KINDS) = .*/\1 = 256/' \
     $public/can_messages.h
-refused 'auvid_checkpoint_block_t.parts' identifier/auvid_checkpoint_layout.c \
-    "$(before PART_END 'PART_EXTRA = 65536,')" src/identifier/auvid_checkpoint_layout_internal.h
+refused 'auvid_checkpoint_block_t.parts' checkpoint/auvid_checkpoint_layout.c \
+    "$(before PART_END 'PART_EXTRA = 65536,')" src/checkpoint/auvid_checkpoint_layout_internal.h
 # More parameters than bits, past the range that config.h refuses.
 more='s/#if AUVID_MAX_PARAMETERS < 1 .*/#undef AUVID_MAX_PARAMETERS\
 #define AUVID_MAX_PARAMETERS 33\

@@ -39,7 +39,8 @@ ROOMS = {
     "search": "base",  # never sees the metric: the identifier carries candidates and costs
     "excitation": "base",
 }
-ROOMS["identifier"] = " ".join(ROOMS)
+for room in "identifier", "checkpoint", "uncertain":  # each may include all before it
+    ROOMS[room] = " ".join(ROOMS)
 ROOMS["can"] = "base"
 ROOMS["node"] = " ".join(ROOMS)
 # Headers of lib/include/auvid, and of detail/ in it; auvid.h is above all.
@@ -50,7 +51,8 @@ PUBLIC = {
     "metric": "metric_config metric confidence estimate validation",
     "search": "optimizer",
     "excitation": "excitation allocation guard",
-    "identifier": "identifier actuation adaptive checkpoint prior uncertain",
+    "identifier": "identifier actuation adaptive prior uncertain",
+    "checkpoint": "checkpoint",
     "can": "can can_messages",
     "node": "node",
 }

@@ -166,7 +166,7 @@ def wrong(subject, whole, path, at, kind):
     if issubclass(kind, POINTERS):
         return None if saved == plain else "is a pointer, but it is in the checkpoint"
     if saved == plain:
-        return "is not in the checkpoint: see lib/src/identifier/auvid_checkpoint_layout.c"
+        return "is not in the checkpoint: see lib/src/checkpoint/auvid_checkpoint_layout.c"
     status = subject.restore(saved)
     brought = memory[at] == changed
     ctypes.memmove(memory, before, len(before))

@@ -19,7 +19,7 @@ from elftools.elf.elffile import ELFFile
 
 HERE = pathlib.Path(__file__).resolve().parent
 LISTED = HERE / "layout.csv"
-SOURCE = HERE / "../../lib/src/identifier/auvid_checkpoint_layout.c"
+SOURCE = HERE / "../../lib/src/checkpoint/auvid_checkpoint_layout.c"
 HEADER = SOURCE.with_name("auvid_checkpoint_layout_internal.h")
 CHECKSUM = re.compile(r"(#define AUVID_CHECKPOINT_LAYOUT )0x([0-9a-f]{8})u")
 BLOCK = re.compile(

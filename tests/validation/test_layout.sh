@@ -9,7 +9,7 @@ build() {
     local name=$1
     shift
     "$@" -std=c11 -g -fno-eliminate-unused-debug-types -Ilib/include -c -o "$to/$name.o" \
-        lib/src/identifier/auvid_checkpoint_layout.c
+        lib/src/checkpoint/auvid_checkpoint_layout.c
 }
 build host "${CC:-gcc}"
 for board in m4f m0plus; do

@@ -3,7 +3,7 @@
  */
 #include <string.h>
 
-#include "../identifier/auvid_uncertain_parts_internal.h"
+#include "../uncertain/auvid_uncertain_parts_internal.h"
 #include "auvid_node_step_internal.h"
 
 /* Inputs in the DBC: those of auvid_uncertain_input_t without the gains, which have no class, then

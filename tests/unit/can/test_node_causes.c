@@ -4,7 +4,7 @@
 #include <string.h>
 
 #include "auvid/node.h"
-#include "identifier/auvid_uncertain_parts_internal.h"
+#include "uncertain/auvid_uncertain_parts_internal.h"
 #include "unity.h"
 
 enum { CYCLE = 50, LONGEST = 200 };

@@ -11,7 +11,7 @@
 #include "auvid/adaptive.h"
 #include "auvid/checkpoint.h"
 #include "auvid/prior.h"
-#include "identifier/auvid_checkpoint_layout_internal.h"
+#include "checkpoint/auvid_checkpoint_layout_internal.h"
 #include "identifier/auvid_identifier_internal.h"
 #include "base/auvid_checksum_internal.h"
 #include "base/auvid_math_internal.h"

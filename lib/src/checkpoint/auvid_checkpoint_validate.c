@@ -8,8 +8,8 @@
 
 #include "auvid_checkpoint_layout_internal.h"
 #include "../metric/auvid_confidence_notes_internal.h"
-#include "auvid_identifier_internal.h"
-#include "auvid_prior_rows_internal.h"
+#include "../identifier/auvid_identifier_internal.h"
+#include "../identifier/auvid_prior_rows_internal.h"
 #include "../search/auvid_gauss_newton_internal.h"
 #include "../search/auvid_line_search_directions_internal.h"
 #include "../base/auvid_math_internal.h"

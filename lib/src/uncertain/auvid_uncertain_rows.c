@@ -9,7 +9,7 @@
  */
 #include <string.h>
 
-#include "auvid_actuation_internal.h"
+#include "../identifier/auvid_actuation_internal.h"
 #include "auvid_uncertain_parts_internal.h"
 #include "../metric/auvid_metric_rows_internal.h"
 

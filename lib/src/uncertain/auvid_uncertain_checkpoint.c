@@ -1,9 +1,51 @@
 /*
- * The checkpoint: conditions between the members of the uncertain inputs, and of the instruments.
- * Their columns are not saved; they are those that were laid out when they were attached.
+ * The checkpoint: the ranges of the members of the uncertain inputs and of the instruments, and the
+ * conditions between them. Their columns are not saved; they are those that were laid out when they
+ * were attached.
  */
-#include "auvid_checkpoint_layout_internal.h"
+#include "../checkpoint/auvid_checkpoint_limits_internal.h"
 #include "auvid_uncertain_parts_internal.h"
+
+/* What is unlimited is checked before it enters a row. */
+static const auvid_checkpoint_limit_t checkpoint_limit_uncertain[] = {
+    COUNT(uncertain, uint16_t, recorded.pending, recorded.pending,
+          (1 << AUVID_METRIC_BANDS * AUVID_DOF_COUNT) - 1),
+    BYTE(uncertain, recorded.successive, recorded.successive, AUVID_METRIC_LAGS),
+    BYTE(uncertain, recorded.begun_before, recorded.begun_before, MAX_OVERLAP),
+    BYTE(uncertain, recorded.slot, recorded.complete, MAX_OVERLAP - 1),
+    DOF_BITS(uncertain, recorded.dofs, recorded.dofs),
+    FLAG(uncertain, recorded.waits, recorded.takes_rows),
+    VALUE(uncertain, recorded.previous, recorded.band),
+    VALUE(uncertain, recorded.speed, recorded.lagged),
+    UP_TO(uncertain, recorded.spread, recorded.spread, AUVID_C(0.5)),
+    UP_TO(uncertain, recorded.elapsed, recorded.elapsed, AUVID_C(1e5)),
+    UP_TO(uncertain, recorded.wrench, recorded.difference, AUVID_LARGEST),
+    BYTE(uncertain, work.pass, work.pass, 3),
+    FLAG(uncertain, work.solving, work.solving),
+    VALUE(uncertain, work.joint, work.weight),
+    BYTE(uncertain, work.part.drag_at, work.part.sag_at, AUVID_UNCERTAIN_ORDER),
+    VALUE(uncertain, work.part.factor, work.part.scale),
+    VALUE(uncertain, factor, factor),
+    UP_TO(uncertain, rows, rows, AUVID_C(1e9)),
+    VALUE(uncertain, pi, own),
+    UP_TO(uncertain, scale, scale, 2),
+    FLAG(uncertain, excited, contradicted),
+    BYTE(uncertain, causes.order, causes.order, AUVID_CAUSE_COUNT - 1),
+    BYTE(uncertain, causes.named, causes.named, AUVID_CAUSE_COUNT),
+    FLAG(uncertain, causes.contradicted, causes.thrust_differs),
+    VALUE(cause, value, share),
+    BYTE(cause, input, input, INPUTS - 1),
+    BYTE(cause, dof, dof, AUVID_DOF_COUNT - 1),
+    FLAG(cause, named, named),
+};
+
+static const auvid_checkpoint_limit_t checkpoint_limit_instruments[] = {
+    WITHIN(reference, nu, nu, AUVID_RECORDER_LARGEST),
+    VALUE(instruments, lagged, lagged),
+    VALUE(instruments, factor, factor),
+    UP_TO(instruments, rows, rows, AUVID_C(1e9)),
+    VALUE(instruments, wide, wide),
+};
 
 /* Byte of the block in which a member is; the member, unsigned; a real. */
 #define STATE_AT(type, first, member) (state + offsetof(type, member) - offsetof(type, first))
@@ -45,8 +87,8 @@ static bool checkpoint_check_causes(const uint8_t *causes)
 }
 
 /* Rows are of DoF that have columns. */
-bool auvid_checkpoint_check_uncertain(const auvid_identifier_t *id, const uint8_t *state,
-                                      uint32_t parts, uint32_t phase)
+static bool checkpoint_check_uncertain(const auvid_identifier_t *id, const uint8_t *state,
+                                       uint32_t parts, uint32_t phase)
 {
     const auvid_uncertain_t *u = id->attached.uncertain;
     auvid_real_t rows[AUVID_DOF_COUNT];
@@ -67,8 +109,8 @@ bool auvid_checkpoint_check_uncertain(const auvid_identifier_t *id, const uint8_
 }
 
 /* The ring holds the references that were not yet taken; rows are of DoF that have instruments. */
-bool auvid_checkpoint_check_instruments(const auvid_identifier_t *id, const uint8_t *state,
-                                        uint32_t parts, uint32_t phase)
+static bool checkpoint_check_instruments(const auvid_identifier_t *id, const uint8_t *state,
+                                         uint32_t parts, uint32_t phase)
 {
     (void)parts;
     (void)phase;
@@ -80,3 +122,12 @@ bool auvid_checkpoint_check_instruments(const auvid_identifier_t *id, const uint
     }
     return good;
 }
+
+#define PART(what)                                                                                 \
+    {                                                                                              \
+        checkpoint_limit_##what,                                                                   \
+            sizeof checkpoint_limit_##what / sizeof checkpoint_limit_##what[0],                    \
+            checkpoint_check_##what                                                          \
+    }
+const auvid_checkpoint_part_t auvid_uncertain_checkpoint = PART(uncertain);
+const auvid_checkpoint_part_t auvid_instruments_checkpoint = PART(instruments);

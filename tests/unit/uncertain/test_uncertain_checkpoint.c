@@ -10,10 +10,10 @@
 #include "base/auvid_math_internal.h"
 #include "binomial.h"
 #include "chain.h"
-#include "identifier/auvid_checkpoint_layout_internal.h"
+#include "checkpoint/auvid_checkpoint_layout_internal.h"
 #include "save_checkpoint.h"
 #include "unity.h"
-#include "identifier/auvid_uncertain_parts_internal.h"
+#include "uncertain/auvid_uncertain_parts_internal.h"
 
 enum {
     TICK_US = 20000,

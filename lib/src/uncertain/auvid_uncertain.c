@@ -5,8 +5,7 @@
 
 #include <string.h>
 
-#include "auvid_checkpoint_layout_internal.h"
-#include "auvid_identifier_internal.h"
+#include "../identifier/auvid_identifier_internal.h"
 #include "auvid_uncertain_parts_internal.h"
 #include "../base/auvid_refusal_internal.h"
 
@@ -234,7 +233,7 @@ auvid_status_t auvid_identifier_attach_uncertain(auvid_identifier_t *id, auvid_u
     storage->cfg = *cfg;
     storage->id = id;
     storage->allocation = allocation;
-    storage->checkpoint = &auvid_checkpoint_uncertain;
+    storage->checkpoint = &auvid_uncertain_checkpoint;
     status = auvid_uncertain_lay_out(storage, &id->metric);
     if (status == AUVID_OK) {
         auvid_identifier_set_scale(id, allocation);

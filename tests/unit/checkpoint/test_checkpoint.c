@@ -9,7 +9,7 @@
 #include "search/auvid_line_search_directions_internal.h"
 #include "base/auvid_checksum_internal.h"
 #include "base/auvid_math_internal.h"
-#include "identifier/auvid_checkpoint_layout_internal.h"
+#include "checkpoint/auvid_checkpoint_layout_internal.h"
 #include "identifier/auvid_identifier_internal.h"
 #include "binomial.h"
 #include "by_residual.h"

@@ -154,4 +154,7 @@ auvid_real_t auvid_uncertain_product(const auvid_uncertain_t *u, int j, int k, i
 
 extern const struct auvid_metric_extra auvid_uncertain_extra;
 
+/** What a checkpoint checks of the uncertain inputs, and of the instruments. */
+extern const struct auvid_checkpoint_part auvid_uncertain_checkpoint, auvid_instruments_checkpoint;
+
 #endif

@@ -4,7 +4,7 @@
 #include <stddef.h>
 #include <string.h>
 
-#include "auvid_identifier_internal.h"
+#include "../identifier/auvid_identifier_internal.h"
 #include "auvid_uncertain_table_internal.h"
 #include "../base/auvid_math_internal.h"
 #include "../metric/auvid_metric_evaluator_internal.h"

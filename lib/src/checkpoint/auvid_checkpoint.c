@@ -19,7 +19,7 @@
 
 #include "auvid_checkpoint_layout_internal.h"
 #include "../base/auvid_checksum_internal.h"
-#include "auvid_identifier_internal.h"
+#include "../identifier/auvid_identifier_internal.h"
 #include "../base/auvid_math_internal.h"
 #include "../metric/auvid_metric_internal.h"
 

@@ -9,7 +9,7 @@
  */
 #include <string.h>
 
-#include "auvid_identifier_internal.h"
+#include "../identifier/auvid_identifier_internal.h"
 #include "auvid_uncertain_parts_internal.h"
 #include "../search/auvid_bounded_ls_internal.h"
 

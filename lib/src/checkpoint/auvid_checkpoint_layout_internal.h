@@ -154,11 +154,6 @@ typedef struct auvid_checkpoint_part {
     bool (*check)(const auvid_identifier_t *id, const uint8_t *state, uint32_t parts,
                   uint32_t phase);
 } auvid_checkpoint_part_t;
-extern const auvid_checkpoint_part_t auvid_checkpoint_uncertain, auvid_checkpoint_instruments;
-bool auvid_checkpoint_check_uncertain(const auvid_identifier_t *id, const uint8_t *state,
-                                      uint32_t parts, uint32_t phase);
-bool auvid_checkpoint_check_instruments(const auvid_identifier_t *id, const uint8_t *state,
-                                        uint32_t parts, uint32_t phase);
 
 /** An unsigned number of up to eight bytes. */
 static inline uint64_t auvid_checkpoint_whole(const uint8_t *at, size_t width)

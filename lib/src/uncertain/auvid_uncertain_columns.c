@@ -28,7 +28,7 @@
 #include <string.h>
 
 #include "auvid_uncertain_parts_internal.h"
-#include "auvid_identifier_internal.h"
+#include "../identifier/auvid_identifier_internal.h"
 #include "../base/auvid_checksum_internal.h"
 #include "../metric/auvid_metric_rows_internal.h"
 

@@ -18,8 +18,7 @@
 #include <string.h>
 
 #include "auvid/detail/recorder.h"
-#include "auvid_checkpoint_layout_internal.h"
-#include "auvid_identifier_internal.h"
+#include "../identifier/auvid_identifier_internal.h"
 #include "auvid_uncertain_parts_internal.h"
 
 #define INSTRUMENTS_STRONG AUVID_C(10.0)   /* least F */
@@ -332,7 +331,7 @@ auvid_status_t auvid_identifier_attach_instruments(auvid_identifier_t *id,
     (void)instruments_lay_out(u, &id->metric, lags, storage->of);
     storage->lags = (uint8_t)lags;
     storage->uncertain = u;
-    storage->checkpoint = &auvid_checkpoint_instruments;
+    storage->checkpoint = &auvid_instruments_checkpoint;
     u->instruments = storage;
     u->strong = instruments_strong;
     id->metric.extra = &instruments_extra;

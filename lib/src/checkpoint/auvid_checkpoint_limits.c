@@ -3,9 +3,8 @@
  * auvid_checkpoint_layout.c. A member that is not listed may have any value, a real any finite one.
  * Conditions between members are in auvid_checkpoint_validate.c.
  */
-#include "auvid_checkpoint_layout_internal.h"
-#include "auvid_identifier_internal.h"
-#include "auvid_uncertain_parts_internal.h"
+#include "auvid_checkpoint_limits_internal.h"
+#include "../identifier/auvid_identifier_internal.h"
 #include "../metric/auvid_confidence_notes_internal.h"
 #include "../search/auvid_gauss_newton_internal.h"
 #include "../search/auvid_line_search_directions_internal.h"
@@ -13,51 +12,7 @@
 #include "../metric/auvid_metric_evaluator_internal.h"
 #include "../navigation/auvid_nav_internal.h"
 
-#define BYTES(type, first, last)                                                                   \
-    (offsetof(type, last) + sizeof(((type *)0)->last) - offsetof(type, first))
-/* A negative size, which does not compile, unless there are whole units. */
-#define UNITS(bytes, unit) ((bytes) / sizeof(char[(bytes) % sizeof(unit) ? -1 : sizeof(unit)]))
-/* `first` .. `last`, scalars of type `unit`. */
-#define LIMIT(table, kind, unit, first, last, low, high)                                           \
-    {                                                                                              \
-        TABLE_##table, kind, sizeof(unit), (uint32_t)offsetof(auvid_##table##_t, first),           \
-            (uint32_t)UNITS(BYTES(auvid_##table##_t, first, last), unit), (auvid_real_t)(low),     \
-            (auvid_real_t)(high)                                                                   \
-    }
-/* Reals: low .. high; -max .. max; 0 .. max; any finite one. */
-#define RANGE(table, first, last, low, high)                                                       \
-    LIMIT(table, KIND_REAL, auvid_real_t, first, last, low, high)
-#define WITHIN(table, first, last, max) RANGE(table, first, last, -(max), max)
-#define UP_TO(table, first, last, max) RANGE(table, first, last, AUVID_C(0.0), max)
-#define FINITE(table, first, last) WITHIN(table, first, last, AUVID_LARGEST)
-/* Integers of a type: low .. high; 0 .. max. */
-#define SIGNED(table, unit, first, last, low, high)                                                \
-    LIMIT(table, KIND_SIGNED, unit, first, last, low, high)
-#define WHOLE(table, unit, first, last, low, high)                                                 \
-    LIMIT(table, KIND_UNSIGNED, unit, first, last, low, high)
-#define COUNT(table, unit, first, last, max) WHOLE(table, unit, first, last, 0, max)
-#define BYTE(table, first, last, max) COUNT(table, uint8_t, first, last, max)
-#define FLAG(table, first, last) BYTE(table, first, last, 1)
-/* Bit j: DoF j; bit i: velocity i. */
-#define DOF_BITS(table, first, last) BYTE(table, first, last, ALL_DOF)
-#define AXES(table, member) BYTE(table, member, member, AUVID_DVL_ALL)
-
-/* Parameters, bounds, steps: their squares are finite. Costs. Sums of squares of rows, which are
- * within 1e15. Lengths and speeds. Counts of evaluations: they do not wrap around. Delays: six of
- * the longest cells. */
-#define VALUE(table, first, last) WITHIN(table, first, last, AUVID_C(1e18))
-#define COST(table, first, last) WITHIN(table, first, last, AUVID_COST_FAILED)
-#define SQUARES(table, first, last) UP_TO(table, first, last, AUVID_C(1e35))
-#define LENGTH(table, first, last) WITHIN(table, first, last, AUVID_C(1e9))
-#define EVALUATIONS(table, member) COUNT(table, uint32_t, member, member, 1 << 30)
-#define DELAY(table, first, last) RANGE(table, first, last, AUVID_C(-2.01), AUVID_C(6.01))
-
-enum {
-    ALL_DOF = (1 << AUVID_DOF_COUNT) - 1,
-    MAX_ROWS = 60000 /* of all sets */,
-    MAX_OVERLAP = AUVID_MAX_OVERLAP,
-    UNCERTAIN_MAX_ORDER = AUVID_UNCERTAIN_ORDER
-};
+enum { MAX_ROWS = 60000 /* of all sets */ };
 
 const auvid_checkpoint_limit_t auvid_checkpoint_limit[] = {
     LENGTH(nav_velocity_sample, velocity, velocity),
@@ -258,53 +213,3 @@ const auvid_checkpoint_limit_t auvid_checkpoint_limit[] = {
 };
 const size_t auvid_checkpoint_limits =
     sizeof auvid_checkpoint_limit / sizeof auvid_checkpoint_limit[0];
-
-/* What is unlimited is checked before it enters a row. */
-static const auvid_checkpoint_limit_t checkpoint_limit_uncertain[] = {
-    COUNT(uncertain, uint16_t, recorded.pending, recorded.pending,
-          (1 << AUVID_METRIC_BANDS * AUVID_DOF_COUNT) - 1),
-    BYTE(uncertain, recorded.successive, recorded.successive, AUVID_METRIC_LAGS),
-    BYTE(uncertain, recorded.begun_before, recorded.begun_before, MAX_OVERLAP),
-    BYTE(uncertain, recorded.slot, recorded.complete, MAX_OVERLAP - 1),
-    DOF_BITS(uncertain, recorded.dofs, recorded.dofs),
-    FLAG(uncertain, recorded.waits, recorded.takes_rows),
-    VALUE(uncertain, recorded.previous, recorded.band),
-    VALUE(uncertain, recorded.speed, recorded.lagged),
-    UP_TO(uncertain, recorded.spread, recorded.spread, AUVID_C(0.5)),
-    UP_TO(uncertain, recorded.elapsed, recorded.elapsed, AUVID_C(1e5)),
-    UP_TO(uncertain, recorded.wrench, recorded.difference, AUVID_LARGEST),
-    BYTE(uncertain, work.pass, work.pass, 3),
-    FLAG(uncertain, work.solving, work.solving),
-    VALUE(uncertain, work.joint, work.weight),
-    BYTE(uncertain, work.part.drag_at, work.part.sag_at, UNCERTAIN_MAX_ORDER),
-    VALUE(uncertain, work.part.factor, work.part.scale),
-    VALUE(uncertain, factor, factor),
-    UP_TO(uncertain, rows, rows, AUVID_C(1e9)),
-    VALUE(uncertain, pi, own),
-    UP_TO(uncertain, scale, scale, 2),
-    FLAG(uncertain, excited, contradicted),
-    BYTE(uncertain, causes.order, causes.order, AUVID_CAUSE_COUNT - 1),
-    BYTE(uncertain, causes.named, causes.named, AUVID_CAUSE_COUNT),
-    FLAG(uncertain, causes.contradicted, causes.thrust_differs),
-    VALUE(cause, value, share),
-    BYTE(cause, input, input, INPUTS - 1),
-    BYTE(cause, dof, dof, AUVID_DOF_COUNT - 1),
-    FLAG(cause, named, named),
-};
-
-static const auvid_checkpoint_limit_t checkpoint_limit_instruments[] = {
-    WITHIN(reference, nu, nu, AUVID_RECORDER_LARGEST),
-    VALUE(instruments, lagged, lagged),
-    VALUE(instruments, factor, factor),
-    UP_TO(instruments, rows, rows, AUVID_C(1e9)),
-    VALUE(instruments, wide, wide),
-};
-
-#define PART(what)                                                                                 \
-    {                                                                                              \
-        checkpoint_limit_##what,                                                                   \
-            sizeof checkpoint_limit_##what / sizeof checkpoint_limit_##what[0],                    \
-            auvid_checkpoint_check_##what                                                          \
-    }
-const auvid_checkpoint_part_t auvid_checkpoint_uncertain = PART(uncertain);
-const auvid_checkpoint_part_t auvid_checkpoint_instruments = PART(instruments);
