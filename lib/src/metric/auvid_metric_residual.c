@@ -168,14 +168,31 @@ static bool metric_push_residual(auvid_metric_t *m, auvid_row_t *row)
     return ev->window_rows >= m->layout.window_length;
 }
 
-static auvid_real_t metric_smoothed_residual(const auvid_metric_t *m, int j)
+/* Smooth the residuals of all DoF in one pass over the window, a ring that is full, the oldest row
+ * first. The sums are spelled out: compilers keep them in registers then. */
+static void metric_smooth_residuals(const auvid_metric_t *m, auvid_real_t smoothed[AUVID_DOF_COUNT])
 {
-    auvid_real_t e = AUVID_C(0.0);
-    for (uint32_t k = 0; k < m->layout.window_length; ++k) {
-        e += m->layout.window_weight[k] *
-             m->evaluator.window[(m->evaluator.window_rows + k) % m->layout.window_length][j];
+    const auvid_metric_evaluator_t *ev = &m->evaluator;
+    uint32_t length = m->layout.window_length;
+    const auvid_real_t *weight = m->layout.window_weight, *end = weight + length;
+    const auvid_real_t(*row)[AUVID_DOF_COUNT] = ev->window + ev->window_rows % length;
+    auvid_real_t u = AUVID_C(0.0), v = u, w = u, p = u, q = u, r = u;
+    for (; weight < end; ++weight) {
+        const auvid_real_t c = *weight, *e = *row;
+        u += c * e[AUVID_SURGE];
+        v += c * e[AUVID_SWAY];
+        w += c * e[AUVID_HEAVE];
+        p += c * e[AUVID_ROLL];
+        q += c * e[AUVID_PITCH];
+        r += c * e[AUVID_YAW];
+        row = row + 1 < ev->window + length ? row + 1 : ev->window;
     }
-    return e;
+    smoothed[AUVID_SURGE] = u;
+    smoothed[AUVID_SWAY] = v;
+    smoothed[AUVID_HEAVE] = w;
+    smoothed[AUVID_ROLL] = p;
+    smoothed[AUVID_PITCH] = q;
+    smoothed[AUVID_YAW] = r;
 }
 
 /* What DoF j's prior adds to the cost: with P its squared distance, N log(SSE) + P is least where
@@ -208,7 +225,7 @@ static auvid_status_t metric_sample_cost(auvid_metric_t *m, uint32_t *budget)
         for (; set->excited != 0 && at->row < set->rows; ++at->row) {
             auvid_row_t *row = &auvid_metric_rows(m, age)[at->row];
             bool follows = auvid_metric_succeeds(m, row->sample.t_us);
-            auvid_real_t squares = AUVID_C(0.0);
+            auvid_real_t e[AUVID_DOF_COUNT], squares = AUVID_C(0.0);
             if (!auvid_metric_spend_model(m, budget,
                                           auvid_metric_residual_work(m, row, follows))) {
                 return AUVID_PENDING;
@@ -216,11 +233,11 @@ static auvid_status_t metric_sample_cost(auvid_metric_t *m, uint32_t *budget)
             if (!metric_push_residual(m, row)) {
                 continue;
             }
+            metric_smooth_residuals(m, e);
             for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
                 if ((set->excited >> j & 1) != 0 && ev->window_of[j] == m->layout.window_length) {
-                    auvid_real_t e = metric_smoothed_residual(m, j);
-                    squares += ev->weight[j] * e * e;
-                    ev->band_sse[0][j] += e * e;
+                    squares += ev->weight[j] * e[j] * e[j];
+                    ev->band_sse[0][j] += e[j] * e[j];
                 }
             }
             auvid_real_t term = squares - ev->compensation, total = ev->sum + term;
