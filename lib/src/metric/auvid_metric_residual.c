@@ -129,7 +129,7 @@ static void metric_store_row(auvid_metric_t *m, uint64_t t_us, uint32_t slot)
     store->sample.missing = m->rows.missing[slot][0];
     memcpy(store->late, channel + MOTION_LATE, sizeof store->late);
     if (m->cfg.vehicle->thrust != NULL) {
-        store->late[1][0] = AUVID_C(0.0); /* of none */
+        store->late[0][0] = AUVID_C(0.0); /* of none */
     }
     auvid_metric_count_row(&m->rows.set, any);
 }
@@ -151,18 +151,18 @@ static void metric_add_motion(auvid_metric_t *m, const auvid_sample_t *sample, u
 static bool metric_push_residual(auvid_metric_t *m, auvid_row_t *row)
 {
     auvid_metric_evaluator_t *ev = &m->evaluator;
-    auvid_sample_t sample = auvid_metric_delayed_sample(m, row);
-    uint8_t excluded = auvid_vehicle_unmeasured(m->cfg.vehicle, sample.missing);
-    if (!auvid_metric_succeeds(m, sample.t_us)) {
+    uint8_t excluded = auvid_vehicle_unmeasured(m->cfg.vehicle, row->sample.missing);
+    auvid_sample_t delayed;
+    if (!auvid_metric_succeeds(m, row->sample.t_us)) {
         ev->window_rows = 0;
         memset(ev->window_of, 0, sizeof ev->window_of);
     }
-    ev->window_us = sample.t_us;
+    ev->window_us = row->sample.t_us;
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
         int rows = ev->window_of[j] + (ev->window_of[j] < m->layout.window_length);
         ev->window_of[j] = (uint8_t)((excluded >> j & 1) != 0 ? 0 : rows);
     }
-    auvid_metric_residual(m, row, &sample, -1,
+    auvid_metric_residual(m, row, auvid_metric_delayed_sample(m, row, &delayed), -1,
                           ev->window[ev->window_rows % m->layout.window_length]);
     ++ev->window_rows;
     return ev->window_rows >= m->layout.window_length;
