@@ -169,22 +169,27 @@ static bool metric_push_residual(auvid_metric_t *m, auvid_row_t *row)
 }
 
 /* Smooth the residuals of all DoF in one pass over the window, a ring that is full, the oldest row
- * first. The sums are spelled out: compilers keep them in registers then. */
+ * first; those of roll and pitch only if they are modelled. The sums are spelled out: compilers keep
+ * them in registers then. */
 static void metric_smooth_residuals(const auvid_metric_t *m, auvid_real_t smoothed[AUVID_DOF_COUNT])
 {
     const auvid_metric_evaluator_t *ev = &m->evaluator;
     uint32_t length = m->layout.window_length;
     const auvid_real_t *weight = m->layout.window_weight, *end = weight + length;
     const auvid_real_t(*row)[AUVID_DOF_COUNT] = ev->window + ev->window_rows % length;
+    const uint32_t *columns = m->cfg.vehicle->columns;
+    bool tilts = (columns[AUVID_ROLL] | columns[AUVID_PITCH]) != 0;
     auvid_real_t u = AUVID_C(0.0), v = u, w = u, p = u, q = u, r = u;
     for (; weight < end; ++weight) {
         const auvid_real_t c = *weight, *e = *row;
         u += c * e[AUVID_SURGE];
         v += c * e[AUVID_SWAY];
         w += c * e[AUVID_HEAVE];
-        p += c * e[AUVID_ROLL];
-        q += c * e[AUVID_PITCH];
         r += c * e[AUVID_YAW];
+        if (tilts) {
+            p += c * e[AUVID_ROLL];
+            q += c * e[AUVID_PITCH];
+        }
         row = row + 1 < ev->window + length ? row + 1 : ev->window;
     }
     smoothed[AUVID_SURGE] = u;
