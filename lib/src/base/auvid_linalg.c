@@ -6,8 +6,6 @@
  */
 #include "auvid_linalg_internal.h"
 
-#include "auvid_sqrt_internal.h"
-
 /* A rotation: c, s. */
 typedef struct {
     auvid_real_t c, s;

@@ -18,8 +18,6 @@
 
 #include <string.h>
 
-#include "auvid_sqrt_internal.h"
-
 #if !defined(AUVID_SQRT)
 #include "auvid_sqrt_soft_internal.h"
 #endif

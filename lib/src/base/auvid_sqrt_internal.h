@@ -6,7 +6,7 @@
 #ifndef AUVID_SQRT_INTERNAL_H
 #define AUVID_SQRT_INTERNAL_H
 
-#include "auvid_math_internal.h"
+#include "auvid/types.h"
 
 /* sqrtf() may be a call or set errno, depending on the user's flags. */
 #if defined(__GNUC__) && defined(__AVX__)
@@ -37,17 +37,5 @@
 #elif !defined(AUVID_REAL_DOUBLE) && defined(AUVID_SQRT_32)
 #define AUVID_SQRT AUVID_SQRT_32
 #endif
-
-/** auvid_sqrt() without a call, for inner loops; x >= 0 or NaN. */
-static inline auvid_real_t auvid_sqrt_here(auvid_real_t x)
-{
-#if defined(AUVID_SQRT)
-    auvid_real_t r;
-    AUVID_SQRT(r, x);
-    return r;
-#else
-    return auvid_sqrt(x);
-#endif
-}
 
 #endif

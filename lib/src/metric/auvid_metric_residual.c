@@ -169,8 +169,8 @@ static bool metric_push_residual(auvid_metric_t *m, auvid_row_t *row)
 }
 
 /* Smooth the residuals of all DoF in one pass over the window, a ring that is full, the oldest row
- * first; those of roll and pitch only if they are modelled. The sums are spelled out: compilers keep
- * them in registers then. */
+ * first; those of roll and pitch only if they are modelled. The sums are spelled out: then
+ * compilers keep them in registers. */
 static void metric_smooth_residuals(const auvid_metric_t *m, auvid_real_t smoothed[AUVID_DOF_COUNT])
 {
     const auvid_metric_evaluator_t *ev = &m->evaluator;
