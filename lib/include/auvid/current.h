@@ -23,7 +23,7 @@
  * The search: for Girona500's 13 parameters, c_north, c_east and the delay, Gauss-Newton steps
  * find a minimum. About 100 evaluations confirm it in the first search, and 33 in each further
  * one (tests/vehicles/test_search_current.c). An evaluation costs one unit of work for each row
- * (vehicle.work is the hull's). Such a unit takes 2.3k instructions of a Cortex-M4F instead of
+ * (vehicle.work is the hull's). Such a unit takes 2.0k instructions of a Cortex-M4F instead of
  * 250. At AUVID_DEFAULT_BUDGET a first result over eight sets takes 27 s, a further one 12 s. The
  * change test runs only if a result uses five sets or more.
  * The delay is one shift, common to all degrees of freedom.

@@ -43,8 +43,8 @@
  * Cost:
  * - Of a tick: 155 instructions of a Cortex-M4F for one thruster, 320 for five; 10k in the first
  *   tick after a gap in the commands.
- * - Of a row of 0.5 s for one candidate, with slots of 20 ms: 4.7k for one thruster, 9.2k for five;
- *   with slots of 40 ms 3.4k and 5.9k; 1.2k if only parameters of the hull have changed. The lag
+ * - Of a row of 0.5 s for one candidate, with slots of 20 ms: 4.1k for one thruster, 8.6k for five;
+ *   with slots of 40 ms 2.8k and 5.3k; 0.6k if only parameters of the hull have changed. The lag
  *   continues from row to row; the first row of a pass, or after a gap, follows it from three times
  *   `lag_max_s` before it.
  * - Work: auvid_identifier_work accounts for the full cost (vehicle.work) and computes a row in one

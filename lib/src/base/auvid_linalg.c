@@ -17,9 +17,9 @@ static inline bool linalg_rotation(auvid_real_t *r, auvid_real_t a, linalg_rotat
     if (auvid_is_zero(a)) {
         return false;
     }
-    auvid_real_t rho = auvid_sqrt(*r * *r + a * a);
+    auvid_real_t rho = auvid_sqrt_here(*r * *r + a * a);
     if (!(rho > AUVID_C(0.0))) {
-        return false; /* both squares underflow to zero */
+        return false; /* both squares underflow to zero, or one is not a number */
     }
     auvid_real_t inverse = AUVID_C(1.0) / rho;
     g->c = *r * inverse;

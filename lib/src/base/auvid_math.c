@@ -18,36 +18,7 @@
 
 #include <string.h>
 
-/* The square root instruction of the core. sqrtf() may be a call or set errno, depending on the
- * user's flags. */
-#if defined(__GNUC__) && defined(__AVX__)
-#define SQRT_32(r, x) __asm__("vsqrtss %1, %1, %0" : "=x"(r) : "x"(x))
-#define SQRT_64(r, x) __asm__("vsqrtsd %1, %1, %0" : "=x"(r) : "x"(x))
-#elif defined(__GNUC__) && defined(__SSE2__)
-#define SQRT_32(r, x) __asm__("sqrtss %1, %0" : "=x"(r) : "x"(x))
-#define SQRT_64(r, x) __asm__("sqrtsd %1, %0" : "=x"(r) : "x"(x))
-#elif defined(__GNUC__) && defined(__aarch64__)
-#define SQRT_32(r, x) __asm__("fsqrt %s0, %s1" : "=w"(r) : "w"(x))
-#define SQRT_64(r, x) __asm__("fsqrt %d0, %d1" : "=w"(r) : "w"(x))
-#elif defined(__GNUC__) && defined(__arm__) && defined(__ARM_FP) && !defined(__SOFTFP__)
-#if (__ARM_FP & 4)
-#define SQRT_32(r, x) __asm__("vsqrt.f32 %0, %1" : "=t"(r) : "t"(x))
-#endif
-#if (__ARM_FP & 8)
-#define SQRT_64(r, x) __asm__("vsqrt.f64 %P0, %P1" : "=w"(r) : "w"(x))
-#endif
-#elif defined(__GNUC__) && defined(__riscv_flen)
-#define SQRT_32(r, x) __asm__("fsqrt.s %0, %1" : "=f"(r) : "f"(x))
-#if __riscv_flen >= 64
-#define SQRT_64(r, x) __asm__("fsqrt.d %0, %1" : "=f"(r) : "f"(x))
-#endif
-#endif
-
-#if defined(AUVID_REAL_DOUBLE) && defined(SQRT_64)
-#define SQRT_HERE SQRT_64
-#elif !defined(AUVID_REAL_DOUBLE) && defined(SQRT_32)
-#define SQRT_HERE SQRT_32
-#else
+#if !defined(AUVID_SQRT)
 #include "auvid_sqrt_soft_internal.h"
 #endif
 
@@ -146,10 +117,8 @@ auvid_real_t auvid_sqrt(auvid_real_t x)
     if (!(x > AUVID_C(0.0))) {
         return AUVID_C(0.0);
     }
-#if defined(SQRT_HERE)
-    auvid_real_t r;
-    SQRT_HERE(r, x);
-    return r;
+#if defined(AUVID_SQRT)
+    return auvid_sqrt_here(x);
 #elif defined(AUVID_REAL_DOUBLE)
     union {
         auvid_real_t x;

@@ -11,6 +11,7 @@
 #define AUVID_MATH_INTERNAL_H
 
 #include "auvid/types.h"
+#include "auvid_sqrt_internal.h"
 
 #if defined(__clang__)
 #pragma STDC FP_CONTRACT OFF
@@ -127,6 +128,18 @@ uint64_t auvid_divide(uint64_t n, uint64_t d);
 
 /** Returns the correctly rounded square root; 0 for x <= 0 and for NaN. */
 auvid_real_t auvid_sqrt(auvid_real_t x);
+
+/** auvid_sqrt() without a call, for inner loops; x >= 0 or NaN. */
+static inline auvid_real_t auvid_sqrt_here(auvid_real_t x)
+{
+#if defined(AUVID_SQRT)
+    auvid_real_t r;
+    AUVID_SQRT(r, x);
+    return r;
+#else
+    return auvid_sqrt(x);
+#endif
+}
 
 /** Computes sin and cos of x [rad], |x| <= 1e4, else NaN. The error is below 0.75 AUVID_EPSILON
  * (auvid_math.c). Either pointer may be NULL. */

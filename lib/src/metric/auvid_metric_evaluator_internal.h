@@ -237,12 +237,12 @@ static inline bool auvid_metric_spend_model(auvid_metric_t *m, uint32_t *budget,
     return due;
 }
 
-/** A model's own thrust at a row has the place of the delayed inputs, which it does not read: the
- * wrench in late[0], and in late[1][0] the number of its candidate's thrust. Is the present
- * candidate's there? */
+/** A model's own thrust at a row has the place of the inputs, which it does not read: the wrench in
+ * sample.tau, and in late[0][0] the number of its candidate's thrust. Is the present candidate's
+ * there? */
 static inline bool auvid_metric_has_thrust(const auvid_metric_t *m, const auvid_row_t *row)
 {
-    auvid_real_t of = row->late[1][0];
+    auvid_real_t of = row->late[0][0];
     return m->cfg.vehicle->thrust != NULL && !(of < m->evaluator.thrust) &&
            !(of > m->evaluator.thrust);
 }
@@ -259,10 +259,13 @@ static inline uint32_t auvid_metric_residual_work(const auvid_metric_t *m, const
     return (uint32_t)vehicle->work + (follows ? 0u : vehicle->lead_work);
 }
 
-/** Returns the stored sample with wrench and commands at the candidate's delay. */
-auvid_sample_t auvid_metric_delayed_sample(const auvid_metric_t *m, const auvid_row_t *row);
+/** Returns the row's sample with wrench and commands at the candidate's delay: *delayed; or the
+ * stored one, if the model reads neither. */
+const auvid_sample_t *auvid_metric_delayed_sample(const auvid_metric_t *m, const auvid_row_t *row,
+                                                  auvid_sample_t *delayed);
 
-/** Computes the residual at a row: at the delayed sample, or with the model's own thrust.
+/** Computes the residual at a row, with the model's own thrust if it has one.
+ * @param sample auvid_metric_delayed_sample of the row
  * @param perturbed value of `pi` that is not the candidate's; -1: none */
 void auvid_metric_residual(const auvid_metric_t *m, auvid_row_t *row, const auvid_sample_t *sample,
                            int perturbed, auvid_real_t residual[AUVID_DOF_COUNT]);

@@ -27,18 +27,28 @@
 #define ZERO_STEP AUVID_C(1e-3)      /* of a parameter that is zero */
 #define DELAY_STEP_S AUVID_C(0.01)   /* a tenth of a usual cell */
 
-auvid_sample_t auvid_metric_delayed_sample(const auvid_metric_t *m, const auvid_row_t *row)
+/* x = l[0] x + l[1] late[0] + l[2] late[1] */
+static void metric_delay_inputs(const auvid_real_t *l, const auvid_row_t *row, int first,
+                                auvid_real_t *x, int n)
+{
+    const auvid_real_t *middle = row->late[0] + first, *last = row->late[1] + first;
+    const auvid_real_t l0 = l[0], l1 = l[1], l2 = l[2];
+    for (; n > 0; --n, ++x) {
+        *x = l0 * *x + l1 * *middle++ + l2 * *last++;
+    }
+}
+
+const auvid_sample_t *auvid_metric_delayed_sample(const auvid_metric_t *m, const auvid_row_t *row,
+                                                  auvid_sample_t *delayed)
 {
     const auvid_real_t *l = m->evaluator.delay_weight;
-    auvid_sample_t s = row->sample;
-    for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
-        s.tau[j] = l[0] * s.tau[j] + l[1] * row->late[0][j] + l[2] * row->late[1][j];
+    if (m->cfg.vehicle->ignores_inputs) {
+        return &row->sample;
     }
-    for (int i = 0; i < AUVID_MAX_COMMANDS; ++i) {
-        int k = AUVID_DOF_COUNT + i;
-        s.command[i] = l[0] * s.command[i] + l[1] * row->late[0][k] + l[2] * row->late[1][k];
-    }
-    return s;
+    *delayed = row->sample;
+    metric_delay_inputs(l, row, 0, delayed->tau, AUVID_DOF_COUNT);
+    metric_delay_inputs(l, row, AUVID_DOF_COUNT, delayed->command, AUVID_MAX_COMMANDS);
+    return delayed;
 }
 
 void auvid_metric_residual(const auvid_metric_t *m, auvid_row_t *row, const auvid_sample_t *sample,
@@ -52,14 +62,12 @@ void auvid_metric_residual(const auvid_metric_t *m, auvid_row_t *row, const auvi
         return;
     }
     if (!auvid_metric_has_thrust(m, row)) {
-        bool known = vehicle->thrust(vehicle->context, sample, pi, row->late[0]);
-        row->late[1][0] = known ? m->evaluator.thrust : AUVID_C(0.0);
+        bool known = vehicle->thrust(vehicle->context, sample, pi, row->sample.tau);
+        row->late[0][0] = known ? m->evaluator.thrust : AUVID_C(0.0);
     }
     auvid_clear(residual, AUVID_DOF_COUNT);
     if (auvid_metric_has_thrust(m, row)) {
-        auvid_sample_t s = *sample;
-        memcpy(s.tau, row->late[0], sizeof s.tau);
-        vehicle->residual(vehicle->context, &s, pi, residual);
+        vehicle->residual(vehicle->context, sample, pi, residual);
     }
 }
 
@@ -73,19 +81,18 @@ static auvid_real_t metric_evaluate_perturbed(auvid_metric_t *m, auvid_row_t *ro
     int i = (v - 1) / 2, n = m->cfg.vehicle->parameters;
     auvid_real_t sign = v % 2 == 1 ? AUVID_C(0.5) : AUVID_C(-0.5), step = AUVID_C(1.0);
     auvid_real_t node = auvid_metric_node_s(m), s = ev->linear_delay_s / node;
+    auvid_sample_t delayed;
     if (v > 0 && i < n) {
         auvid_real_t pi = ev->pi[i];
         step = auvid_abs(pi) > AUVID_C(0.0) ? auvid_max(PARAMETER_STEP * auvid_abs(pi), MIN_STEP)
                                             : ZERO_STEP;
         ev->pi[i] = pi + sign * step;
-        auvid_sample_t sample = auvid_metric_delayed_sample(m, row);
-        auvid_metric_residual(m, row, &sample, i, residual);
+        auvid_metric_residual(m, row, auvid_metric_delayed_sample(m, row, &delayed), i, residual);
         ev->pi[i] = pi;
     } else {
         step = v > 0 ? DELAY_STEP_S : step;
         auvid_metric_delay_weights(v > 0 ? s + sign * step / node : s, false, ev->delay_weight);
-        auvid_sample_t sample = auvid_metric_delayed_sample(m, row);
-        auvid_metric_residual(m, row, &sample, -1, residual);
+        auvid_metric_residual(m, row, auvid_metric_delayed_sample(m, row, &delayed), -1, residual);
     }
     return v > 0 ? (sign > AUVID_C(0.0) ? AUVID_C(1.0) : AUVID_C(-1.0)) / step : AUVID_C(1.0);
 }
@@ -115,10 +122,11 @@ static void metric_add_evaluation(auvid_metric_t *m, auvid_row_t *row, int v)
 static void metric_add_derivatives(auvid_metric_t *m, const auvid_row_t *row)
 {
     auvid_metric_evaluator_t *ev = &m->evaluator;
-    auvid_sample_t sample = auvid_metric_delayed_sample(m, row);
     const auvid_vehicle_t *vehicle = m->cfg.vehicle;
+    auvid_sample_t delayed;
     memset(&ev->regressor, 0, sizeof ev->regressor);
-    vehicle->regressor(vehicle->context, &sample, ev->pi, &ev->regressor);
+    vehicle->regressor(vehicle->context, auvid_metric_delayed_sample(m, row, &delayed), ev->pi,
+                       &ev->regressor);
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
         auvid_equation_t e = auvid_metric_equation(m, j);
         for (int k = 0; k < e.count; ++k) {

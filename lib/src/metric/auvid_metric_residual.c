@@ -129,7 +129,7 @@ static void metric_store_row(auvid_metric_t *m, uint64_t t_us, uint32_t slot)
     store->sample.missing = m->rows.missing[slot][0];
     memcpy(store->late, channel + MOTION_LATE, sizeof store->late);
     if (m->cfg.vehicle->thrust != NULL) {
-        store->late[1][0] = AUVID_C(0.0); /* of none */
+        store->late[0][0] = AUVID_C(0.0); /* of none */
     }
     auvid_metric_count_row(&m->rows.set, any);
 }
@@ -151,31 +151,53 @@ static void metric_add_motion(auvid_metric_t *m, const auvid_sample_t *sample, u
 static bool metric_push_residual(auvid_metric_t *m, auvid_row_t *row)
 {
     auvid_metric_evaluator_t *ev = &m->evaluator;
-    auvid_sample_t sample = auvid_metric_delayed_sample(m, row);
-    uint8_t excluded = auvid_vehicle_unmeasured(m->cfg.vehicle, sample.missing);
-    if (!auvid_metric_succeeds(m, sample.t_us)) {
+    uint8_t excluded = auvid_vehicle_unmeasured(m->cfg.vehicle, row->sample.missing);
+    auvid_sample_t delayed;
+    if (!auvid_metric_succeeds(m, row->sample.t_us)) {
         ev->window_rows = 0;
         memset(ev->window_of, 0, sizeof ev->window_of);
     }
-    ev->window_us = sample.t_us;
+    ev->window_us = row->sample.t_us;
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
         int rows = ev->window_of[j] + (ev->window_of[j] < m->layout.window_length);
         ev->window_of[j] = (uint8_t)((excluded >> j & 1) != 0 ? 0 : rows);
     }
-    auvid_metric_residual(m, row, &sample, -1,
+    auvid_metric_residual(m, row, auvid_metric_delayed_sample(m, row, &delayed), -1,
                           ev->window[ev->window_rows % m->layout.window_length]);
     ++ev->window_rows;
     return ev->window_rows >= m->layout.window_length;
 }
 
-static auvid_real_t metric_smoothed_residual(const auvid_metric_t *m, int j)
+/* Smooth the residuals of all DoF in one pass over the window, a ring that is full, the oldest row
+ * first; those of roll and pitch only if they are modelled. The sums are spelled out: then
+ * compilers keep them in registers. */
+static void metric_smooth_residuals(const auvid_metric_t *m, auvid_real_t smoothed[AUVID_DOF_COUNT])
 {
-    auvid_real_t e = AUVID_C(0.0);
-    for (uint32_t k = 0; k < m->layout.window_length; ++k) {
-        e += m->layout.window_weight[k] *
-             m->evaluator.window[(m->evaluator.window_rows + k) % m->layout.window_length][j];
+    const auvid_metric_evaluator_t *ev = &m->evaluator;
+    uint32_t length = m->layout.window_length;
+    const auvid_real_t *weight = m->layout.window_weight, *end = weight + length;
+    const auvid_real_t(*row)[AUVID_DOF_COUNT] = ev->window + ev->window_rows % length;
+    const uint32_t *columns = m->cfg.vehicle->columns;
+    bool tilts = (columns[AUVID_ROLL] | columns[AUVID_PITCH]) != 0;
+    auvid_real_t u = AUVID_C(0.0), v = u, w = u, p = u, q = u, r = u;
+    for (; weight < end; ++weight) {
+        const auvid_real_t c = *weight, *e = *row;
+        u += c * e[AUVID_SURGE];
+        v += c * e[AUVID_SWAY];
+        w += c * e[AUVID_HEAVE];
+        r += c * e[AUVID_YAW];
+        if (tilts) {
+            p += c * e[AUVID_ROLL];
+            q += c * e[AUVID_PITCH];
+        }
+        row = row + 1 < ev->window + length ? row + 1 : ev->window;
     }
-    return e;
+    smoothed[AUVID_SURGE] = u;
+    smoothed[AUVID_SWAY] = v;
+    smoothed[AUVID_HEAVE] = w;
+    smoothed[AUVID_ROLL] = p;
+    smoothed[AUVID_PITCH] = q;
+    smoothed[AUVID_YAW] = r;
 }
 
 /* What DoF j's prior adds to the cost: with P its squared distance, N log(SSE) + P is least where
@@ -208,7 +230,7 @@ static auvid_status_t metric_sample_cost(auvid_metric_t *m, uint32_t *budget)
         for (; set->excited != 0 && at->row < set->rows; ++at->row) {
             auvid_row_t *row = &auvid_metric_rows(m, age)[at->row];
             bool follows = auvid_metric_succeeds(m, row->sample.t_us);
-            auvid_real_t squares = AUVID_C(0.0);
+            auvid_real_t e[AUVID_DOF_COUNT], squares = AUVID_C(0.0);
             if (!auvid_metric_spend_model(m, budget,
                                           auvid_metric_residual_work(m, row, follows))) {
                 return AUVID_PENDING;
@@ -216,11 +238,11 @@ static auvid_status_t metric_sample_cost(auvid_metric_t *m, uint32_t *budget)
             if (!metric_push_residual(m, row)) {
                 continue;
             }
+            metric_smooth_residuals(m, e);
             for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
                 if ((set->excited >> j & 1) != 0 && ev->window_of[j] == m->layout.window_length) {
-                    auvid_real_t e = metric_smoothed_residual(m, j);
-                    squares += ev->weight[j] * e * e;
-                    ev->band_sse[0][j] += e * e;
+                    squares += ev->weight[j] * e[j] * e[j];
+                    ev->band_sse[0][j] += e[j] * e[j];
                 }
             }
             auvid_real_t term = squares - ev->compensation, total = ev->sum + term;

@@ -169,6 +169,63 @@ static void test_residuals_are_not_smoothed_over_a_gap(void)
     TEST_ASSERT_DOUBLE_WITHIN(100, 20 * 100, sse[1]);
 }
 
+/* The residual of DoF j is its velocity, whatever pi is. */
+static void velocities(const void *context, const auvid_sample_t *s, const auvid_real_t *pi,
+                       auvid_real_t residual[AUVID_DOF_COUNT])
+{
+    (void)context;
+    (void)pi;
+    memcpy(residual, s->nu, sizeof s->nu);
+}
+
+static double velocity_of(int cell, int j)
+{
+    return (cell * (7 + j) + cell / 5) % 11 - 5.0;
+}
+
+/* Rows of one cell, of which 31 are smoothed at once, with the weights C(30, i) / 2^30. */
+static void test_residuals_of_all_six_dofs_are_smoothed_with_binomial_weights(void)
+{
+    enum { CELLS = 100 };
+    static const auvid_parameter_t parameter = {.name = "a", .unit = "kg", .dof = AUVID_SURGE};
+    auvid_vehicle_t six = {.built_for = AUVID_BUILD,
+                           .path = &auvid_path_residual,
+                           .name = "six",
+                           .parameters = 1,
+                           .parameter = &parameter,
+                           .columns = {1, 1, 1, 1, 1, 1},
+                           .residual = velocities};
+    use_residual_path(1, 80);
+    cfg.vehicle = &six;
+    cfg.free = 0;
+    start();
+    for (int k = 0; k < CELLS; ++k) {
+        auvid_sample_t s = {.t_us = 100000u * (uint64_t)k};
+        for (int j = 0; j < 6; ++j) {
+            s.nu[j] = (auvid_real_t)velocity_of(k, j);
+            s.tau[j] = k % 20 < 10 ? AUVID_C(50.0) : AUVID_C(-50.0);
+        }
+        TEST_ASSERT_TRUE(auvid_metric_add(&metric, &s) >= 0);
+    }
+    merge_all(&metric);
+    TEST_ASSERT_EQUAL_HEX8(63, metric.result.excited);
+    uint32_t budget = UINT32_MAX;
+    auvid_metric_measure_begin(&metric, truth, 0);
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_metric_measure(&metric, &budget));
+    for (int j = 0; j < 6; ++j) {
+        double squares = 0;
+        for (int last = 30; last < 80; ++last) {
+            double smoothed = 0, weight = ldexp(1, -30);
+            for (int i = 0; i <= 30; ++i) {
+                smoothed += weight * velocity_of(first_row(&cfg) - 1 + last - i, j);
+                weight *= (30.0 - i) / (i + 1);
+            }
+            squares += smoothed * smoothed;
+        }
+        TEST_ASSERT_DOUBLE_WITHIN(1e-4 * squares, squares, (double)metric.result.sse[j]);
+    }
+}
+
 /* Heave is not measured for 1 s in every 10: no residual may read the values that replace it. */
 static void test_residuals_of_what_was_not_measured_do_not_count(void)
 {
@@ -261,6 +318,7 @@ int main(void)
     RUN_TEST(test_residual_path_has_its_minimum_in_the_delay_too);
     RUN_TEST(test_a_record_whose_times_are_rounded_is_still_one_record);
     RUN_TEST(test_residuals_are_not_smoothed_over_a_gap);
+    RUN_TEST(test_residuals_of_all_six_dofs_are_smoothed_with_binomial_weights);
     RUN_TEST(test_residuals_of_what_was_not_measured_do_not_count);
     RUN_TEST(test_rows_are_stored_only_inside_the_storage);
     RUN_TEST(test_residual_path_has_neither_least_squares_nor_scale);
