@@ -45,7 +45,7 @@ RECORDED = $(foreach test,$(UNIT:tests/%.c=release/tests/%) $(VEHICLES:tests/%.c
 WORLD := $(wildcard $(addprefix tools/auvid/,base/*.c vehicle/*.c log/c*.c log/log_*.c)) \
     $(filter-out %/doctor_report.c,$(wildcard tools/auvid/doctor/*.c)) \
     $(addprefix tools/auvid/,bus/frames.c bus/world.c field/field_run.c field/field_table.c \
-    report/report.c report/statistics.c) $(MEMORY)
+    log/units.c report/report.c report/statistics.c) $(MEMORY)
 SUPPORT := $(wildcard tests/support/*.c)
 # What of it needs nothing of the program, as on a microcontroller.
 SUPPORT_FIRMWARE := $(filter-out %/dive.c,$(SUPPORT))

@@ -23,6 +23,7 @@
 
 #include "../log/csv.h"
 #include "../log/log_samples.h"
+#include "../log/units.h"
 
 /** How bad it is. */
 typedef enum {

@@ -19,7 +19,8 @@
 #define MIN_SHIFT_LLR 25.0
 #define FIRST_LAG (DOCTOR_EARLY - 1) /* usual lags */
 #define LAST_LAG (DOCTOR_EARLY + 6)
-#define USUAL_S 0.1 /* motion may lead by this: stamps */
+#define FEEDBACK_LAG (DOCTOR_EARLY - 4) /* the input follows the motion by this or more */
+#define USUAL_S 0.1                     /* motion may lead by this: stamps */
 #define EARLY_S (DOCTOR_EARLY * DOCTOR_CELL_S)
 #define TOO_EARLY_S 0.45 /* fit finds the delay of motion that leads by less .. */
 #define TOO_LATE_S 0.85  /* .. or follows by less */
@@ -99,14 +100,54 @@ static void usual(const doctor_sums_t *s, int j, double *clean, double *against,
     }
 }
 
+/* Sum of squares with a reversed input at one of the lags first .. last. */
+static double reversed(const doctor_sums_t *s, int j, int first, int last)
+{
+    double sum = HUGE_VAL;
+    for (int k = first; k <= last; ++k) {
+        gain_t g;
+        doctor_regress(s, j, s->own[j][k], &g);
+        sum = fmin(sum, g.b < 0.0 && g.drag > 0.0 ? g.with : g.without);
+    }
+    return sum;
+}
+
+/* Lag at which input j explains the blocks best, whatever its sign in each. At others, an input
+ * that oscillates seems to be reversed. */
+static int best_lag(const doctor_t *d, int j)
+{
+    double best = 0.0;
+    int at = FIRST_LAG;
+    for (int k = FIRST_LAG; k <= LAST_LAG; ++k) {
+        double sum = 0.0;
+        for (int i = 0; i < d->blocks; ++i) {
+            const doctor_sums_t *s = &d->block[i].sums;
+            gain_t g;
+            if (s->count[j] > 0.0) {
+                doctor_regress(s, j, s->own[j][k], &g);
+                sum += ratio(s, j, g.without, g.with);
+            }
+        }
+        if (sum > best) {
+            best = sum;
+            at = k;
+        }
+    }
+    return at;
+}
+
+/* A controller opposes the motion that it measures: its output is the input reversed, but later
+ * than the motion. Then the log shows no sign. */
 static double sign_score(const doctor_t *d, const doctor_sums_t *s, int j, int *which)
 {
-    double clean, against;
+    double clean, unused;
     gain_t g;
-    (void)d;
     *which = 0;
-    usual(s, j, &clean, &against, &g);
-    return ratio(s, j, clean, against);
+    usual(s, j, &clean, &unused, &g);
+    double feedback = reversed(s, j, 0, FEEDBACK_LAG);
+    double against = reversed(s, j, d->lag[j] > DOCTOR_EARLY ? d->lag[j] - 1 : DOCTOR_EARLY,
+                              d->lag[j] > DOCTOR_EARLY ? d->lag[j] + 1 : DOCTOR_EARLY + 1);
+    return ratio(s, j, fmin(clean, feedback), against);
 }
 
 /* Of all DoF together, because all inputs have one clock. which: lag [cells] + DOCTOR_EARLY. */
@@ -196,12 +237,14 @@ void doctor_inputs_scan(doctor_t *d)
             continue;
         }
         usual(&all, j, &clean, &against, &g);
+        against = fmin(against, reversed(&all, j, 0, FEEDBACK_LAG));
         /* also of a short log */
         double windows = all.count[j] / DOCTOR_WINDOW;
         d->answers[j] = clean > 0.0 && 0.5 * windows * log(against / clean) > MIN_EACH;
         if (d->answers[j]) {
             d->time_constant_s[j] = g.drag > 0.0 ? 1.0 / g.drag : 0.0;
         }
+        d->lag[j] = best_lag(d, j);
         d->pushed[j] = doctor_scan(d, sign_score, j);
         if (!(d->pushed[j].llr > MIN_LLR)) {
             d->pushed[j].llr = 0.0;

@@ -107,10 +107,9 @@ typedef struct {
 
 /** A velocity: how plausible its samples are. */
 typedef struct {
-    double n, last, last_s;
+    units_speed_t speed;
+    double last, last_s;
     double jumps, jump, at_s; /* number, largest, time of the first */
-    double fast, mark, same;  /* beyond what vehicles do: number, the last, repeats of it */
-    double largest;
 } doctor_velocity_t;
 
 /** which of sunk: theta or u has the wrong sign. */
@@ -152,6 +151,7 @@ typedef struct {
     doctor_range_t sunk;      /* depth and heave velocity have opposite signs there */
     doctor_range_t gone[2];   /* position and velocity, of surge and sway, likewise */
     bool answers[6];          /* a velocity follows its input */
+    int lag[6];               /* .. by this, as an index of doctor_sums_t.own */
     const log_use_t *use;     /* the inputs are these thrusters; NULL: those of the log */
     double thruster[AUVID_MAX_THRUSTERS], voltage_V; /* last inputs of the thrusters; NaN: none */
     double unit;                                     /* specific force of one m/s2 */
