@@ -123,7 +123,9 @@ static void find_forces(doctor_t *d, const doctor_sums_t *all)
         mass[j] = mass_of(d, all, j);
         least = mass[j] > 0.0 ? fmin(least, mass[j]) : least;
     }
-    const char *forces = d->use == NULL ? "X_N, Y_N, Z_N and the moments" : "the thrusters' forces";
+    const char *forces = d->use == NULL                 ? "X_N, Y_N, Z_N and the moments"
+                         : d->use->kind == INPUT_THRUST ? "the forces of the thrusters"
+                                                        : "forward_N, backward_N of the vehicle";
     int column = d->use == NULL ? CSV_WRENCH : log_input(d->use, 0);
     bool light = least < HEAVY_KGF && least > LIGHT_KGF;
     if (light || limits_are_kgf(d)) {
