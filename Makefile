@@ -128,7 +128,7 @@ TESTED = $(call objects,$(1),$(LIB) $(SIMULATOR) $(WORLD) $(SUPPORT)) build/$(1)
 SLOW := $(addprefix %/tests/unit/identifier/,\
     test_adaptive test_change_test test_uncertain test_uncertain_causes test_width)
 SLOW_SANITIZED := $(SLOW) $(addprefix %/tests/unit/tools/,test_doctor test_doctor_sensors \
-    test_doctor_campaign)
+    test_doctor_units test_doctor_campaign)
 SLOW_DOUBLE := $(SLOW) %/tests/unit/identifier/test_checkpoint_uncertain
 unit_tests = $(UNIT:tests/unit/%.c=build/$(1)/tests/unit/%)
 TEST_PROGRAMS := $(call unit_tests,release) \

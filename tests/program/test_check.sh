@@ -203,7 +203,8 @@ check "  on stderr" grep -q 'moment_reversed.csv: N_Nm has the wrong sign' err
 check "fit names slow inputs" exits 3 fit inputs_slow.csv --plain
 check "  and not the length of the log" grep -q 'the log: inputs are up to 0.60 s apart, 0.5' out
 check "  which a longer gap bridges" exits 0 fit inputs_slow.csv --plain --max-gap 0.7
-check "fit refuses mm/s" rejects 'v_mps reaches [0-9.]+ m/s, as if it were in mm/s' fit sway_mm.csv --plain
+check "fit refuses mm/s" rejects 'v_mps reaches [0-9.]+ m/s, as if it were in mm/s' \
+    fit sway_mm.csv --plain
 check "fit refuses a mark" rejects 'u_mps is -999 in [0-9]+ rows, a mark' fit marked.csv --plain
 check "fit asks for no motion while the log is wrong" exits 3 fit force_reversed.csv
 check "  its first line says what is" grep -q '^nothing identified: Y_N has the wrong sign' out

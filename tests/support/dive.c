@@ -7,7 +7,7 @@
 
 #define TICKS 32000
 #define DEGREES (180.0 / FIELD_PI)
-#define KNOT 1.9438 /* in a metre per second */
+#define KNOTS 1.9438 /* in a metre per second */
 
 enum { STREAM = 5000 }; /* of the random numbers of this file */
 
@@ -427,8 +427,8 @@ static void to_pulses(dive_t *dive)
 static void to_knots(dive_t *dive)
 {
     for (int k = 0; k < dive->rows; ++k) {
-        dive->row[k].value[CSV_NU] *= KNOT;
-        dive->row[k].value[CSV_NU + 1] *= KNOT;
+        dive->row[k].value[CSV_NU] *= KNOTS;
+        dive->row[k].value[CSV_NU + 1] *= KNOTS;
     }
 }
 

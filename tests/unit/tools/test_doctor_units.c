@@ -12,7 +12,7 @@ void tearDown(void)
 }
 
 #define DRY_MASS_KG 220.0 /* of 250 in surge, 370 in sway, 660 in heave */
-#define KNOT 1.9438       /* in a metre per second */
+#define KNOTS 1.9438      /* in a metre per second */
 
 static void examine_dry(double dry_mass_kg)
 {
@@ -54,7 +54,7 @@ static void scale_velocities(int n, double factor)
 static void test_the_position_shows_velocities_in_knots(void)
 {
     lose(CSV_SPECIFIC_FORCE, 3);
-    scale_velocities(2, KNOT);
+    scale_velocities(2, KNOTS);
     assert_only(
         DOCTOR_SCALE, CSV_NU,
         "u_mps, v_mps: 1.94 times the rates of north_m and east_m, as if in knots: multiply "
@@ -64,7 +64,7 @@ static void test_the_position_shows_velocities_in_knots(void)
 static void test_the_accelerometer_shows_velocities_in_knots(void)
 {
     lose(CSV_POSITION, 3);
-    scale_velocities(3, KNOT);
+    scale_velocities(3, KNOTS);
     assert_only(DOCTOR_SCALE, CSV_NU,
                 "u_mps, v_mps, w_mps: 1.94 times what the accelerometer says, as if in knots");
 }
@@ -73,7 +73,7 @@ static void test_the_dry_mass_shows_velocities_in_knots(void)
 {
     lose(CSV_POSITION, 3);
     lose(CSV_SPECIFIC_FORCE, 3);
-    scale_velocities(2, KNOT);
+    scale_velocities(2, KNOTS);
     examine_dry(DRY_MASS_KG);
     assert_warning(DOCTOR_SCALE, CSV_NU,
                    "if u_mps and v_mps are in knots, multiply them by 0.5144");

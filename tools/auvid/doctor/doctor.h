@@ -11,11 +11,11 @@
  *   the acceleration follows its own input, with its sign, a little later
  *   a vehicle weighs no less than its dry mass, if that is known.
  *
- * The acceleration is explained by a regression with drag and coupling terms. Which of several explanations holds is
- * decided by the ratio of their likelihoods. A sentence names a cause only if these tests determine
- * it; otherwise it names all columns that the contradiction involves.
+ * The acceleration is explained by a regression with drag and coupling terms. Which of several
+ * explanations holds is decided by the ratio of their likelihoods. A sentence names a cause only if
+ * these tests determine it; otherwise it names all columns that the contradiction involves.
  *
- * Memory: sizeof(doctor_t), about 0.8 MB, for a log of any length. Cost: some 5 us a row at 50 Hz.
+ * Memory: sizeof(doctor_t), about 0.7 MB, for a log of any length. Cost: some 5 us a row at 50 Hz.
  */
 #ifndef PROGRAM_DOCTOR_H
 #define PROGRAM_DOCTOR_H

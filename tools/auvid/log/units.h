@@ -39,10 +39,10 @@ typedef enum {
 } units_speed_kind_t;
 
 /** Takes a sample [m/s]. */
-void units_speed_add(units_speed_t *speed, double t_s, double value);
+void units_speed_add(units_speed_t *w, double t_s, double value);
 
 /** Judges all samples. Unless they are UNITS_SPEED_OK, writes a sentence with the remedy. */
-units_speed_kind_t units_speed_judge(const units_speed_t *speed, const char *name, char *text,
+units_speed_kind_t units_speed_judge(const units_speed_t *w, const char *name, char *text,
                                      size_t size);
 
 /** Statistics of a log, first all zeros. */
@@ -56,8 +56,9 @@ typedef struct {
 void units_row(units_t *units, const csv_row_t *row);
 
 /** Looks for values that no angle in radians, no rate in rad/s and no velocity in m/s of a vehicle
- * takes. Call it after the last row. Returns 0, or EXIT_REFUSED after one line on stderr with the column, its value and
- * the remedy. A slow log with both in degrees passes if pitch is small and yaw does not wrap. */
+ * takes. Call it after the last row. Returns 0, or EXIT_REFUSED after one line on stderr with the
+ * column, its value and the remedy. A slow log with both in degrees passes if pitch is small and
+ * yaw does not wrap. */
 int units_check(const units_t *units, const char *path);
 
 #endif
