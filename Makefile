@@ -45,7 +45,7 @@ RECORDED = $(foreach test,$(UNIT:tests/%.c=release/tests/%) $(VEHICLES:tests/%.c
 WORLD := $(wildcard $(addprefix tools/auvid/,base/*.c vehicle/*.c log/c*.c log/log_*.c)) \
     $(filter-out %/doctor_report.c,$(wildcard tools/auvid/doctor/*.c)) \
     $(addprefix tools/auvid/,bus/frames.c bus/world.c field/field_run.c field/field_table.c \
-    report/report.c report/statistics.c) $(MEMORY)
+    log/units.c report/report.c report/statistics.c) $(MEMORY)
 SUPPORT := $(wildcard tests/support/*.c)
 # What of it needs nothing of the program, as on a microcontroller.
 SUPPORT_FIRMWARE := $(filter-out %/dive.c,$(SUPPORT))
@@ -128,7 +128,7 @@ TESTED = $(call objects,$(1),$(LIB) $(SIMULATOR) $(WORLD) $(SUPPORT)) build/$(1)
 SLOW := $(addprefix %/tests/unit/,$(addprefix identifier/,test_adaptive test_change_test \
     test_width) $(addprefix uncertain/,test_uncertain test_uncertain_causes))
 SLOW_SANITIZED := $(SLOW) $(addprefix %/tests/unit/tools/,test_doctor test_doctor_sensors \
-    test_doctor_campaign)
+    test_doctor_units test_doctor_campaign)
 SLOW_DOUBLE := $(SLOW) %/tests/unit/uncertain/test_uncertain_checkpoint
 unit_tests = $(UNIT:tests/unit/%.c=build/$(1)/tests/unit/%)
 TEST_PROGRAMS := $(call unit_tests,release) \

@@ -119,6 +119,8 @@ check "commands without gain" rejects 'a known force needs thrust in newtons: gi
     fit commands.csv
 check "literal smoothing" rejects 'literal has no known force: remove weight_N' \
     fit column.csv --literal
+check "  nor in the demo" refuses 'literal has no known force: remove \[calibration.1\]' \
+    demo --vehicle dive.ini --literal
 
 # ---- the vehicle file ----
 bad() { # NAME SED PATTERN

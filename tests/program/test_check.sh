@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# auvid check on a log of the demo and on 31 broken copies of it: the sentence for each, the exit
+# auvid check on a log of the demo and on 36 broken copies of it: the sentence for each, the exit
 # status, and that fit prints the same. AUVID_TEST_LONG: does the verdict agree with what fit makes
 # of a log?
 . "$(dirname "$0")/common.sh"
@@ -88,6 +88,37 @@ pwm = {"X_N": "cmd_surge", "Y_N": "cmd_sway", "Z_N": "cmd_heave", "N_Nm": "cmd_y
 keep = [i for i, n in enumerate(h) if n not in ("K_Nm", "M_Nm")]
 write("pwm", [[round(1500 + 400 * y[i] / top[i]) if h[i] in pwm else y[i] for i in keep]
               for y in whole], [pwm.get(h[i], h[i]) for i in keep])
+north = east = 0.0
+place = []
+for k, y in enumerate(whole):
+    psi, u, v = (y[C[n]] for n in ("psi_rad", "u_mps", "v_mps"))
+    step = y[0] - whole[max(k - 1, 0)][0]
+    north += step * (u * math.cos(psi) - v * math.sin(psi))
+    east += step * (u * math.sin(psi) + v * math.cos(psi))
+    place.append([north, east])
+with_place = h + ["north_m", "east_m"]
+knots = [list(y) for y in whole]
+world = [list(y) for y in whole]
+biased = [list(y) for y in whole]
+for y, turned, wrong in zip(knots, world, biased):
+    psi, u, v = (y[C[n]] for n in ("psi_rad", "u_mps", "v_mps"))
+    turned[C["u_mps"]] = u * math.cos(psi) - v * math.sin(psi)
+    turned[C["v_mps"]] = u * math.sin(psi) + v * math.cos(psi)
+    wrong[C["u_mps"]] += 0.1
+    for n in V[:2]:
+        y[C[n]] *= 1.9438
+write("knots", [y + p for y, p in zip(knots, place)], with_place)
+write("knots_alone", knots)
+write("offset", [y + p for y, p in zip(biased, place)], with_place)
+write("world", world)
+change("kgf", scale(1 / 9.81, *h[10:16]))
+xyzw = []
+for y in whole:
+    c, s = ([f(0.5 * y[C[n]]) for n in ATTITUDE] for f in (math.cos, math.sin))
+    xyzw.append([y[0], s[0] * c[1] * c[2] - c[0] * s[1] * s[2], c[0] * s[1] * c[2] +
+                 s[0] * c[1] * s[2], c[0] * c[1] * s[2] - s[0] * s[1] * c[2],
+                 c[0] * c[1] * c[2] + s[0] * s[1] * s[2]] + y[4:])
+write("quaternion", xyzw, h[:1] + ["qw", "qx", "qy", "qz"] + h[4:])
 back = [list(y) for y in whole]
 back[700][0] -= 5
 write("time_back", back)
@@ -142,9 +173,22 @@ done <<'END'
 0 sag warning +voltage_V falls from 16\.8 to 12\.8: .*: log the thrust computed with the voltage
 0 no_pitch warning +theta_rad is missing and counts as zero: .*: add the column
 1 pwm error +cmd_surge looks like pulse widths in microseconds \(1100 to 1900\): subtract .* divide
+1 knots error +u_mps, v_mps: 1\.94 times the rates of north_m and east_m, as if in knots: multiply
+1 world error +u_mps and v_mps look like velocities to the north and east: .*: turn them into body
+1 quaternion error +qw, qx, qy, qz look like x, y, z, w: .*: name the columns qx, qy, qz, qw
+0 offset warning +u_mps has an offset of \+0\.10[0-9] m/s against the rates of north_m and east_m:
 2 time_back time_back.csv:702:[0-9]+: t_s: time goes back
 END
 
+sed 's/^model = .*/&\ndry_mass_kg = 200/' "$ROOT/tools/auvid/vehicles/girona500.ini" >dry.ini
+check "forces in kgf, if the dry mass is known" exits 1 check kgf.csv --vehicle dry.ini
+check "  are named" grep -Eq 'X_N, Y_N, .* look like kilograms-force .*: multiply them by 9\.81' out
+check "  by fit, too" sh -c "'$AUVID' fit kgf.csv --plain --dry-mass 200 2>&1 |
+    grep -q 'kgf.csv: X_N, Y_N, Z_N and the moments look like kilograms-force'"
+check "velocities in knots without position" exits 0 check knots_alone.csv --vehicle dry.ini
+check "  may be the cause of a small mass" grep -q 'if u_mps and v_mps are in knots, multiply' out
+check "forces in newtons are not accused" exits 0 check clean.csv --vehicle dry.ini
+check "  indeed" test "$(grep -Ec '^  (error|warning)' out || true)" = 0
 check "as JSON" says 1 heading_degrees .
 "$AUVID" check heading_degrees.csv --json >out.json
 check "  with code, column and verdict" python3 -c '
@@ -159,7 +203,9 @@ check "  on stderr" grep -q 'moment_reversed.csv: N_Nm has the wrong sign' err
 check "fit names slow inputs" exits 3 fit inputs_slow.csv --plain
 check "  and not the length of the log" grep -q 'the log: inputs are up to 0.60 s apart, 0.5' out
 check "  which a longer gap bridges" exits 0 fit inputs_slow.csv --plain --max-gap 0.7
-check "fit refuses mm/s" rejects 'v_mps is [0-9.]+ at .* if it is in mm/s' fit sway_mm.csv --plain
+check "fit refuses mm/s" rejects 'v_mps reaches [0-9.]+ m/s, as if it were in mm/s' \
+    fit sway_mm.csv --plain
+check "fit refuses a mark" rejects 'u_mps is -999 in [0-9]+ rows, a mark' fit marked.csv --plain
 check "fit asks for no motion while the log is wrong" exits 3 fit force_reversed.csv
 check "  its first line says what is" grep -q '^nothing identified: Y_N has the wrong sign' out
 check "  and nothing else is missing" test "$(sed -n '/^  missing/,/^$/p' out | wc -l)" = 3
@@ -167,9 +213,10 @@ check "a vehicle without its thrusters' inputs" exits 0 check clean.csv --vehicl
 check "  is examined with forces" grep -q 'no columns thruster_1 ..: forces and moments are' err
 check "fit prints nothing of a good log" exits 0 fit clean.csv --plain
 check "  indeed" test ! -s err
-"$AUVID" demo --vehicle bluerov2 --sets 4 --disturbance 0.2 --seed 6 --csv rov.csv --json >rov.json
-check "a small vehicle that is held upright at the end, by feedback of noise" exits 0 check rov.csv
-check "  is not accused of a wrong sign" sh -c '! grep -q "error" out'
+sed 's/^roll_Nm = .*//; s/^pitch_Nm = .*//' "$ROOT/tools/auvid/vehicles/bluerov2.ini" >held.ini
+"$AUVID" demo --vehicle held.ini --sets 4 --disturbance 0.5 --seed 6 --csv rov.csv --json >rov.json
+check "a small vehicle that a controller holds upright against disturbances" exits 0 check rov.csv
+check "  is not accused of wrong signs" sh -c '! grep -q "error" out'
 
 check "no log" refuses 'check: no LOG.csv or FILE.ini given' check
 check "no such log" refuses 'missing.csv: No such file' check missing.csv

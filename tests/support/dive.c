@@ -7,13 +7,15 @@
 
 #define TICKS 32000
 #define DEGREES (180.0 / FIELD_PI)
+#define KNOTS 1.9438 /* in a metre per second */
 
 enum { STREAM = 5000 }; /* of the random numbers of this file */
 
 const char *const slip_name[SLIPS] = {"angles in degrees", "rates in degrees", "angle reversed",
                                       "velocity reversed", "axes exchanged",   "ENU or FLU",
                                       "shifted in time",   "input reversed",   "inputs exchanged",
-                                      "held, zero, PWM",   "accelerometer"};
+                                      "held, zero, PWM",   "accelerometer",    "kgf, knots",
+                                      "world axes",        "quaternion"};
 
 /* ---- the vehicle ---- */
 
@@ -283,6 +285,15 @@ static void name_columns(slip_t *s)
     case SLIP_ACCELEROMETER:
         s->column = CSV_SPECIFIC_FORCE;
         break;
+    case SLIP_UNIT:
+        s->column = s->which % 2 == 0 ? CSV_WRENCH : CSV_NU;
+        break;
+    case SLIP_WORLD:
+        s->column = CSV_NU;
+        break;
+    case SLIP_QUATERNION:
+        s->column = CSV_QUATERNION;
+        break;
     case SLIP_FRAME:
     case SLIPS:
     default:
@@ -352,6 +363,9 @@ static void change_row(const slip_t *s, csv_row_t *row)
     case SLIP_ACCELEROMETER:
         change_force(s, row);
         break;
+    case SLIP_UNIT:
+    case SLIP_WORLD:
+    case SLIP_QUATERNION:
     case SLIP_SHIFT:
     case SLIP_LOGGING:
     case SLIPS:
@@ -410,6 +424,54 @@ static void to_pulses(dive_t *dive)
     }
 }
 
+static void to_knots(dive_t *dive)
+{
+    for (int k = 0; k < dive->rows; ++k) {
+        dive->row[k].value[CSV_NU] *= KNOTS;
+        dive->row[k].value[CSV_NU + 1] *= KNOTS;
+    }
+}
+
+static void to_kgf(dive_t *dive)
+{
+    for (int k = 0; k < dive->rows; ++k) {
+        for (int j = 0; j < 6; ++j) {
+            dive->row[k].value[CSV_WRENCH + j] /= 9.81;
+        }
+    }
+}
+
+static void to_world(dive_t *dive)
+{
+    for (int k = 0; k < dive->rows; ++k) {
+        double *v = dive->row[k].value, r[3][3], nu[3];
+        memcpy(nu, &v[CSV_NU], sizeof nu);
+        sim_rotation(&v[CSV_ATTITUDE], r);
+        for (int i = 0; i < 3; ++i) {
+            v[CSV_NU + i] = r[i][0] * nu[0] + r[i][1] * nu[1] + r[i][2] * nu[2];
+        }
+    }
+}
+
+static void to_quaternion(dive_t *dive, const int order[4])
+{
+    for (int k = 0; k < dive->rows; ++k) {
+        double *v = dive->row[k].value, *q = &v[CSV_QUATERNION], c[3], s[3];
+        for (int i = 0; i < 3; ++i) {
+            c[i] = cos(0.5 * v[CSV_ATTITUDE + i]);
+            s[i] = sin(0.5 * v[CSV_ATTITUDE + i]);
+        }
+        q[order[0]] = c[0] * c[1] * c[2] + s[0] * s[1] * s[2];
+        q[order[1]] = s[0] * c[1] * c[2] - c[0] * s[1] * s[2];
+        q[order[2]] = c[0] * s[1] * c[2] + s[0] * c[1] * s[2];
+        q[order[3]] = c[0] * c[1] * s[2] - s[0] * s[1] * c[2];
+        csv_attitude(q[0], q[1], q[2], q[3], &v[CSV_ATTITUDE]);
+    }
+    for (int i = 0; i < 4; ++i) {
+        dive->has[CSV_QUATERNION + i] = true;
+    }
+}
+
 static void change_columns(const dive_t *from, const slip_t *s, dive_t *to)
 {
     static const double attitude_s[3] = {0.6, 0.3, 0.15}, input_s[3] = {1.5, 1.0, 0.8},
@@ -422,6 +484,13 @@ static void change_columns(const dive_t *from, const slip_t *s, dive_t *to)
         hold(to, held_s[s->severity]);
     } else if (s->kind == SLIP_LOGGING && s->column == CSV_COMMAND) {
         to_pulses(to);
+    } else if (s->kind == SLIP_UNIT) {
+        (s->column == CSV_NU ? to_knots : to_kgf)(to);
+    } else if (s->kind == SLIP_WORLD) {
+        to_world(to);
+    } else if (s->kind == SLIP_QUATERNION) {
+        static const int last[4] = {3, 0, 1, 2};
+        to_quaternion(to, last);
     } else if (s->kind == SLIP_LOGGING) {
         for (int k = 0; k < to->rows; ++k) {
             to->row[k].value[s->column] = 0.0;

@@ -45,6 +45,9 @@ typedef enum {
     SLIP_INPUT_EXCHANGED,
     SLIP_LOGGING, /* held velocities, a velocity that is always zero, pulse widths */
     SLIP_ACCELEROMETER,
+    SLIP_UNIT,       /* forces in kgf, velocities in knots; of the whole log */
+    SLIP_WORLD,      /* velocities to the north, east and down; of the whole log */
+    SLIP_QUATERNION, /* x, y, z, w; of the whole log */
     SLIPS
 } slip_kind_t;
 

@@ -50,10 +50,12 @@ static inline void advance(double euler[3], double position[3], double nu[6], co
     }
 }
 
-/* Two minutes of random steps in all degrees of freedom. */
-static inline void make_log(void)
+/* Two minutes of random steps in all degrees of freedom; held: a controller holds roll and pitch
+ * level instead, against a disturbance. */
+static inline void make_log_of(bool held)
 {
     double euler[3] = {0}, position[3] = {0, 0, 20}, nu[6] = {0}, input[6] = {0}, kept[6];
+    double force[6], disturbance[2] = {0};
     sim_rng_t rng;
     sim_rng_seed(&rng, 1, 1);
     memset(rows, 0, sizeof rows);
@@ -70,6 +72,13 @@ static inline void make_log(void)
                 input[j] = largest[j] * (2.0 * sim_rng_uniform(&rng) - 1.0);
             }
         }
+        memcpy(force, input, sizeof force);
+        for (int i = 0; i < 2 && held; ++i) {
+            double seen = euler[i] + 0.003 * sim_rng_gauss(&rng);
+            input[3 + i] = -300.0 * seen - 150.0 * nu[3 + i];
+            disturbance[i] += 0.02 * (10.0 * sim_rng_gauss(&rng) - disturbance[i]);
+            force[3 + i] = input[3 + i] + disturbance[i];
+        }
         double *v = rows[k].value;
         v[CSV_T] = 100.0 + STEP_S * k;
         memcpy(&v[CSV_ATTITUDE], euler, sizeof euler);
@@ -80,13 +89,18 @@ static inline void make_log(void)
         double dot[6], down[3] = {-sin(euler[1]), cos(euler[1]) * sin(euler[0]),
                                   cos(euler[1]) * cos(euler[0])};
         memcpy(kept, nu, sizeof kept);
-        advance(euler, position, nu, input, dot);
+        advance(euler, position, nu, force, dot);
         for (int i = 0; i < 3; ++i) {
             int a = (i + 1) % 3, b = (i + 2) % 3;
             v[CSV_SPECIFIC_FORCE + i] =
                 dot[i] + kept[3 + a] * kept[b] - kept[3 + b] * kept[a] - 9.81 * down[i];
         }
     }
+}
+
+static inline void make_log(void)
+{
+    make_log_of(false);
 }
 
 static inline void examine(void)

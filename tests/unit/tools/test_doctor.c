@@ -63,6 +63,16 @@ static void test_a_reversed_moment_is_named(void)
     assert_only(DOCTOR_INPUT_SIGN, CSV_WRENCH + 5, "N_Nm has the wrong sign");
 }
 
+/* Its output opposes the motion before it. That is no sign of the input. */
+static void test_a_controller_that_holds_an_axis_is_not_accused(void)
+{
+    make_log_of(true);
+    assert_clean();
+    TEST_ASSERT_EQUAL_STRING("usable for identification: surge, sway, heave, yaw", doctor.verdict);
+    scale(CSV_WRENCH + 5, -1.0);
+    assert_only(DOCTOR_INPUT_SIGN, CSV_WRENCH + 5, "N_Nm has the wrong sign");
+}
+
 static void test_the_coupling_tells_a_reversed_force_from_a_reversed_velocity(void)
 {
     has[CSV_POSITION] = has[CSV_POSITION + 1] = false;
@@ -349,6 +359,7 @@ int main(void)
     RUN_TEST(test_a_reversed_heading_is_told_from_a_reversed_rate);
     RUN_TEST(test_a_reversed_rate_is_told_from_a_reversed_input);
     RUN_TEST(test_a_reversed_moment_is_named);
+    RUN_TEST(test_a_controller_that_holds_an_axis_is_not_accused);
     RUN_TEST(test_the_coupling_tells_a_reversed_force_from_a_reversed_velocity);
     RUN_TEST(test_depth_tells_a_reversed_heave_velocity);
     RUN_TEST(test_without_depth_the_sentence_names_both);

@@ -1,6 +1,6 @@
 /*
  * How often the log doctor is right, on logs of random vehicles with noise and mismatches (dive.h):
- * eleven slips at three severities, clean logs, two slips at once. Short: few vehicles, rows at 5
+ * fourteen slips at three severities, clean logs, two slips at once. Short: few vehicles, rows at 5
  * to 10 Hz. AUVID_TEST_LONG: the whole campaign, with tables; AUVID_TEST_SEED its first seed.
  */
 #include <math.h>
@@ -28,6 +28,7 @@ void tearDown(void)
 static void examine(const dive_t *dive)
 {
     doctor_init(&doctor, dive->has);
+    doctor_dry_mass(&doctor, clean.field.hull.dry_kg);
     for (int k = 0; k < dive->rows; ++k) {
         doctor_feed(&doctor, &dive->row[k]);
     }
@@ -126,6 +127,12 @@ static bool is_named(const slip_t *s)
                found(DOCTOR_SCALE, s->column);
     case SLIP_ACCELEROMETER:
         return accelerometer(s->which);
+    case SLIP_UNIT:
+        return found(DOCTOR_SCALE, s->column);
+    case SLIP_WORLD:
+        return found(DOCTOR_WORLD_FRAME, s->column);
+    case SLIP_QUATERNION:
+        return found(DOCTOR_QUATERNION, s->column);
     case SLIPS:
     default:
         return false;

@@ -234,6 +234,26 @@ static void test_a_reversed_degree_of_freedom_is_told_as_force_of_the_thrusters(
                  "the yaw moment of the thrusters has the wrong");
 }
 
+/* Without dry mass the limits of the thrusters show the unit. */
+static void test_thrusters_that_stop_at_a_tenth_of_their_limits_are_in_kgf(void)
+{
+    to_thrusters();
+    for (int k = 0; k < ROWS; ++k) {
+        for (int i = 0; i < 5; ++i) {
+            double *force = &rows[k].value[CSV_THRUSTER_N + i];
+            *force = fmax(-153.8, fmin(4.0 * *force, 153.8));
+        }
+    }
+    examine_thrusters();
+    TEST_ASSERT_NULL(finding(DOCTOR_SCALE));
+    for (int i = 0; i < 5; ++i) {
+        scale(CSV_THRUSTER_N + i, 1.0 / 9.81);
+    }
+    examine_thrusters();
+    assert_error(DOCTOR_SCALE, CSV_THRUSTER_N,
+                 "the forces of the thrusters look like kilograms-force (they stop at a tenth");
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -253,5 +273,6 @@ int main(void)
     RUN_TEST(test_exchanged_thrusters_of_one_axis_are_told_as_its_moment);
     RUN_TEST(test_a_reversed_thruster_that_is_alone_is_told_as_the_force_of_its_axis);
     RUN_TEST(test_a_reversed_degree_of_freedom_is_told_as_force_of_the_thrusters);
+    RUN_TEST(test_thrusters_that_stop_at_a_tenth_of_their_limits_are_in_kgf);
     return UNITY_END();
 }

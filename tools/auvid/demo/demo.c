@@ -283,9 +283,7 @@ static int run_once(run_t *run, const options_t *options, uint64_t seed, const c
 {
     csv_writer_t writer;
     memset(run, 0, sizeof *run);
-    if (!options->literal) {
-        run->calibrations = vehicle_calibrations_of(options->vehicle, NULL, true, run->calibration);
-    }
+    run->calibrations = vehicle_calibrations_of(options->vehicle, NULL, true, run->calibration);
     if (path != NULL) {
         if (csv_create(&writer, path) != 0) {
             return EXIT_REFUSED;

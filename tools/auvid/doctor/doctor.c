@@ -116,12 +116,17 @@ void doctor_feed(doctor_t *d, const csv_row_t *row)
     memcpy(value + CELL_THRUST, force_N, sizeof force_N);
     for (int i = 0; i < CELL_THRUST; ++i) {
         int column = i < CELL_DEGREE     ? CSV_ATTITUDE + i
-                     : i < CELL_NU       ? CSV_ATTITUDE + i - CELL_DEGREE
+                     : i < CELL_NU       ? CSV_ATTITUDE + i % 3
                      : i < CELL_INPUT    ? CSV_NU + i - CELL_NU
                      : i < CELL_POSITION ? (d->inputs < 0 ? -1 : d->inputs + i - CELL_INPUT)
                      : i < CELL_FORCE    ? CSV_POSITION + i - CELL_POSITION
                                          : CSV_SPECIFIC_FORCE + i - CELL_FORCE;
         value[i] = column >= 0 && d->has[column] ? row->value[column] : 0.0;
+    }
+    if (d->has[CSV_QUATERNION]) {
+        const double *q = row->value + CSV_QUATERNION;
+        csv_attitude(q[3], q[0], q[1], q[2], value + CELL_ORDER);
+        value[CELL_ORDER + 1] = isfinite(q[0]) ? value[CELL_ORDER + 1] : NAN;
     }
     doctor_cells_add(d, t - d->start_s, value);
 }
@@ -230,8 +235,11 @@ void doctor_finish(doctor_t *d)
     if (d->findings == before) {
         doctor_force(d);
     }
+    doctor_world(d);
     doctor_inputs(d);
     doctor_travel(d);
+    doctor_scale(d);
+    doctor_offset(d);
     sort_findings(d);
     judge(d);
 }

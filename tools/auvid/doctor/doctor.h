@@ -8,13 +8,14 @@
  *   the rate of the attitude, turned into body axes, is p, q, r         (Fossen 2011, Eq. 2.26)
  *   the rate of depth and position is the velocity, turned into NED     (Fossen 2011, Eq. 2.17)
  *   the specific force of an accelerometer is acceleration less gravity (Farrell 2008, 11.1)
- *   the acceleration follows its own input, with its sign, a little later.
+ *   the acceleration follows its own input, with its sign, a little later
+ *   a vehicle weighs no less than its dry mass, if that is known.
  *
- * The last one is a regression with drag and coupling terms. Which of several explanations holds is
- * decided by the ratio of their likelihoods. A sentence names a cause only if these tests determine
- * it; otherwise it names all columns that the contradiction involves.
+ * The acceleration is explained by a regression with drag and coupling terms. Which of several
+ * explanations holds is decided by the ratio of their likelihoods. A sentence names a cause only if
+ * these tests determine it; otherwise it names all columns that the contradiction involves.
  *
- * Memory: sizeof(doctor_t), about 0.8 MB, for a log of any length. Cost: some 5 us a row at 50 Hz.
+ * Memory: sizeof(doctor_t), about 0.7 MB, for a log of any length. Cost: some 5 us a row at 50 Hz.
  */
 #ifndef PROGRAM_DOCTOR_H
 #define PROGRAM_DOCTOR_H
@@ -23,6 +24,7 @@
 
 #include "../log/csv.h"
 #include "../log/log_samples.h"
+#include "../log/units.h"
 
 /** How bad it is. */
 typedef enum {
@@ -39,6 +41,8 @@ typedef enum {
     DOCTOR_RATE_SIGN,          /**< a rate has the wrong sign */
     DOCTOR_RATE_EXCHANGED,     /**< two rates, or their angles, are exchanged */
     DOCTOR_FRAME,              /**< signs as between FRD and FLU axes (NED and ENU) */
+    DOCTOR_WORLD_FRAME,        /**< velocities to the north and east, not of body axes */
+    DOCTOR_QUATERNION,         /**< the quaternion is x, y, z, w */
     DOCTOR_ATTITUDE_SHIFT,     /**< the attitude is late (value > 0) against the rates [s] */
     DOCTOR_ATTITUDE,           /**< attitude and rate contradict each other, unexplained */
     DOCTOR_INPUT_SIGN,         /**< an input has the wrong sign */
@@ -58,7 +62,8 @@ typedef enum {
     DOCTOR_NO_GRAVITY,      /**< specific force without gravity */
     DOCTOR_THRUSTER_SIGN,   /**< a thruster has the wrong sign */
     DOCTOR_THRUSTER_SWAP,   /**< two thrusters are exchanged */
-    DOCTOR_SCALE,           /**< pulse widths as commands, velocities not in m/s */
+    DOCTOR_SCALE,           /**< pulse widths as commands, velocities not in m/s, forces not in N */
+    DOCTOR_OFFSET,          /**< a velocity has a constant offset (value) */
     DOCTOR_HELD,            /**< velocities repeat their value */
     DOCTOR_OUTAGE,          /**< velocities stand still: no samples */
     DOCTOR_OUTLIER,         /**< velocities that no vehicle has: marks, jumps, zeros */
@@ -95,6 +100,10 @@ void doctor_init(doctor_t *doctor, const bool has[CSV_COLUMNS]);
 /** Takes the thrusters of the log as its inputs, before the first row. use: log_use_thrusters; it
  * must outlive the doctor. */
 void doctor_use(doctor_t *doctor, const log_use_t *use);
+
+/** Tells the dry mass of the vehicle, before doctor_finish. 0: not known. Masses that follow from
+ * forces and velocities in SI are not below it. */
+void doctor_dry_mass(doctor_t *doctor, double dry_mass_kg);
 
 /** Takes a row. A value that is not a number is absent: no new sample. A time that is not after the
  * one before is reported, and the row skipped. */

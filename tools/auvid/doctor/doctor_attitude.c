@@ -117,6 +117,20 @@ static double shift_score(const doctor_t *d, const doctor_sums_t *s, int axis, i
     return best;
 }
 
+/* Are qw .. qz x, y, z, w? Of all axes together, and of the whole log. */
+static bool is_reordered(const doctor_t *d)
+{
+    doctor_sums_t all;
+    double llr = 0.0;
+    doctor_sum(d, 0, d->blocks - 1, &all);
+    for (int i = 0; i < 3; ++i) {
+        const doctor_pair_t *p = &all.turn[3][i][i];
+        double told = doctor_discord(&all.turn[0][i][i], 1.0);
+        llr += ratio(p, fmin(told, 1.0), doctor_discord(p, 1.0));
+    }
+    return llr > MIN_LLR && doctor_discord(&all.turn[3][2][2], 1.0) < MAX_DISCORD;
+}
+
 static bool has_pair(const doctor_t *d, int axis)
 {
     return d->has[CSV_ATTITUDE + axis] && d->has[CSV_NU + 3 + axis];
@@ -124,6 +138,10 @@ static bool has_pair(const doctor_t *d, int axis)
 
 void doctor_attitude_scan(doctor_t *d)
 {
+    d->reordered = d->has[CSV_QUATERNION] && has_pair(d, 2) && is_reordered(d);
+    if (d->reordered) {
+        return; /* there is no attitude */
+    }
     for (int i = 2; i >= 0; --i) {
         if (has_pair(d, i)) {
             bool reversed = i < 2 && d->turned[2].llr > 0.0;
@@ -291,6 +309,12 @@ static void find_unexplained(doctor_t *d)
 
 void doctor_attitude(doctor_t *d)
 {
+    if (d->reordered) {
+        doctor_add(d, DOCTOR_ERROR, DOCTOR_QUATERNION, CSV_QUATERNION, CSV_NU + 5, NULL,
+                   "qw, qx, qy, qz look like x, y, z, w: the attitude turns with p, q, r only in "
+                   "that order: name the columns qx, qy, qz, qw");
+        return;
+    }
     /* A reversed psi disturbs the other axes, and so what is said about them. */
     bool found = d->turned[2].llr > 0.0 || find_units(d);
     doctor_range_t shift = doctor_scan(d, shift_score, 0);

@@ -84,12 +84,13 @@ void doctor_cells_add(doctor_t *d, double t, const double value[CELL_SIGNALS])
         emit_cell(d);
     }
     for (int i = 0; i < CELL_SIGNALS; ++i) {
+        bool degree = i >= CELL_DEGREE && i < CELL_ORDER;
         double x = value[i];
         if (!isfinite(x)) {
             continue;
         }
         if (i < CELL_NU) {
-            x = unwrap(c, i, i < CELL_DEGREE ? x : x * DEGREE);
+            x = unwrap(c, i, degree ? x * DEGREE : x);
         }
         if (t - c->last_s[i] <= GAP_S) {
             cover(c, i, c->last_s[i], t, c->last[i], x);

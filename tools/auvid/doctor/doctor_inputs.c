@@ -17,9 +17,11 @@
 #define MIN_LLR 20.0 /* more than for the attitude: the disturbance is correlated over seconds */
 #define MIN_EACH 8.0
 #define MIN_SHIFT_LLR 25.0
+#define SHIFT_PER_WINDOW 0.05
 #define FIRST_LAG (DOCTOR_EARLY - 1) /* usual lags */
-#define LAST_LAG (DOCTOR_EARLY + 6)
-#define USUAL_S 0.1 /* motion may lead by this: stamps */
+#define LAST_LAG (DOCTOR_EARLY + DOCTOR_MOST_USUAL)
+#define FEEDBACK_LAG (DOCTOR_EARLY - 4) /* the input follows the motion by this or more */
+#define USUAL_S 0.15                    /* motion may lead by this: stamps */
 #define EARLY_S (DOCTOR_EARLY * DOCTOR_CELL_S)
 #define TOO_EARLY_S 0.45 /* fit finds the delay of motion that leads by less .. */
 #define TOO_LATE_S 0.85  /* .. or follows by less */
@@ -42,71 +44,25 @@ static const char *input_name(const doctor_t *d, int j)
     return d->use != NULL ? of_thrusters[j] : csv_name[d->inputs + j];
 }
 
-void doctor_regress(const doctor_sums_t *s, int j, const double products[GAIN_TERMS],
-                    doctor_gain_t *out)
-{
-    double m[GAIN_TERMS][GAIN_TERMS], diagonal[GAIN_TERMS];
-    bool swept[GAIN_TERMS] = {false};
-    memcpy(m, s->fixed[j], sizeof m);
-    for (int k = 0; k < GAIN_TERMS; ++k) {
-        m[0][k] = m[k][0] = products[k];
-    }
-    for (int k = 0; k < GAIN_TERMS; ++k) {
-        diagonal[k] = m[k][k];
-    }
-    for (int k = ACCELERATION - 1; k >= SPEED; --k) {
-        swept[k] = doctor_sweep(m, k, diagonal[k]);
-    }
-    out->without = m[ACCELERATION][ACCELERATION];
-    swept[INPUT] = doctor_sweep(m, INPUT, 1e4 * diagonal[INPUT]); /* 1e-5 of it must be left */
-    out->with = swept[INPUT] ? m[ACCELERATION][ACCELERATION] : out->without;
-    out->b = swept[INPUT] ? m[INPUT][ACCELERATION] : 0.0;
-    double variance = fmax(out->with, 0.0) / s->count[j] * (double)DOCTOR_WINDOW;
-    double speed = sqrt(s->fixed[j][SPEED][SPEED] / s->count[j]);
-    for (int k = 0; k < GAIN_TERMS; ++k) {
-        out->coefficient[k] = swept[k] ? m[k][ACCELERATION] : 0.0;
-        out->t[k] = swept[k] && variance * m[k][k] > 0.0
-                        ? out->coefficient[k] / sqrt(variance * m[k][k])
-                        : 0.0;
-    }
-    out->drag = -(out->coefficient[SPEED] + 2.0 * out->coefficient[QUADRATIC] * speed);
-}
-
-static double ratio(const doctor_sums_t *s, int j, double without, double with)
-{
-    return doctor_ratio(s->count[j] / DOCTOR_WINDOW, without, with);
-}
-
 static bool has_pair(const doctor_t *d, int j)
 {
-    return d->inputs >= 0 && d->has[d->inputs + j] && d->has[CSV_NU + j] &&
+    bool other_axes = j < 2 && d->in_world; /* see doctor_world.c */
+    return !other_axes && d->inputs >= 0 && d->has[d->inputs + j] && d->has[CSV_NU + j] &&
            d->column[d->inputs + j].changes > 0.0 && d->column[CSV_NU + j].changes > 0.0;
 }
 
-/* Sums of squares with the usual lags, of the usual and of the opposite sign. */
-static void usual(const doctor_sums_t *s, int j, double *clean, double *against, gain_t *best)
-{
-    gain_t g;
-    *clean = *against = HUGE_VAL;
-    best->with = HUGE_VAL;
-    for (int k = FIRST_LAG; k <= LAST_LAG; ++k) {
-        doctor_regress(s, j, s->own[j][k], &g);
-        *clean = fmin(*clean, g.b > 0.0 ? g.with : g.without);
-        *against = fmin(*against, g.b < 0.0 && g.drag > 0.0 ? g.with : g.without);
-        if (g.with < best->with) {
-            *best = g;
-        }
-    }
-}
-
+/* A controller opposes the motion that it measures: its output is the input reversed, but later
+ * than the motion. Then the log shows no sign. */
 static double sign_score(const doctor_t *d, const doctor_sums_t *s, int j, int *which)
 {
-    double clean, against;
+    double clean, unused;
     gain_t g;
-    (void)d;
     *which = 0;
-    usual(s, j, &clean, &against, &g);
-    return ratio(s, j, clean, against);
+    doctor_usual(s, j, &clean, &unused, &g);
+    double feedback = doctor_reversed(s, j, 0, FEEDBACK_LAG);
+    double against = doctor_reversed(s, j, d->lag[j] > DOCTOR_EARLY ? d->lag[j] - 1 : DOCTOR_EARLY,
+                                     d->lag[j] > DOCTOR_EARLY ? d->lag[j] + 1 : DOCTOR_EARLY + 1);
+    return doctor_gain_ratio(s, j, fmin(clean, feedback), against);
 }
 
 /* Of all DoF together, because all inputs have one clock. which: lag [cells] + DOCTOR_EARLY. */
@@ -120,10 +76,12 @@ static double shift_score(const doctor_t *d, const doctor_sums_t *s, int unused,
         if (!has_pair(d, j) || s->count[j] < 1.0) {
             continue;
         }
-        usual(s, j, &clean, &against, &g);
+        doctor_usual(s, j, &clean, &against, &g);
+        clean = fmin(clean, doctor_reversed(s, j, 0, FEEDBACK_LAG));
         for (int k = 0; k <= DOCTOR_EARLY + DOCTOR_LATE; ++k) {
             doctor_regress(s, j, s->own[j][k], &g);
-            score[k] += ratio(s, j, clean, g.b > 0.0 && g.drag > 0.0 ? g.with : g.without);
+            score[k] +=
+                doctor_gain_ratio(s, j, clean, g.b > 0.0 && g.drag > 0.0 ? g.with : g.without);
         }
     }
     for (int k = 0; k <= DOCTOR_EARLY + DOCTOR_LATE; ++k) {
@@ -146,15 +104,20 @@ static double exchange_score(const doctor_t *d, const doctor_sums_t *s, int pair
         int j = axis[k];
         double clean, against;
         gain_t g;
-        usual(s, j, &clean, &against, &g);
+        doctor_usual(s, j, &clean, &against, &g);
         doctor_regress(s, j, s->cross[j][axis[1 - k]], &g);
-        each[k] = ratio(s, j, fmin(clean, against), g.b > 0.0 ? g.with : g.without);
+        each[k] = doctor_gain_ratio(s, j, fmin(clean, against), g.b > 0.0 ? g.with : g.without);
     }
     return each[0] > MIN_EACH && each[1] > MIN_EACH ? each[0] + each[1] : 0.0;
 }
 
 static void clear_input(doctor_sums_t *s, int j)
 {
+    if (j < DOCTOR_AXES - DOCTOR_WORLD) {
+        s->count[DOCTOR_WORLD + j] = 0.0;
+        memset(s->fixed[DOCTOR_WORLD + j], 0, sizeof s->fixed[j]);
+        memset(s->own[DOCTOR_WORLD + j], 0, sizeof s->own[j]);
+    }
     s->count[j] = 0.0;
     memset(s->fixed[j], 0, sizeof s->fixed[j]);
     memset(s->own[j], 0, sizeof s->own[j]);
@@ -188,6 +151,7 @@ void doctor_inputs_scan(doctor_t *d)
 {
     doctor_sums_t all;
     leave_out_quiet_blocks(d);
+    doctor_world_scan(d);
     doctor_sum(d, 0, d->blocks - 1, &all);
     for (int j = 0; j < 6; ++j) {
         double clean, against;
@@ -195,13 +159,15 @@ void doctor_inputs_scan(doctor_t *d)
         if (!has_pair(d, j)) {
             continue;
         }
-        usual(&all, j, &clean, &against, &g);
+        doctor_usual(&all, j, &clean, &against, &g);
+        against = fmin(against, doctor_reversed(&all, j, 0, FEEDBACK_LAG));
         /* also of a short log */
         double windows = all.count[j] / DOCTOR_WINDOW;
         d->answers[j] = clean > 0.0 && 0.5 * windows * log(against / clean) > MIN_EACH;
         if (d->answers[j]) {
             d->time_constant_s[j] = g.drag > 0.0 ? 1.0 / g.drag : 0.0;
         }
+        d->lag[j] = doctor_best_lag(d, j);
         d->pushed[j] = doctor_scan(d, sign_score, j);
         if (!(d->pushed[j].llr > MIN_LLR)) {
             d->pushed[j].llr = 0.0;
@@ -320,6 +286,19 @@ static bool find_exchange(doctor_t *d)
     return true;
 }
 
+/* Least ratio for a shift: it explains more than a controller, whose output is also correlated with
+ * motion far from the usual lags. */
+static double least_shift(const doctor_t *d, const doctor_range_t *range)
+{
+    doctor_sums_t sum;
+    double windows = 0.0;
+    doctor_sum(d, range->first, range->last, &sum);
+    for (int j = 0; j < 6; ++j) {
+        windows += has_pair(d, j) ? sum.count[j] / DOCTOR_WINDOW : 0.0;
+    }
+    return SHIFT_PER_WINDOW * windows;
+}
+
 /* sign_llr: of all wrong signs together, which explain a shift as well, but less likely. */
 static bool find_shift(doctor_t *d, double sign_llr)
 {
@@ -329,7 +308,7 @@ static bool find_shift(doctor_t *d, double sign_llr)
     /* Between rows the input is not known. */
     double row_s = doctor_interval_quantile(d, 0.5), late_s = LAST_LAG * DOCTOR_CELL_S;
     bool usual = lag_s > -USUAL_S - row_s && lag_s < late_s - EARLY_S + row_s;
-    if (!(r.llr > MIN_SHIFT_LLR) || r.llr < sign_llr || usual) {
+    if (!(r.llr > fmax(MIN_SHIFT_LLR, least_shift(d, &r))) || r.llr < sign_llr || usual) {
         return false;
     }
     doctor_finding_t *f = doctor_add(

@@ -18,17 +18,22 @@ enum {
     DOCTOR_LAGS = 15,        /* of attitude against rates: each way, in cells */
     DOCTOR_EARLY = 10,       /* of an input against acceleration: cells that motion may lead .. */
     DOCTOR_LATE = 20,        /* .. or trail */
-    DOCTOR_USUAL = 2,        /* cells by which motion usually trails */
+    DOCTOR_USUAL = 2,        /* cells by which motion usually trails .. */
+    DOCTOR_MOST_USUAL = 6,   /* .. and at most */
     DOCTOR_DISTINCT = 48,    /* distinct values that are remembered of a column */
     DOCTOR_MIN_WINDOWS = 30, /* independent ones, for a decision */
-    DOCTOR_INTERVALS = 64    /* classes of row intervals */
+    DOCTOR_INTERVALS = 64,   /* classes of row intervals */
+    DOCTOR_WORLD = 6,        /* surge and sway if the velocities are in north, east, down .. */
+    DOCTOR_AXES = 8,         /* .. after the six DoF */
+    DOCTOR_READINGS = 4      /* of the attitude */
 };
 
 /** Signals of a cell. */
 enum {
     CELL_ANGLE,                   /* [rad], as if the log were in radians */
     CELL_DEGREE = CELL_ANGLE + 3, /* [rad], as if the log were in degrees */
-    CELL_NU = CELL_DEGREE + 3,
+    CELL_ORDER = CELL_DEGREE + 3, /* [rad], as if qw .. qz were x, y, z, w */
+    CELL_NU = CELL_ORDER + 3,
     CELL_INPUT = CELL_NU + 6,
     CELL_POSITION = CELL_INPUT + 6,
     CELL_FORCE = CELL_POSITION + 3, /* specific force */
@@ -44,21 +49,24 @@ typedef struct {
 /** The resampler. */
 typedef struct {
     double last_s[CELL_SIGNALS], last[CELL_SIGNALS]; /* the last sample; NaN: none */
-    double raw[6];                                   /* angles before unwrapping */
     double sum[DOCTOR_RING][CELL_SIGNALS], covered[DOCTOR_RING][CELL_SIGNALS];
     int64_t next; /* first cell that is not complete */
 } doctor_cells_t;
 
 /** Averages over a window that ends with a cell, and rates over it. */
 typedef struct {
-    double body_rate[3][3]; /* of the attitude: as logged; in degrees; psi reversed */
-    double nu[6], quadratic[6], acceleration[6], input[6];
-    double couple[6][2];        /* coupling terms of each DoF */
-    double angle[3];            /* [rad] */
-    double depth_rate, sink[3]; /* parts of the depth rate from u, v, w */
-    double over_ground[2][2];   /* position rate in body axes: psi as it is, psi reversed */
-    double force[3];            /* specific force .. */
-    double expected[3];         /* .. and what attitude and velocity say of it */
+    /* of the attitude: as logged; in degrees; psi reversed; another order of the quaternion */
+    double body_rate[DOCTOR_READINGS][3];
+    double nu[DOCTOR_AXES], quadratic[DOCTOR_AXES], acceleration[DOCTOR_AXES], input[DOCTOR_AXES];
+    double couple[DOCTOR_AXES][2]; /* coupling terms of each DoF */
+    double angle[3];               /* [rad] */
+    double depth_rate, sink[3];    /* parts of the depth rate from u, v, w */
+    double over_ground[2][2];      /* position rate in body axes: psi as it is, psi reversed */
+    double travel[2], drift[2];    /* rates of north and east; less those of the velocity */
+    double force[3];               /* specific force .. */
+    double expected[3];            /* .. and what attitude and velocity say of it */
+    double inertial[3];            /* its part of the velocity, without gravity */
+    bool rests;                    /* no input has acted for a while */
     double thrust[AUVID_MAX_THRUSTERS];
 } doctor_window_t;
 
@@ -71,19 +79,22 @@ enum { GAIN_TERMS = 7 }; /* input, v, |v|v, two couplings, 1; acceleration */
 
 /** Sums of the identities over a block: doubles only, so that blocks add element by element. */
 typedef struct {
-    doctor_pair_t turn[3][3][3]; /* reading of the attitude (body_rate), its axis, rate */
-    doctor_pair_t lag[2 * DOCTOR_LAGS + 1][3]; /* the same axis, radians */
-    double fixed[6][GAIN_TERMS][GAIN_TERMS];   /* products of all terms but the input */
-    double own[6][DOCTOR_EARLY + DOCTOR_LATE + 1][GAIN_TERMS]; /* own input at a lag, times each */
-    double cross[6][6][GAIN_TERMS];                            /* another input */
-    double thrust[6][AUVID_MAX_THRUSTERS][GAIN_TERMS];         /* a thruster, likewise .. */
-    double both[6][AUVID_MAX_THRUSTERS][AUVID_MAX_THRUSTERS];  /* .. and times another one */
-    double count[6];                                           /* of windows */
-    doctor_pair_t force[3][3];                                 /* expected axis, measured axis */
+    doctor_pair_t turn[DOCTOR_READINGS][3][3];         /* reading of the attitude, its axis, rate */
+    doctor_pair_t lag[2 * DOCTOR_LAGS + 1][3];         /* the same axis, radians */
+    double fixed[DOCTOR_AXES][GAIN_TERMS][GAIN_TERMS]; /* products of all terms but the input */
+    /* own input at a lag, times each */
+    double own[DOCTOR_AXES][DOCTOR_EARLY + DOCTOR_LATE + 1][GAIN_TERMS];
+    double cross[6][6][GAIN_TERMS];                           /* another input */
+    double thrust[6][AUVID_MAX_THRUSTERS][GAIN_TERMS];        /* a thruster, likewise .. */
+    double both[6][AUVID_MAX_THRUSTERS][AUVID_MAX_THRUSTERS]; /* .. and times another one */
+    double count[DOCTOR_AXES];                                /* of windows */
+    doctor_pair_t force[3][3];                                /* expected axis, measured axis */
     double depth[6][6];            /* 1, sink from u, v, w, depth rate, sum of sinks */
     doctor_pair_t ground[2][2][2]; /* psi, body axis of position, velocity */
-    double moving[6];              /* cells with usable motion */
-    double seconds;
+    doctor_pair_t world[2];        /* rate of north with u, of east with v */
+    doctor_pair_t drift;           /* of north and east */
+    doctor_pair_t inertial[3];     /* acceleration of the velocity, of the accelerometer */
+    doctor_pair_t rest;            /* u and v at rest */
 } doctor_sums_t;
 
 typedef struct {
@@ -107,10 +118,9 @@ typedef struct {
 
 /** A velocity: how plausible its samples are. */
 typedef struct {
-    double n, last, last_s;
+    units_speed_t speed;
+    double last, last_s;
     double jumps, jump, at_s; /* number, largest, time of the first */
-    double fast, mark, same;  /* beyond what vehicles do: number, the last, repeats of it */
-    double largest;
 } doctor_velocity_t;
 
 /** which of sunk: theta or u has the wrong sign. */
@@ -144,6 +154,7 @@ typedef struct {
     doctor_cell_t past[DOCTOR_HISTORY];
     doctor_window_t window[DOCTOR_HISTORY];
     int64_t windows; /* number of windows so far */
+    int idle;        /* cells since an input of surge, sway or yaw acted */
     doctor_block_t block[DOCTOR_BLOCKS];
     int blocks, cells_in_block, block_cells;
     doctor_column_t column[CSV_COLUMNS];
@@ -151,10 +162,14 @@ typedef struct {
     doctor_range_t pushed[6]; /* a velocity and its input have opposite signs there */
     doctor_range_t sunk;      /* depth and heave velocity have opposite signs there */
     doctor_range_t gone[2];   /* position and velocity, of surge and sway, likewise */
+    bool reordered;           /* the quaternion is x, y, z, w */
+    bool in_world;            /* the velocities are to the north and east */
     bool answers[6];          /* a velocity follows its input */
+    int lag[6];               /* .. by this, as an index of doctor_sums_t.own */
     const log_use_t *use;     /* the inputs are these thrusters; NULL: those of the log */
     double thruster[AUVID_MAX_THRUSTERS], voltage_V; /* last inputs of the thrusters; NaN: none */
     double unit;                                     /* specific force of one m/s2 */
+    double dry_mass_kg;                              /* 0: not known */
     double usable_s[6], time_constant_s[6];
     /* results */
     bool usable;
@@ -169,7 +184,7 @@ void doctor_cells_init(doctor_t *d);
 void doctor_cells_add(doctor_t *d, double t, const double value[CELL_SIGNALS]);
 void doctor_cells_flush(doctor_t *d);
 
-/* doctor_inputs.c */
+/* doctor_gain.c */
 /** A regression of the acceleration of DoF j on its input and other terms. */
 typedef struct {
     double without, with; /* sums of squares, without and with the input */
@@ -180,9 +195,28 @@ typedef struct {
 /** products: of the input with each term. */
 void doctor_regress(const doctor_sums_t *s, int j, const double products[GAIN_TERMS],
                     doctor_gain_t *out);
+/** Sums of squares with the usual lags, of the usual and of the opposite sign; best: at the best
+ * of these lags. */
+void doctor_usual(const doctor_sums_t *s, int j, double *clean, double *against,
+                  doctor_gain_t *best);
+/** Sum of squares with a reversed input at one of the lags first .. last, as indices of own. */
+double doctor_reversed(const doctor_sums_t *s, int j, int first, int last);
+/** Lag at which input j explains the blocks best, whatever its sign in each. At others, an input
+ * that oscillates seems to be reversed. */
+int doctor_best_lag(const doctor_t *d, int j);
+/** doctor_ratio of the windows of DoF j. */
+double doctor_gain_ratio(const doctor_sums_t *s, int j, double without, double with);
 
-/* doctor_window.c: the sums */
+/* doctor_window.c: makes windows */
+/** Turns a vector from world to body axes. */
+void doctor_to_body(const double angle[3], const double world[3], double body[3]);
 void doctor_window_add(doctor_t *d, const doctor_cell_t *cell);
+
+/* doctor_sums.c: sums over windows */
+/** The window `cells` before the one that is being made. */
+const doctor_window_t *doctor_window_before(const doctor_t *d, int cells);
+/** Adds the last window to the sums of its block. */
+void doctor_sums_add(doctor_t *d);
 
 /* doctor_scan.c */
 /** Score of a sum of blocks: writes the best explanation. Returns its log likelihood ratio. */
@@ -197,6 +231,8 @@ double doctor_ratio(double windows, double without, double with);
 bool doctor_overlap(const doctor_range_t *a, const doctor_range_t *b);
 /** Sum of squares of a - gain b about their means, over that of both: 1 - concordance (Lin). */
 double doctor_discord(const doctor_pair_t *p, double gain);
+/** Are both signals, rates over a second, well above the errors of the sensors? */
+bool doctor_is_fast(const doctor_pair_t *p);
 /** Correlation. */
 double doctor_correlation(const doctor_pair_t *p);
 /** Sweeps row k of a symmetric matrix (Beaton 1964). Returns false if it depends on others. */
@@ -213,6 +249,10 @@ void doctor_inputs_scan(doctor_t *d); /* doctor_inputs.c */
 void doctor_inputs(doctor_t *d);
 void doctor_travel_scan(doctor_t *d); /* doctor_travel.c */
 void doctor_travel(doctor_t *d);
+void doctor_offset(doctor_t *d);     /* doctor_offset.c */
+void doctor_world_scan(doctor_t *d); /* doctor_world.c: after leaving out quiet blocks */
+void doctor_world(doctor_t *d);
+void doctor_scale(doctor_t *d);                                          /* doctor_scale.c */
 void doctor_column_add(doctor_t *d, int column, double t, double value); /* doctor_columns.c */
 void doctor_columns(doctor_t *d);
 void doctor_time(doctor_t *d);  /* doctor_time.c */

@@ -20,6 +20,8 @@ static const char *const code_name[DOCTOR_CODES] = {
     [DOCTOR_RATE_SIGN] = "rate_sign",
     [DOCTOR_RATE_EXCHANGED] = "rate_exchanged",
     [DOCTOR_FRAME] = "frame",
+    [DOCTOR_WORLD_FRAME] = "world_frame",
+    [DOCTOR_QUATERNION] = "quaternion_order",
     [DOCTOR_ATTITUDE_SHIFT] = "attitude_shift",
     [DOCTOR_ATTITUDE] = "attitude",
     [DOCTOR_INPUT_SIGN] = "input_sign",
@@ -40,6 +42,7 @@ static const char *const code_name[DOCTOR_CODES] = {
     [DOCTOR_THRUSTER_SIGN] = "thruster_sign",
     [DOCTOR_THRUSTER_SWAP] = "thruster_exchanged",
     [DOCTOR_SCALE] = "scale",
+    [DOCTOR_OFFSET] = "offset",
     [DOCTOR_HELD] = "held",
     [DOCTOR_OUTAGE] = "outage",
     [DOCTOR_OUTLIER] = "outlier",
@@ -55,8 +58,9 @@ static const char *const code_name[DOCTOR_CODES] = {
     [DOCTOR_MOTION] = "motion",
 };
 
-/* Reads a whole open log. Returns 0, or EXIT_REFUSED after one line on stderr. */
-static int examine(doctor_t *doctor, csv_log_t *log, const log_use_t *use)
+/* Reads a whole open log. dry_mass_kg: see doctor_dry_mass. Returns 0, or EXIT_REFUSED after one
+ * line on stderr. */
+static int examine(doctor_t *doctor, csv_log_t *log, const log_use_t *use, double dry_mass_kg)
 {
     csv_row_t row;
     int status = csv_rewind(log);
@@ -64,6 +68,7 @@ static int examine(doctor_t *doctor, csv_log_t *log, const log_use_t *use)
         return status;
     }
     doctor_init(doctor, log->has);
+    doctor_dry_mass(doctor, dry_mass_kg);
     if (use != NULL) {
         doctor_use(doctor, use);
     }
@@ -180,7 +185,9 @@ int doctor_check(const char *file, const options_t *options)
                               "(thruster_1 .. or thruster_1_N ..)",
                               file, options->vehicle->word);
     }
-    status = status != 0 ? status : examine(doctor, &log, thrusters ? &use : NULL);
+    status = status != 0 ? status
+                         : examine(doctor, &log, thrusters ? &use : NULL,
+                                   options->whole ? (double)options->vehicle->dry_mass_kg : 0.0);
     if (status == 0) {
         warn_known_forces(&log, options);
         csv_notes(&log);
@@ -210,13 +217,14 @@ int doctor_tell(const doctor_t *doctor, const char *path, report_findings_t *fin
     return status;
 }
 
-int doctor_warn(csv_log_t *log, const log_use_t *use, report_findings_t *findings)
+int doctor_warn(csv_log_t *log, const log_use_t *use, double dry_mass_kg,
+                report_findings_t *findings)
 {
     doctor_t *doctor = malloc(sizeof *doctor);
     if (doctor == NULL) {
         return report_error("%s: not enough memory", log->path);
     }
-    int status = examine(doctor, log, use);
+    int status = examine(doctor, log, use, dry_mass_kg);
     status = status != 0 ? status : doctor_tell(doctor, log->path, findings);
     free(doctor);
     return status;

@@ -18,7 +18,9 @@ int doctor_check(const char *file, const options_t *options);
  * *findings. path: the log. Returns 0, or EXIT_REFUSED after one line on stderr. */
 int doctor_tell(const doctor_t *doctor, const char *path, report_findings_t *findings);
 
-/** The same for an open log, which is read from its beginning. use: see doctor_use, or NULL. */
-int doctor_warn(csv_log_t *log, const log_use_t *use, report_findings_t *findings);
+/** The same for an open log, which is read from its beginning. use: see doctor_use, or NULL.
+ * dry_mass_kg: see doctor_dry_mass. */
+int doctor_warn(csv_log_t *log, const log_use_t *use, double dry_mass_kg,
+                report_findings_t *findings);
 
 #endif

@@ -41,8 +41,7 @@ static doctor_pair_t depth_pair(const doctor_sums_t *s, const double sign[3])
     return p;
 }
 
-/* Are both rates well above the errors of the sensors? */
-static bool is_fast(const doctor_pair_t *p)
+bool doctor_is_fast(const doctor_pair_t *p)
 {
     double n = fmax(p->n, 1.0), least = MIN_RATE * MIN_RATE * n;
     return p->aa - p->a * p->a / n > least && p->bb - p->b * p->b / n > least;
@@ -58,7 +57,7 @@ static double depth_score(const doctor_t *d, const doctor_sums_t *s, int axis, i
         doctor_pair_t p = depth_pair(s, depth_sign[k]);
         double discord = doctor_discord(&p, 1.0);
         double llr = doctor_ratio(p.n / WINDOW_CELLS, doctor_discord(&clean, 1.0), discord);
-        if (llr > best && discord < MAX_DISCORD && is_fast(&p)) {
+        if (llr > best && discord < MAX_DISCORD && doctor_is_fast(&p)) {
             best = llr;
             *which = k;
         }
@@ -71,20 +70,20 @@ static double ground_score(const doctor_t *d, const doctor_sums_t *s, int axis, 
     const doctor_pair_t *p = &s->ground[0][axis][axis];
     (void)d;
     *which = 0;
-    return is_fast(p)
+    return doctor_is_fast(p)
                ? doctor_ratio(p->n / WINDOW_CELLS, doctor_discord(p, 1.0), doctor_discord(p, -1.0))
                : 0.0;
 }
 
 static bool has_depth(const doctor_t *d)
 {
-    return d->has[CSV_POSITION + 2] && d->has[CSV_NU + 2];
+    return !d->reordered && d->has[CSV_POSITION + 2] && d->has[CSV_NU + 2];
 }
 
 static bool has_position(const doctor_t *d)
 {
-    return d->has[CSV_POSITION] && d->has[CSV_POSITION + 1] && d->has[CSV_ATTITUDE + 2] &&
-           d->has[CSV_NU] && d->has[CSV_NU + 1];
+    return !d->reordered && d->has[CSV_POSITION] && d->has[CSV_POSITION + 1] &&
+           d->has[CSV_ATTITUDE + 2] && d->has[CSV_NU] && d->has[CSV_NU + 1];
 }
 
 void doctor_travel_scan(doctor_t *d)
@@ -132,7 +131,7 @@ static bool contradicts(const doctor_pair_t *p)
 {
     double n = p->n / WINDOW_CELLS, c = doctor_correlation(p);
     double aa = p->aa - p->a * p->a / fmax(p->n, 1.0), bb = p->bb - p->b * p->b / fmax(p->n, 1.0);
-    if (n < DOCTOR_MIN_WINDOWS || !is_fast(p)) {
+    if (n < DOCTOR_MIN_WINDOWS || !doctor_is_fast(p)) {
         return false;
     }
     double error = 5.0 / sqrt(n), ab = c * sqrt(bb / aa), ba = c * sqrt(aa / bb);
@@ -155,7 +154,7 @@ void doctor_travel(doctor_t *d)
                 doctor_correlation(&p));
         }
     }
-    if (!has_position(d) || d->turned[2].llr > 0.0 || d->gone[0].llr > 0.0 ||
+    if (!has_position(d) || d->in_world || d->turned[2].llr > 0.0 || d->gone[0].llr > 0.0 ||
         d->gone[1].llr > 0.0) {
         return;
     }

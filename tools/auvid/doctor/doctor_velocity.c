@@ -1,14 +1,12 @@
 /*
- * Velocities that no vehicle has: another unit, marks of missing samples, outliers, and zeros where
- * the sensor had no lock. A few of them spoil a fit.
+ * Velocities that no vehicle has: another unit, marks of missing samples (units.h), outliers, and
+ * zeros where the sensor had no lock. A few of them spoil a fit.
  */
 #include <math.h>
 #include <stdio.h>
 
 #include "doctor.h"
 
-#define FAST 30.0  /* no vehicle moves faster [m/s] */
-#define MANY 0.1   /* share of the samples beyond: another unit */
 #define JUMP 3.0   /* a change in one row [m/s] .. */
 #define STEEP 50.0 /* .. within less time than this [m/s2] allows */
 #define MOVES 0.1  /* a vehicle does not stop at once from faster [m/s] */
@@ -18,20 +16,14 @@ static void watch(doctor_t *d, int i, double t, double v)
 {
     doctor_velocity_t *w = &d->velocity[i];
     double change = fabs(v - w->last);
-    if (w->n > 0.0 && change > JUMP && change > STEEP * (t - w->last_s)) {
+    if (w->speed.n > 0.0 && change > JUMP && change > STEEP * (t - w->last_s)) {
         w->at_s = w->jumps > 0.0 ? w->at_s : t;
         w->jump = fmax(w->jump, change);
         w->jumps += 1.0;
     }
-    if (fabs(v) > FAST) {
-        w->same += w->fast > 0.0 && !(fabs(v - w->mark) > 0.0) ? 1.0 : 0.0;
-        w->mark = v;
-        w->fast += 1.0;
-    }
-    w->largest = fmax(w->largest, fabs(v));
+    units_speed_add(&w->speed, t, v);
     w->last = v;
     w->last_s = t;
-    w->n += 1.0;
 }
 
 void doctor_velocity_add(doctor_t *d, const csv_row_t *row)
@@ -57,36 +49,22 @@ void doctor_velocity_add(doctor_t *d, const csv_row_t *row)
     }
 }
 
-/* Returns true if the velocity is in another unit or has marks. */
-static bool find_fast(doctor_t *d, int i)
-{
-    const doctor_velocity_t *w = &d->velocity[i];
-    const char *name = csv_name[CSV_NU + i];
-    bool mark = w->fast > 1.0 && w->same > 0.9 * (w->fast - 1.0);
-    if (!(w->fast > 0.0)) {
-        return false;
-    }
-    if (mark) {
-        doctor_add(d, DOCTOR_ERROR, DOCTOR_OUTLIER, CSV_NU + i, -1, NULL,
-                   "%s is %g in %.0f rows, a mark of missing samples: leave these cells empty",
-                   name, w->mark, w->fast);
-    } else if (w->fast > MANY * w->n) {
-        doctor_add(d, DOCTOR_ERROR, DOCTOR_SCALE, CSV_NU + i, -1, NULL,
-                   "%s reaches %.4g m/s, as if it were in mm/s or cm/s: convert it to m/s", name,
-                   w->largest);
-    }
-    return mark || w->fast > MANY * w->n;
-}
-
 void doctor_velocity(doctor_t *d)
 {
     for (int i = 0; i < 3; ++i) {
         const doctor_velocity_t *w = &d->velocity[i];
-        if (!find_fast(d, i) && w->jumps > 0.0) {
+        const char *name = csv_name[CSV_NU + i];
+        char text[160];
+        units_speed_kind_t kind = units_speed_judge(&w->speed, name, text, sizeof text);
+        bool few = kind == UNITS_SPEED_OK || kind == UNITS_SPEED_OUTLIER;
+        if (few && w->jumps > 0.0) {
             doctor_add(d, DOCTOR_ERROR, DOCTOR_OUTLIER, CSV_NU + i, -1, NULL,
                        "%s jumps %.0f time%s by up to %.3g m/s from row to row, first at t_s %.2f: "
                        "leave cells of outliers empty",
-                       csv_name[CSV_NU + i], w->jumps, w->jumps > 1.0 ? "s" : "", w->jump, w->at_s);
+                       name, w->jumps, w->jumps > 1.0 ? "s" : "", w->jump, w->at_s);
+        } else if (kind != UNITS_SPEED_OK) {
+            doctor_add(d, DOCTOR_ERROR, kind == UNITS_SPEED_SCALE ? DOCTOR_SCALE : DOCTOR_OUTLIER,
+                       CSV_NU + i, -1, NULL, "%s", text);
         }
     }
     if (d->drops >= MIN_DROPS) {

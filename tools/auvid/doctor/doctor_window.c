@@ -1,7 +1,6 @@
 /*
- * Rates over windows of half a second, and the sums of their products. The difference of the means
- * of two cells is the integral of the rate, weighted by a trapezium: the rate's samples are
- * averaged with the same weights.
+ * Rates over windows of half a second. The difference of the means of two cells is the integral of
+ * the rate, weighted by a trapezium: the rate's samples are averaged with the same weights.
  */
 #include <math.h>
 #include <string.h>
@@ -9,17 +8,12 @@
 #include "doctor.h"
 
 #define WINDOW_S (DOCTOR_WINDOW * DOCTOR_CELL_S)
-#define HISTORY (2 * DOCTOR_LAGS + 2 * DOCTOR_WINDOW) /* cells that a product looks back */
-#define BLOCK_CELLS 100                               /* of a block at the start */
+#define ACTS 0.02      /* an input, relative to its largest so far */
+#define REST_CELLS 150 /* without input, until a vehicle is at rest */
 
 static const doctor_cell_t *cell_before(const doctor_t *d, int cells)
 {
     return &d->past[(d->windows + DOCTOR_HISTORY - cells) % DOCTOR_HISTORY];
-}
-
-static const doctor_window_t *window_before(const doctor_t *d, int cells)
-{
-    return &d->window[(d->windows + DOCTOR_HISTORY - cells) % DOCTOR_HISTORY];
 }
 
 static double average(const doctor_t *d, int signal)
@@ -49,6 +43,16 @@ static void turn_rates(const doctor_t *d, int first, double side, double out[3])
     out[2] = yaw * cos(theta) * cos(phi) - pitch * sin(phi);
 }
 
+void doctor_to_body(const double a[3], const double world[3], double body[3])
+{
+    double ahead = cos(a[2]) * world[0] + sin(a[2]) * world[1];
+    double side = cos(a[2]) * world[1] - sin(a[2]) * world[0];
+    double down = sin(a[1]) * ahead + cos(a[1]) * world[2];
+    body[0] = cos(a[1]) * ahead - sin(a[1]) * world[2];
+    body[1] = cos(a[0]) * side + sin(a[0]) * down;
+    body[2] = cos(a[0]) * down - sin(a[0]) * side;
+}
+
 /* Rates of depth and position, and what the velocity says of them. */
 static void travel(const doctor_t *d, doctor_window_t *w)
 {
@@ -65,6 +69,11 @@ static void travel(const doctor_t *d, doctor_window_t *w)
             (cos(psi) * north + s * east) * cos(a[1]) - sin(a[1]) * w->depth_rate;
         w->over_ground[k][1] = -s * north + cos(psi) * east;
     }
+    double ahead = w->over_ground[0][0] - v[0], side = w->over_ground[0][1] - v[1];
+    w->travel[0] = north;
+    w->travel[1] = east;
+    w->drift[0] = cos(psi) * ahead - sin(psi) * side;
+    w->drift[1] = sin(psi) * ahead + cos(psi) * side;
 }
 
 /* Specific force: acceleration in inertial axes less gravity. Without velocity, of a vehicle that
@@ -78,6 +87,22 @@ static void specific_force(const doctor_t *d, doctor_window_t *w)
         double inertial = w->acceleration[i] + rate[j] * v[k] - rate[k] * v[j];
         w->force[i] = average(d, CELL_FORCE + i);
         w->expected[i] = (isfinite(inertial) ? inertial : 0.0) - DOCTOR_GRAVITY * down[i];
+        w->inertial[i] = inertial;
+    }
+}
+
+/* Surge and sway if the velocities are in north, east and down. */
+static void turn_velocity(doctor_window_t *w, double body[3])
+{
+    const double *rate = w->nu + 3;
+    double turned[3];
+    doctor_to_body(w->angle, w->nu, body);
+    doctor_to_body(w->angle, w->acceleration, turned);
+    for (int i = 0; i < DOCTOR_AXES - DOCTOR_WORLD; ++i) {
+        int j = (i + 1) % 3, k = (i + 2) % 3;
+        w->nu[DOCTOR_WORLD + i] = body[i];
+        w->acceleration[DOCTOR_WORLD + i] = turned[i] - rate[j] * body[k] + rate[k] * body[j];
+        w->input[DOCTOR_WORLD + i] = w->input[i];
     }
 }
 
@@ -86,19 +111,26 @@ static void make_window(const doctor_t *d, doctor_window_t *w)
     turn_rates(d, CELL_ANGLE, 1.0, w->body_rate[0]);
     turn_rates(d, CELL_DEGREE, 1.0, w->body_rate[1]);
     turn_rates(d, CELL_ANGLE, -1.0, w->body_rate[2]);
-    for (int j = 0; j < 6; ++j) {
-        w->nu[j] = average(d, CELL_NU + j);
-        w->quadratic[j] = fabs(w->nu[j]) * w->nu[j];
-        w->acceleration[j] = slope(d, CELL_NU + j);
-        w->input[j] = average(d, CELL_INPUT + j);
-    }
+    turn_rates(d, CELL_ORDER, 1.0, w->body_rate[3]);
     for (int j = 0; j < 3; ++j) {
         w->angle[j] = average(d, CELL_ANGLE + j);
     }
+    for (int j = 0; j < 6; ++j) {
+        w->nu[j] = average(d, CELL_NU + j);
+        w->acceleration[j] = slope(d, CELL_NU + j);
+        w->input[j] = average(d, CELL_INPUT + j);
+    }
+    double body[3];
+    turn_velocity(w, body);
+    for (int j = 0; j < DOCTOR_AXES; ++j) {
+        w->quadratic[j] = fabs(w->nu[j]) * w->nu[j];
+    }
     const double *v = w->nu;
-    const double couple[6][2] = {{v[1] * v[5], v[2] * v[4]},      {v[0] * v[5], v[2] * v[3]},
-                                 {v[0] * v[4], v[1] * v[3]},      {sin(w->angle[0]), v[1] * v[2]},
-                                 {sin(w->angle[1]), v[0] * v[2]}, {v[0] * v[1], v[0] * v[3]}};
+    const double couple[DOCTOR_AXES][2] = {
+        {v[1] * v[5], v[2] * v[4]},       {v[0] * v[5], v[2] * v[3]},
+        {v[0] * v[4], v[1] * v[3]},       {sin(w->angle[0]), v[1] * v[2]},
+        {sin(w->angle[1]), v[0] * v[2]},  {v[0] * v[1], v[0] * v[3]},
+        {body[1] * v[5], body[2] * v[4]}, {body[0] * v[5], body[2] * v[3]}};
     memcpy(w->couple, couple, sizeof couple);
     for (int k = 0; k < AUVID_MAX_THRUSTERS; ++k) {
         w->thrust[k] = average(d, CELL_THRUST + k);
@@ -107,171 +139,29 @@ static void make_window(const doctor_t *d, doctor_window_t *w)
     specific_force(d, w);
 }
 
-static void add_pair(doctor_pair_t *p, double a, double b)
+/* Counts the time without input. Before the first one the vehicle rests. */
+static void count_idle(doctor_t *d, const doctor_cell_t *cell)
 {
-    if (isfinite(a) && isfinite(b)) {
-        p->n += 1.0;
-        p->a += a;
-        p->b += b;
-        p->aa += a * a;
-        p->bb += b * b;
-        p->ab += a * b;
+    static const int axis[3] = {0, 1, 5};
+    bool acts = d->inputs < 0;
+    for (int i = 0; i < 3 && !acts; ++i) {
+        int column = d->inputs + axis[i];
+        double input = fabs(cell->mean[CELL_INPUT + axis[i]]);
+        acts = d->has[column] && !(input <= ACTS * d->column[column].limit);
     }
-}
-
-static void add_attitude(const doctor_t *d, doctor_sums_t *s)
-{
-    const doctor_window_t *now = window_before(d, DOCTOR_LAGS);
-    for (int i = 0; i < 3; ++i) {
-        for (int j = 0; j < 3; ++j) {
-            for (int k = 0; k < 3; ++k) {
-                add_pair(&s->turn[k][i][j], now->body_rate[k][i], now->nu[3 + j]);
-            }
-        }
-        for (int k = 0; k <= 2 * DOCTOR_LAGS; ++k) { /* the rate k - DOCTOR_LAGS cells earlier */
-            add_pair(&s->lag[k][i], now->body_rate[0][i], window_before(d, k)->nu[3 + i]);
-        }
-    }
-}
-
-static void add_force(const doctor_t *d, doctor_sums_t *s)
-{
-    const doctor_window_t *now = window_before(d, 0);
-    for (int i = 0; i < 3; ++i) {
-        for (int j = 0; j < 3; ++j) {
-            add_pair(&s->force[i][j], now->expected[i], now->force[j]);
-        }
-    }
-}
-
-/* Products of the force of each thruster with the terms of DoF j. */
-static void add_thrusters(const doctor_t *d, doctor_sums_t *s, int j, const double x[GAIN_TERMS])
-{
-    const double *thrust = window_before(d, DOCTOR_EARLY + DOCTOR_USUAL)->thrust;
-    for (int k = 0; k < AUVID_MAX_THRUSTERS; ++k) {
-        for (int a = 1; a < GAIN_TERMS; ++a) {
-            s->thrust[j][k][a] += thrust[k] * x[a];
-        }
-        for (int i = 0; i < AUVID_MAX_THRUSTERS; ++i) {
-            s->both[j][k][i] += thrust[k] * thrust[i];
-        }
-    }
-}
-
-/* Products of the acceleration of DoF j, its drag, its coupling, and the inputs. */
-static void add_input(const doctor_t *d, doctor_sums_t *s, int j)
-{
-    const doctor_window_t *now = window_before(d, DOCTOR_EARLY);
-    double x[GAIN_TERMS] = {
-        0.0, now->nu[j],          now->quadratic[j], now->couple[j][0], now->couple[j][1],
-        1.0, now->acceleration[j]};
-    double check = 0.0, lagged[DOCTOR_EARLY + DOCTOR_LATE + 1];
-    for (int k = 0; k < GAIN_TERMS; ++k) {
-        check += x[k];
-    }
-    for (int k = 0; k <= DOCTOR_EARLY + DOCTOR_LATE; ++k) {
-        lagged[k] = window_before(d, k)->input[j];
-        check += lagged[k];
-    }
-    if (!isfinite(check)) {
-        return;
-    }
-    s->count[j] += 1.0;
-    for (int a = 1; a < GAIN_TERMS; ++a) {
-        for (int b = 1; b < GAIN_TERMS; ++b) {
-            s->fixed[j][a][b] += x[a] * x[b];
-        }
-    }
-    for (int k = 0; k <= DOCTOR_EARLY + DOCTOR_LATE; ++k) {
-        s->own[j][k][0] += lagged[k] * lagged[k];
-        for (int a = 1; a < GAIN_TERMS; ++a) {
-            s->own[j][k][a] += lagged[k] * x[a];
-        }
-    }
-    if (d->use != NULL && isfinite(window_before(d, DOCTOR_EARLY + DOCTOR_USUAL)->thrust[0])) {
-        add_thrusters(d, s, j, x);
-    }
-    for (int i = 0; i < 6; ++i) {
-        double other = window_before(d, DOCTOR_EARLY + DOCTOR_USUAL)->input[i];
-        for (int a = 1; a < GAIN_TERMS && isfinite(other); ++a) {
-            s->cross[j][i][a] += other * x[a];
-        }
-        s->cross[j][i][0] += isfinite(other) ? other * other : 0.0;
-    }
-}
-
-/* A window of one second, because depth is noisy. */
-static void add_travel(const doctor_t *d, doctor_sums_t *s)
-{
-    const doctor_window_t *now = window_before(d, 0), *before = window_before(d, DOCTOR_WINDOW);
-    double x[6] = {1.0}, check = 0.0;
-    for (int k = 0; k < 3; ++k) {
-        x[1 + k] = 0.5 * (now->sink[k] + before->sink[k]);
-    }
-    x[4] = 0.5 * (now->depth_rate + before->depth_rate);
-    x[5] = x[1] + x[2] + x[3];
-    check = x[4] + x[5];
-    for (int a = 0; a < 6 && isfinite(check); ++a) {
-        for (int b = 0; b < 6; ++b) {
-            s->depth[a][b] += x[a] * x[b];
-        }
-    }
-    for (int k = 0; k < 2; ++k) {
-        for (int i = 0; i < 2; ++i) {
-            double moved = 0.5 * (now->over_ground[k][i] + before->over_ground[k][i]);
-            for (int j = 0; j < 2; ++j) {
-                add_pair(&s->ground[k][i][j], moved, 0.5 * (now->nu[j] + before->nu[j]));
-            }
-        }
-    }
-}
-
-/* Halves the number of blocks by adding neighbours. */
-static void merge_blocks(doctor_t *d)
-{
-    for (int k = 0; k < DOCTOR_BLOCKS / 2; ++k) {
-        double to_s = d->block[2 * k + 1].to_s;
-        doctor_sums_t sum;
-        doctor_sum(d, 2 * k, 2 * k + 1, &sum);
-        d->block[k].from_s = d->block[2 * k].from_s;
-        d->block[k].to_s = to_s;
-        d->block[k].sums = sum;
-    }
-    d->blocks = DOCTOR_BLOCKS / 2;
-    d->block_cells *= 2;
-}
-
-static doctor_block_t *present_block(doctor_t *d)
-{
-    double now = (double)(d->cells.next - 1) * DOCTOR_CELL_S;
-    if (d->blocks == 0 || d->cells_in_block == d->block_cells) {
-        if (d->block_cells == 0) {
-            d->block_cells = BLOCK_CELLS;
-        }
-        if (d->blocks == DOCTOR_BLOCKS) {
-            merge_blocks(d);
-        }
-        memset(&d->block[d->blocks], 0, sizeof d->block[0]);
-        d->block[d->blocks++].from_s = now;
-        d->cells_in_block = 0;
-    }
-    ++d->cells_in_block;
-    d->block[d->blocks - 1].to_s = now + DOCTOR_CELL_S;
-    return &d->block[d->blocks - 1];
+    d->idle = acts ? 0 : d->idle < REST_CELLS ? d->idle + 1 : d->idle;
 }
 
 void doctor_window_add(doctor_t *d, const doctor_cell_t *cell)
 {
-    d->past[d->windows % DOCTOR_HISTORY] = *cell;
-    make_window(d, &d->window[d->windows % DOCTOR_HISTORY]);
-    doctor_sums_t *s = &present_block(d)->sums;
-    if (d->windows > HISTORY) {
-        add_attitude(d, s);
-        add_force(d, s);
-        for (int j = 0; j < 6; ++j) {
-            add_input(d, s, j);
-        }
-        add_travel(d, s);
+    doctor_window_t *w = &d->window[d->windows % DOCTOR_HISTORY];
+    if (d->windows == 0) {
+        d->idle = REST_CELLS;
     }
+    d->past[d->windows % DOCTOR_HISTORY] = *cell;
+    count_idle(d, cell);
+    make_window(d, w);
+    w->rests = d->idle == REST_CELLS;
+    doctor_sums_add(d);
     ++d->windows;
 }

@@ -220,7 +220,7 @@ static int run(job_t *job)
     int refused = fit_read_logs(job);
     for (int i = 0; i < options->trains && refused == 0; ++i) {
         refused = doctor_warn(&job->log[i].csv, log_has_thrusters(&job->use) ? &job->use : NULL,
-                              &job->findings);
+                              fit_dry_mass_kg(job), &job->findings);
     }
     refused = refused != 0 ? refused : fit_choose_map(job);
     fitted_t *fitted = refused == 0 ? fit_choose_model(job) : NULL;

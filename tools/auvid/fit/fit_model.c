@@ -130,6 +130,14 @@ static auvid_status_t add_current(fitted_t *fitted, auvid_identifier_config_t *c
                                 cfg->search.upper);
 }
 
+double fit_dry_mass_kg(const job_t *job)
+{
+    const options_t *options = job->options;
+    return options->dry_mass_kg > 0.0 ? options->dry_mass_kg
+           : fit_in_commands(job)     ? 0.0
+                                      : (double)options->vehicle->dry_mass_kg;
+}
+
 static void configure(const job_t *job, const auvid_vehicle_t *vehicle, decoupled_t *six,
                       auvid_identifier_config_t *cfg)
 {
@@ -143,15 +151,12 @@ static void configure(const job_t *job, const auvid_vehicle_t *vehicle, decouple
         cfg->vehicle = cfg->metric.vehicle = &six->vehicle;
     }
     cfg->search.seed = options->seed;
-    cfg->dry_mass_kg = fit_in_commands(job) ? 0 : options->vehicle->dry_mass_kg;
+    cfg->dry_mass_kg = (auvid_real_t)fit_dry_mass_kg(job);
     cfg->uncertainty = options->vehicle->uncertainty;
     if (fit_in_commands(job)) {
         cfg->uncertainty.thrust_scale = 0; /* the unit of a command has no scale error */
     }
     options_uncertainty(options, &cfg->uncertainty);
-    if (options->dry_mass_kg > 0.0) {
-        cfg->dry_mass_kg = (auvid_real_t)options->dry_mass_kg;
-    }
     cfg->exact_inputs = options->plain || options->literal;
     cfg->recorder.gap_us = (uint32_t)fmax(cfg->recorder.cell_us, gap_us(job));
     cfg->recorder.input = options->linear_input ? AUVID_INPUT_LINEAR : AUVID_INPUT_HOLD;

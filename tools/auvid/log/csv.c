@@ -123,7 +123,13 @@ static int take_time(csv_log_t *log, const char *field, double t)
                               csv_field_column(&log->lines, field), trouble, field);
 }
 
-/* Computes the attitude from a quaternion from body to world axes. */
+void csv_attitude(double w, double x, double y, double z, double angle[3])
+{
+    angle[0] = atan2(2.0 * (w * x + y * z), 1.0 - 2.0 * (x * x + y * y));
+    angle[1] = asin(fmax(-1.0, fmin(1.0, 2.0 * (w * y - z * x))));
+    angle[2] = atan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z));
+}
+
 static int take_quaternion(const csv_log_t *log, csv_row_t *row)
 {
     const double *q = row->value + CSV_QUATERNION;
@@ -144,11 +150,7 @@ static int take_quaternion(const csv_log_t *log, csv_row_t *row)
         return report_error("%s:%zu:1: the quaternion qw qx qy qz has the norm %.4g, not 1",
                             log->path, row->line, norm);
     }
-    double w = q[0] / norm, x = q[1] / norm, y = q[2] / norm, z = q[3] / norm;
-    double *angle = row->value + CSV_ATTITUDE;
-    angle[0] = atan2(2.0 * (w * x + y * z), 1.0 - 2.0 * (x * x + y * y));
-    angle[1] = asin(fmax(-1.0, fmin(1.0, 2.0 * (w * y - z * x))));
-    angle[2] = atan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z));
+    csv_attitude(q[0] / norm, q[1] / norm, q[2] / norm, q[3] / norm, row->value + CSV_ATTITUDE);
     return 0;
 }
 

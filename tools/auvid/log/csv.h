@@ -61,6 +61,9 @@ static inline bool csv_has(const csv_row_t *row, int column)
 /** Names separated by commas, with "..." at the end if not all fit. */
 typedef char csv_list_t[200];
 
+/** Computes the attitude from a quaternion of length 1 from body to world axes. */
+void csv_attitude(double w, double x, double y, double z, double angle[3]);
+
 /** A log that is being read. */
 typedef struct {
     const char *path;

@@ -121,6 +121,7 @@ static int read_quaternion(csv_log_t *log)
         missing = log->has[c] ? missing : c;
         if (angles && log->has[c]) {
             csv_ignore(log, c);
+            log->has[c] = false;
         }
     }
     if (angles || components == 0) {

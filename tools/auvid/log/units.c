@@ -1,6 +1,7 @@
 #include "units.h"
 
 #include <math.h>
+#include <stdio.h>
 
 #include "../base/report_error.h"
 
@@ -8,9 +9,11 @@
 #define DEGREES 57.29577951308232 /* in a radian */
 #define FEW 0.01                  /* share of rows that may be outliers */
 #define GAP_S 0.5
-#define FAST_MPS 60.0
-#define WINDOW_S 1.0 /* window in which changes of attitude are compared with rates */
-#define WINDOWS 10   /* smallest number of windows for a decision */
+#define FAST_MPS 30.0 /* no vehicle is faster */
+#define MANY 0.1      /* share of the samples beyond: another unit */
+#define MARKED 0.9    /* share of those that repeat one value: a mark */
+#define WINDOW_S 1.0  /* window in which changes of attitude are compared with rates */
+#define WINDOWS 10    /* smallest number of windows for a decision */
 
 #define CONVERT_ANGLES "if the attitude is in degrees, convert it to radians (times pi/180)"
 #define CONVERT_RATES "if the rates are in deg/s, convert them to rad/s (times pi/180)"
@@ -52,15 +55,52 @@ static void take_angle(units_axis_t *a, double t, double angle)
     a->rate = a->latest_rate;
 }
 
+void units_speed_add(units_speed_t *w, double t_s, double value)
+{
+    w->n += 1.0;
+    if (fabs(value) > FAST_MPS) {
+        w->same += w->fast > 0.0 && !(fabs(value - w->last) > 0.0) ? 1.0 : 0.0;
+        w->last = value;
+        w->fast += 1.0;
+    }
+    if (fabs(value) > fabs(w->largest)) {
+        w->largest = value;
+        w->largest_s = t_s;
+    }
+}
+
+units_speed_kind_t units_speed_judge(const units_speed_t *w, const char *name, char *text,
+                                     size_t size)
+{
+    if (!(w->fast > 0.0)) {
+        return UNITS_SPEED_OK;
+    }
+    if (w->fast > 1.0 && w->same > MARKED * (w->fast - 1.0)) {
+        (void)snprintf(text, size,
+                       "%s is %g in %.0f rows, a mark of missing samples: leave these cells empty",
+                       name, w->last, w->fast);
+        return UNITS_SPEED_MARKED;
+    }
+    if (w->fast > MANY * w->n) {
+        (void)snprintf(text, size,
+                       "%s reaches %.4g m/s, as if it were in mm/s or cm/s: convert it to m/s",
+                       name, fabs(w->largest));
+        return UNITS_SPEED_SCALE;
+    }
+    (void)snprintf(text, size,
+                   "%s is %.4g at t_s %.9g, and no vehicle is as fast: leave cells of outliers "
+                   "empty",
+                   name, w->largest, w->largest_s);
+    return UNITS_SPEED_OUTLIER;
+}
+
 void units_row(units_t *units, const csv_row_t *row)
 {
     for (int k = 0; k < 3; ++k) {
         units_axis_t *a = &units->axis[k];
         int angle = CSV_ATTITUDE + k, rate = CSV_NU + 3 + k;
-        double speed = csv_has(row, CSV_NU + k) ? fabs(row->value[CSV_NU + k]) : 0.0;
-        if (speed > units->speed[k]) {
-            units->speed[k] = speed;
-            units->speed_t[k] = row->value[CSV_T];
+        if (csv_has(row, CSV_NU + k)) {
+            units_speed_add(&units->speed[k], row->value[CSV_T], row->value[CSV_NU + k]);
         }
         if (csv_has(row, rate)) {
             a->latest_rate = row->value[rate];
@@ -146,13 +186,10 @@ static int check_rate(const units_axis_t *a, const char *path, int axis)
 
 static int check_speed(const units_t *units, const char *path, int axis)
 {
-    return units->speed[axis] <= FAST_MPS
-               ? 0
-               : report_error("%s: %s is %.4g at t_s %.9g, and no vehicle is as fast: if it is in "
-                              "mm/s, divide it by 1000; where there is no sample, leave the cell "
-                              "empty",
-                              path, csv_name[CSV_NU + axis], units->speed[axis],
-                              units->speed_t[axis]);
+    char text[160];
+    units_speed_kind_t kind =
+        units_speed_judge(&units->speed[axis], csv_name[CSV_NU + axis], text, sizeof text);
+    return kind == UNITS_SPEED_OK ? 0 : report_error("%s: %s", path, text);
 }
 
 int units_check(const units_t *units, const char *path)

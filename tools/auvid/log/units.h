@@ -1,6 +1,6 @@
 /**
  * @file units.h
- * Checks whether attitude and rates of a log are in radians.
+ * Checks whether attitude and rates of a log are in radians, and velocities in m/s.
  */
 #ifndef PROGRAM_UNITS_H
 #define PROGRAM_UNITS_H
@@ -24,20 +24,41 @@ typedef struct {
     size_t rates, beyond;            /* rates; those beyond a revolution per second */
 } units_axis_t;
 
+/** One velocity, first all zeros: samples that no vehicle is as fast as. */
+typedef struct {
+    double n, fast, last, same; /* samples; fast ones, the last of these, and its repeats */
+    double largest, largest_s;  /* the largest, and its time */
+} units_speed_t;
+
+/** What fast samples are. */
+typedef enum {
+    UNITS_SPEED_OK,
+    UNITS_SPEED_MARKED, /**< one value again and again: a mark of missing samples */
+    UNITS_SPEED_SCALE,  /**< many: another unit */
+    UNITS_SPEED_OUTLIER /**< few */
+} units_speed_kind_t;
+
+/** Takes a sample [m/s]. */
+void units_speed_add(units_speed_t *w, double t_s, double value);
+
+/** Judges all samples. Unless they are UNITS_SPEED_OK, writes a sentence with the remedy. */
+units_speed_kind_t units_speed_judge(const units_speed_t *w, const char *name, char *text,
+                                     size_t size);
+
 /** Statistics of a log, first all zeros. */
 typedef struct {
     units_axis_t axis[3];
-    size_t pitches, beyond;      /* values of pitch; those that no pitch in radians takes */
-    double speed[3], speed_t[3]; /* largest velocity of each axis, and its time */
+    size_t pitches, beyond; /* values of pitch; those that no pitch in radians takes */
+    units_speed_t speed[3];
 } units_t;
 
 /** Takes a row. */
 void units_row(units_t *units, const csv_row_t *row);
 
 /** Looks for values that no angle in radians, no rate in rad/s and no velocity in m/s of a vehicle
- * takes. Call it after
- * the last row. Returns 0, or EXIT_REFUSED after one line on stderr with the column, its value and
- * the remedy. A slow log with both in degrees passes if pitch is small and yaw does not wrap. */
+ * takes. Call it after the last row. Returns 0, or EXIT_REFUSED after one line on stderr with the
+ * column, its value and the remedy. A slow log with both in degrees passes if pitch is small and
+ * yaw does not wrap. */
 int units_check(const units_t *units, const char *path);
 
 #endif

@@ -64,6 +64,10 @@ static int check_scenario(const options_t *options)
     if (options->adaptive && options->literal) {
         return report_error("demo: --adaptive and --literal cannot be combined");
     }
+    if (options->literal && options->vehicle->calibrations > 0) {
+        return report_error("demo: --literal has no known force: remove [calibration.1] from the "
+                            "vehicle file");
+    }
     return 0;
 }
 

@@ -1,0 +1,249 @@
+/* The log doctor on a simulated vehicle without noise: velocities in other units, in the axes of
+ * the world, or with an offset; forces in other units; the order of a quaternion. */
+#include "doctor_log.h"
+
+void setUp(void)
+{
+    make_log();
+}
+
+void tearDown(void)
+{
+}
+
+#define DRY_MASS_KG 220.0 /* of 250 in surge, 370 in sway, 660 in heave */
+#define KNOTS 1.9438      /* in a metre per second */
+
+static void examine_dry(double dry_mass_kg)
+{
+    doctor_init(&doctor, has);
+    doctor_dry_mass(&doctor, dry_mass_kg);
+    for (int k = 0; k < ROWS; ++k) {
+        doctor_feed(&doctor, &rows[k]);
+    }
+    doctor_finish(&doctor);
+}
+
+static void lose(int column, int count)
+{
+    for (int i = 0; i < count; ++i) {
+        has[column + i] = false;
+    }
+}
+
+static void assert_warning(doctor_code_t code, int column, const char *words)
+{
+    const doctor_finding_t *f = finding(code);
+    TEST_ASSERT_NOT_NULL_MESSAGE(f, words);
+    TEST_ASSERT_EQUAL_MESSAGE(DOCTOR_WARNING, f->severity, f->text);
+    TEST_ASSERT_EQUAL_MESSAGE(column, f->column, f->text);
+    TEST_ASSERT_NOT_NULL_MESSAGE(strstr(f->text, words), f->text);
+    TEST_ASSERT_EQUAL_MESSAGE(1, count(DOCTOR_WARNING) + count(DOCTOR_ERROR),
+                              doctor.finding[0].text);
+}
+
+/* ---- units ---- */
+
+static void scale_velocities(int n, double factor)
+{
+    for (int i = 0; i < n; ++i) {
+        scale(CSV_NU + i, factor);
+    }
+}
+
+static void test_the_position_shows_velocities_in_knots(void)
+{
+    lose(CSV_SPECIFIC_FORCE, 3);
+    scale_velocities(2, KNOTS);
+    assert_only(
+        DOCTOR_SCALE, CSV_NU,
+        "u_mps, v_mps: 1.94 times the rates of north_m and east_m, as if in knots: multiply "
+        "by 0.5144");
+}
+
+static void test_the_accelerometer_shows_velocities_in_knots(void)
+{
+    lose(CSV_POSITION, 3);
+    scale_velocities(3, KNOTS);
+    assert_only(DOCTOR_SCALE, CSV_NU,
+                "u_mps, v_mps, w_mps: 1.94 times what the accelerometer says, as if in knots");
+}
+
+static void test_the_dry_mass_shows_velocities_in_knots(void)
+{
+    lose(CSV_POSITION, 3);
+    lose(CSV_SPECIFIC_FORCE, 3);
+    scale_velocities(2, KNOTS);
+    examine_dry(DRY_MASS_KG);
+    assert_warning(DOCTOR_SCALE, CSV_NU,
+                   "if u_mps and v_mps are in knots, multiply them by 0.5144");
+    examine_dry(0.0);
+    TEST_ASSERT_NULL(finding(DOCTOR_SCALE)); /* nothing shows it */
+}
+
+static void test_slow_velocities_in_centimetres_are_named(void)
+{
+    scale_velocities(2, 30.0); /* cm/s of a vehicle that is slower by 0.3 */
+    scale(CSV_POSITION, 0.3);
+    scale(CSV_POSITION + 1, 0.3);
+    lose(CSV_POSITION + 2, 1);
+    lose(CSV_SPECIFIC_FORCE, 3);
+    assert_only(DOCTOR_SCALE, CSV_NU, "as if in cm/s: multiply by 0.01");
+}
+
+static void test_the_dry_mass_shows_forces_in_kgf(void)
+{
+    for (int j = 0; j < 6; ++j) {
+        scale(CSV_WRENCH + j, 1.0 / 9.81);
+    }
+    examine_dry(DRY_MASS_KG);
+    assert_error(
+        DOCTOR_SCALE, CSV_WRENCH,
+        "X_N, Y_N, Z_N and the moments look like kilograms-force (the mass that follows is "
+        "0.1");
+    TEST_ASSERT_EQUAL(1, count(DOCTOR_ERROR));
+}
+
+static void test_masses_above_the_dry_mass_are_not_accused(void)
+{
+    examine_dry(DRY_MASS_KG);
+    TEST_ASSERT_EQUAL(0, count(DOCTOR_ERROR) + count(DOCTOR_WARNING));
+}
+
+/* ---- axes ---- */
+
+static void to_world(void)
+{
+    for (int k = 0; k < ROWS; ++k) {
+        double *v = rows[k].value, r[3][3], nu[3];
+        memcpy(nu, &v[CSV_NU], sizeof nu);
+        sim_rotation(&v[CSV_ATTITUDE], r);
+        for (int i = 0; i < 3; ++i) {
+            v[CSV_NU + i] = r[i][0] * nu[0] + r[i][1] * nu[1] + r[i][2] * nu[2];
+        }
+    }
+}
+
+static void test_velocities_of_the_world_are_named_by_the_position(void)
+{
+    to_world();
+    lose(CSV_POSITION + 2, 1);
+    for (int j = 0; j < 6; ++j) {
+        has[CSV_WRENCH + j] = j == 5;
+    }
+    assert_only(DOCTOR_WORLD_FRAME, CSV_NU, "they are the rates of north_m and east_m");
+}
+
+static void test_velocities_of_the_world_are_named_by_the_inputs(void)
+{
+    to_world();
+    lose(CSV_POSITION, 3);
+    lose(CSV_SPECIFIC_FORCE, 3);
+    assert_only(DOCTOR_WORLD_FRAME, CSV_NU, "turn them into body axes, u ahead and v to starboard");
+}
+
+/* ---- quaternions ---- */
+
+/* order: where w, x, y, z stand in qw, qx, qy, qz. The reader computes the attitude. */
+static void to_quaternion(const int order[4])
+{
+    for (int k = 0; k < ROWS; ++k) {
+        double *v = rows[k].value, c[3], s[3];
+        for (int i = 0; i < 3; ++i) {
+            c[i] = cos(0.5 * v[CSV_ATTITUDE + i]);
+            s[i] = sin(0.5 * v[CSV_ATTITUDE + i]);
+        }
+        const double q[4] = {
+            c[0] * c[1] * c[2] + s[0] * s[1] * s[2], s[0] * c[1] * c[2] - c[0] * s[1] * s[2],
+            c[0] * s[1] * c[2] + s[0] * c[1] * s[2], c[0] * c[1] * s[2] - s[0] * s[1] * c[2]};
+        for (int i = 0; i < 4; ++i) {
+            v[CSV_QUATERNION + order[i]] = q[i];
+            has[CSV_QUATERNION + i] = true;
+        }
+        const double *read = &v[CSV_QUATERNION];
+        csv_attitude(read[0], read[1], read[2], read[3], &v[CSV_ATTITUDE]);
+    }
+}
+
+static void test_a_quaternion_that_begins_with_x_is_named(void)
+{
+    static const int last[4] = {3, 0, 1, 2};
+    to_quaternion(last);
+    assert_only(DOCTOR_QUATERNION, CSV_QUATERNION,
+                "qw, qx, qy, qz look like x, y, z, w: the attitude turns with p, q, r only in that "
+                "order: name the columns qx, qy, qz, qw");
+}
+
+static void test_a_quaternion_in_order_is_not_accused(void)
+{
+    static const int right[4] = {0, 1, 2, 3};
+    to_quaternion(right);
+    assert_clean();
+}
+
+/* ---- offsets ---- */
+
+static void offset(int column, double by)
+{
+    for (int k = 0; k < ROWS; ++k) {
+        rows[k].value[column] += by;
+    }
+}
+
+static void test_the_position_shows_an_offset_of_a_velocity(void)
+{
+    offset(CSV_NU, 0.1);
+    examine();
+    assert_warning(DOCTOR_OFFSET, CSV_NU,
+                   "u_mps has an offset of +0.100 m/s against the rates of north_m and east_m");
+    TEST_ASSERT_DOUBLE_WITHIN(0.01, 0.1, finding(DOCTOR_OFFSET)->value);
+}
+
+/* Velocity through the water, position over ground. */
+static void test_a_current_is_no_offset(void)
+{
+    for (int k = 0; k < ROWS; ++k) {
+        rows[k].value[CSV_POSITION] += 0.2 * STEP_S * k;
+    }
+    examine();
+    TEST_ASSERT_NULL(finding(DOCTOR_OFFSET));
+}
+
+static void test_rest_shows_an_offset_of_a_velocity(void)
+{
+    for (int k = 0; k < ROWS / 3; ++k) {
+        memset(&rows[k].value[CSV_NU], 0, 12 * sizeof(double));
+        for (int i = 0; i < 3; ++i) {
+            rows[k].value[CSV_NU + i] = 0.004 * sin(1.3 * k + i); /* noise */
+        }
+        memcpy(&rows[k].value[CSV_ATTITUDE], &rows[ROWS / 3].value[CSV_ATTITUDE],
+               3 * sizeof(double));
+    }
+    lose(CSV_POSITION, 3);
+    lose(CSV_SPECIFIC_FORCE, 3);
+    examine();
+    TEST_ASSERT_NULL(finding(DOCTOR_OFFSET));
+    offset(CSV_NU, -0.08);
+    examine();
+    assert_warning(DOCTOR_OFFSET, CSV_NU, "u_mps is -0.080 m/s on average in 3");
+    TEST_ASSERT_DOUBLE_WITHIN(0.01, -0.08, finding(DOCTOR_OFFSET)->value);
+}
+
+int main(void)
+{
+    UNITY_BEGIN();
+    RUN_TEST(test_the_position_shows_velocities_in_knots);
+    RUN_TEST(test_the_accelerometer_shows_velocities_in_knots);
+    RUN_TEST(test_the_dry_mass_shows_velocities_in_knots);
+    RUN_TEST(test_slow_velocities_in_centimetres_are_named);
+    RUN_TEST(test_the_dry_mass_shows_forces_in_kgf);
+    RUN_TEST(test_masses_above_the_dry_mass_are_not_accused);
+    RUN_TEST(test_velocities_of_the_world_are_named_by_the_position);
+    RUN_TEST(test_velocities_of_the_world_are_named_by_the_inputs);
+    RUN_TEST(test_a_quaternion_that_begins_with_x_is_named);
+    RUN_TEST(test_a_quaternion_in_order_is_not_accused);
+    RUN_TEST(test_the_position_shows_an_offset_of_a_velocity);
+    RUN_TEST(test_a_current_is_no_offset);
+    RUN_TEST(test_rest_shows_an_offset_of_a_velocity);
+    return UNITY_END();
+}

@@ -1,0 +1,81 @@
+/*
+ * Velocities to the north and east instead of those of body axes. Turned into body axes by the
+ * attitude they follow their inputs, and as logged they are the rates of the position.
+ */
+#include <math.h>
+#include <stddef.h>
+
+#include "doctor.h"
+
+#define MIN_LLR 20.0                 /* as in doctor_inputs.c */
+#define MAX_DISCORD 0.3              /* of the rates of the position */
+#define SECOND (2.0 * DOCTOR_WINDOW) /* cells */
+
+/* Sum of squares of surge and sway that is left by their own inputs, whatever their signs, or by
+ * each other's. */
+static double best_as_logged(const doctor_sums_t *s)
+{
+    double own = 0.0, crossed = 0.0;
+    for (int j = 0; j < 2; ++j) {
+        double clean, against;
+        doctor_gain_t g;
+        doctor_usual(s, j, &clean, &against, &g);
+        own += fmin(clean, against);
+        doctor_regress(s, j, s->cross[j][1 - j], &g);
+        crossed += g.with;
+    }
+    return fmin(own, crossed);
+}
+
+static double input_score(const doctor_sums_t *s)
+{
+    double turned = 0.0, unused;
+    for (int j = DOCTOR_WORLD; j < DOCTOR_AXES; ++j) {
+        double clean;
+        doctor_gain_t g;
+        doctor_usual(s, j, &clean, &unused, &g);
+        turned += clean;
+    }
+    return doctor_ratio(2.0 * s->count[DOCTOR_WORLD] / DOCTOR_WINDOW, best_as_logged(s), turned);
+}
+
+static double position_score(const doctor_sums_t *s)
+{
+    double sum = 0.0;
+    for (int i = 0; i < 2; ++i) {
+        const doctor_pair_t *p = &s->world[i];
+        double discord = doctor_discord(p, 1.0);
+        if (!doctor_is_fast(p) || discord > MAX_DISCORD) {
+            return 0.0;
+        }
+        sum += doctor_ratio(p->n / SECOND, doctor_discord(&s->ground[0][i][i], 1.0), discord);
+    }
+    return sum;
+}
+
+/* Of the whole log: columns do not change during it. */
+void doctor_world_scan(doctor_t *d)
+{
+    bool has = d->has[CSV_ATTITUDE + 2] && d->has[CSV_NU] && d->has[CSV_NU + 1];
+    bool sound = !d->reordered && !(d->turned[2].llr > 0.0);
+    bool inputs = d->inputs >= 0 && d->has[d->inputs] && d->has[d->inputs + 1];
+    doctor_sums_t all;
+    doctor_sum(d, 0, d->blocks - 1, &all);
+    d->in_world =
+        has && sound && (position_score(&all) > MIN_LLR || (inputs && input_score(&all) > MIN_LLR));
+}
+
+void doctor_world(doctor_t *d)
+{
+    doctor_sums_t all;
+    doctor_sum(d, 0, d->blocks - 1, &all);
+    if (d->in_world) {
+        doctor_add(
+            d, DOCTOR_ERROR, DOCTOR_WORLD_FRAME, CSV_NU, CSV_NU + 1, NULL,
+            "u_mps and v_mps look like velocities to the north and east: %s: turn them into "
+            "body axes, u ahead and v to starboard",
+            position_score(&all) > MIN_LLR
+                ? "they are the rates of north_m and east_m"
+                : "they follow the forces ahead and to starboard only if psi_rad turns them");
+    }
+}
