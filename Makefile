@@ -153,10 +153,12 @@ VCAN_PROGRAMS := $(patsubst %.c,build/release/%,$(wildcard tests/vcan/*.c))
 BENCH_PROGRAMS := $(BENCH:%.c=build/bench/%)
 # What Python looks at, with the debugging information from which it learns names and layouts.
 VALIDATION := $(LIB) $(SIMULATOR) $(SUPPORT_FIRMWARE)
-VALIDATION_LIBRARIES := $(addprefix build/validation/,float.so double.so large.so)
+VALIDATION_LIBRARIES := $(addprefix build/validation/,float.so double.so large.so wide.so)
 # large: double, populations as the literature has them, 25 n for n = 10, and models of other sizes.
 VALIDATION_double := -DAUVID_REAL_DOUBLE
 VALIDATION_large := -DAUVID_REAL_DOUBLE -DAUVID_MAX_POPULATION=250 -DAUVID_MAX_PARAMETERS=32
+# wide: single precision, as on board, and the same models.
+VALIDATION_wide := -DAUVID_MAX_PARAMETERS=32
 
 # The same images for a board at other levels of optimization, and the host's.
 images = $(foreach board,$(1),$(patsubst %,build/firmware/$(board)-Os/%.elf,\
@@ -213,7 +215,8 @@ test-long: build/auvid $(TEST_PROGRAMS_LONG) | setup ## The same with long campa
 	    $(SCRIPTS) $(TEST_PROGRAMS_LONG) $(VALIDATION_SCRIPTS) $(MUTATION_SCRIPTS) -- \
 	    tests/statuses/test_statuses.sh
 
-test test-long: $(CAN_LIBRARIES) $(VCAN_PROGRAMS) $(filter-out %/large.so,$(VALIDATION_LIBRARIES))
+test test-long: $(CAN_LIBRARIES) $(VCAN_PROGRAMS)
+test test-long: $(filter-out %/large.so %/wide.so,$(VALIDATION_LIBRARIES))
 test-long: $(VALIDATION_LIBRARIES) $(BENCH_PROGRAMS) # these are only built
 test test-long test-firmware: $(IMAGES_SHORT) $(UNIT_IMAGES) $(FIRMWARE_HOSTS) $(COUNTED_SHORT)
 test test-long test-firmware: $(GOLDEN_IMAGE) $(CHECKPOINT_IMAGES) $(SOFT_FLOAT_IMAGES)

@@ -52,7 +52,7 @@ def accuracy():
     assert "build/auvid demo --runs 200 --disturbance 1 [--lag 0.15] [--literal]" in text
     off = stated(text, rf"Of these, {NUMBER}, {NUMBER} and {NUMBER} are more than 20 % off "
                        rf"\({NUMBER} with")
-    few = stated(text, rf"No run failed, .*?`--literal`: {NUMBER} or {NUMBER} of 200")
+    few = stated(text, rf"No run failed, .*?`--literal`: {NUMBER} to {NUMBER} of 200")
     known = [100, 100, *stated(text, "all 2600 parameters identifiable without disturbance and "
                                      rf"at 1 N, and {NUMBER} % at 3 N")]
     for k, (name, newtons) in enumerate((("none", "0"), ("1 N", "1"), ("3 N", "3"))):

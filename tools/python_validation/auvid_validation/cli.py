@@ -5,6 +5,7 @@ standard error.
 """
 import argparse
 import importlib
+import os
 import sys
 
 from auvid_validation.user_error import UserError
@@ -26,6 +27,7 @@ class Parser(argparse.ArgumentParser):
 
 
 def main(argv=None):
+    os.environ.setdefault("OMP_NUM_THREADS", "1")  # matrices are small: threads only wait
     argv = sys.argv[1:] if argv is None else argv
     parser = Parser(prog="auvid-validate", description="Comparison of auvid with other tools.")
     commands = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")

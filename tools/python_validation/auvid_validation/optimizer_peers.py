@@ -3,9 +3,12 @@
 f is a Counted, which ends the search. An optimizer that needs an initial point gets a random one in
 the box. Initial steps are 0.31 units. All other settings are the defaults of the libraries.
 """
+import itertools
+
 import cma
 import nlopt
 import numpy as np
+import pybobyqa
 from scipy import optimize
 
 from auvid_validation.library import load
@@ -97,6 +100,39 @@ def nelder_mead(f, box, seed):
     optimize.minimize(f, x, method="Nelder-Mead", bounds=np.column_stack([-box, box]),
                       options={"adaptive": True, "initial_simplex": simplex, "maxfev": FOREVER,
                                "maxiter": FOREVER, "xatol": 0, "fatol": 0})
+
+
+def py_bobyqa(f, box, seed):
+    """It allocates memory for all evaluations. Its final steps are not shorter than 1e-4: else
+    most evaluations would be those of one minimum."""
+    np.random.seed(seed)
+    pybobyqa.solve(f, start(box, seed), bounds=(-box, box), rhobeg=FIRST_STEP, rhoend=1e-4,
+                   maxfun=f.cap + 1, do_logging=False)
+
+
+def least_squares(f, box, seed, x=None):
+    """From x, or a random point. f returns residuals. Their derivatives are differences, long
+    enough for residuals in single precision, from the point that was evaluated last."""
+    last = []
+
+    def residuals(x):
+        last[:] = x.copy(), f(x)
+        return last[1]
+
+    def jacobian(x):
+        here = last[1] if np.array_equal(x, last[0]) else f(x)
+        steps = np.where(x > 0, -1e-3, 1e-3) * box
+        return np.column_stack([(f(x + step) - here) / step.sum() for step in np.diag(steps)])
+    x = start(box, seed) if x is None else x
+    optimize.least_squares(residuals, x, jacobian, bounds=(-box, box), x_scale="jac")
+
+
+def restarted(search):
+    """From other initial points, until the count ends it."""
+    def again(f, box, seed):
+        for k in itertools.count():
+            search(f, box, seed + 100_000 * k)
+    return again
 
 
 OURS = "auvid: CRS, line search"

@@ -20,6 +20,7 @@ def auvid_validate(*arguments, **environment):
     ("references", "--only", "allocation", "--json", "/nonsense/rows.json"),
     ("optimizer", "--json", "/nonsense/runs.json"),
     ("optimizer", "--runs", "0"), ("optimizer", "--runs", "many"),
+    ("peers", "--only", "nonsense"), ("peers", "--first", "-1"),
 ])
 def test_bad_input_is_one_line_and_exit_status_2(arguments):
     done = auvid_validate(*arguments)
