@@ -7,8 +7,8 @@
 # "not ok ..." or "ok ... # SKIP why" lines. What was not built, crashes, hangs or reports no test
 # counts as one failure. The last line is "N passed, N failed" (", N skipped" when there are any).
 # Exit status 0 when nothing failed; with CI=true nothing may be skipped either.
-# With AUVID_TEST_LONG=1 tests have their long form, campaigns of many runs. In double, and under the
-# sanitizers, these would take hours and show the same: there only what forges input has it.
+# With AUVID_TEST_LONG=1 tests have their long form, campaigns of many runs. In double and under the
+# sanitizers these would take hours and show the same: there only what forges input has it.
 #   TEST_LIMIT=1200               seconds until a program is stopped
 #   TEST_LOGS=build/test-logs     what each program prints
 set -euo pipefail
@@ -44,7 +44,9 @@ run_one() {
     local name=${1#build/} log status=0 start=$SECONDS passed failed skipped nice=$OTHERS
     [[ $name != tests/vcan/* && $name != */test_realtime.sh ]] || nice=$FIRST
     log=$LOGS/${name//\//-}
-    [[ ! $name =~ ^(wide_)?(double|sanitized)/ || $name =~ hostile|forged ]] || unset AUVID_TEST_LONG
+    if [[ $name =~ ^(wide_)?(double|sanitized)/ && ! $name =~ hostile|forged ]]; then
+        unset AUVID_TEST_LONG
+    fi
     if [ -x "$1" ]; then
         # shellcheck disable=SC2086 # words, or none
         $nice timeout --kill-after=5 "$LIMIT" "$1" >"$log.log" 2>&1 </dev/null || status=$?
