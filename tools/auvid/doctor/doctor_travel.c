@@ -77,12 +77,12 @@ static double ground_score(const doctor_t *d, const doctor_sums_t *s, int axis, 
 
 static bool has_depth(const doctor_t *d)
 {
-    return !d->reordered && d->has[CSV_POSITION + 2] && d->has[CSV_NU + 2];
+    return !d->reordered && !d->in_world && d->has[CSV_POSITION + 2] && d->has[CSV_NU + 2];
 }
 
 static bool has_position(const doctor_t *d)
 {
-    return !d->reordered && d->has[CSV_POSITION] && d->has[CSV_POSITION + 1] &&
+    return !d->reordered && !d->in_world && d->has[CSV_POSITION] && d->has[CSV_POSITION + 1] &&
            d->has[CSV_ATTITUDE + 2] && d->has[CSV_NU] && d->has[CSV_NU + 1];
 }
 
@@ -154,7 +154,7 @@ void doctor_travel(doctor_t *d)
                 doctor_correlation(&p));
         }
     }
-    if (!has_position(d) || d->in_world || d->turned[2].llr > 0.0 || d->gone[0].llr > 0.0 ||
+    if (!has_position(d) || d->turned[2].llr > 0.0 || d->gone[0].llr > 0.0 ||
         d->gone[1].llr > 0.0) {
         return;
     }

@@ -63,6 +63,9 @@ void doctor_world_scan(doctor_t *d)
     doctor_sum(d, 0, d->blocks - 1, &all);
     d->in_world =
         has && sound && (position_score(&all) > MIN_LLR || (inputs && input_score(&all) > MIN_LLR));
+    if (d->in_world) {
+        d->sunk.llr = 0.0; /* depth was compared with velocities of the body */
+    }
 }
 
 void doctor_world(doctor_t *d)
