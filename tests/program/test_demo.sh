@@ -205,6 +205,13 @@ assert all(abs(p["estimate"] / p["truth"] - 1) < 0.02 for p in d["parameters"][:
 check "  held-out velocity is predicted" is rov.json '
 assert min(d["r2_validation"].values()) > 0.95, d["r2_validation"]
 assert min(d["r2_validation"][k] for k in "uvwr") > 0.99, d["r2_validation"]'
+check "a stabiliser that alone acts after the excitation" exits 0 demo --vehicle bluerov2 \
+    --disturbance 0.5 --seed 6 --json
+check "  is no change of the vehicle, and spoils no estimate" is out '
+test = d["change_test"]
+assert test["set"] == 9 and test["change"]["M"] is not None and test["changed"] == []
+sure = [p for p in d["parameters"] if p["identifiable"]]
+assert len(sure) >= 12 and all(abs(p["estimate"] / p["truth"] - 1) < 0.2 for p in sure)'
 check "  fit reads its log" exits 3 fit rov.csv --json --model bluerov2
 check "  and gives its parameters back, within two standard errors" is out '
 demo = {p["name"]: p for p in json.load(open("rov.json"))["parameters"]}

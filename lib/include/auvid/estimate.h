@@ -209,7 +209,8 @@ typedef struct {
                             less 1, over its threshold, with the noise of the newest sets if they
                             are noisier. In the DoF with the most evidence, at least that of the sum
                             over the sum's threshold. Above 1: the vehicle has changed. 0: none, or
-                            fewer than six sets, or an estimate of fewer than five */
+                            fewer than six sets, or an estimate of fewer than five, or a wrench not
+                            well above what disturbs the vehicle */
     auvid_real_t r2_velocity[AUVID_DOF_COUNT]; /**< of the velocity simulated through the set, from
                             the time of the estimate on; see validation.h */
     auvid_real_t drift[AUVID_DOF_COUNT]; /**< evidence that mass or drag force of this DoF differ
