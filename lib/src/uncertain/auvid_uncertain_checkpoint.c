@@ -6,6 +6,8 @@
 #include "../checkpoint/auvid_checkpoint_limits_internal.h"
 #include "auvid_uncertain_parts_internal.h"
 
+enum { UNCERTAIN_MAX_ORDER = AUVID_UNCERTAIN_ORDER };
+
 /* What is unlimited is checked before it enters a row. */
 static const auvid_checkpoint_limit_t checkpoint_limit_uncertain[] = {
     COUNT(uncertain, uint16_t, recorded.pending, recorded.pending,
@@ -23,7 +25,7 @@ static const auvid_checkpoint_limit_t checkpoint_limit_uncertain[] = {
     BYTE(uncertain, work.pass, work.pass, 3),
     FLAG(uncertain, work.solving, work.solving),
     VALUE(uncertain, work.joint, work.weight),
-    BYTE(uncertain, work.part.drag_at, work.part.sag_at, AUVID_UNCERTAIN_ORDER),
+    BYTE(uncertain, work.part.drag_at, work.part.sag_at, UNCERTAIN_MAX_ORDER),
     VALUE(uncertain, work.part.factor, work.part.scale),
     VALUE(uncertain, factor, factor),
     UP_TO(uncertain, rows, rows, AUVID_C(1e9)),
