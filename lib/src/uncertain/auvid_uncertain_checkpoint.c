@@ -129,7 +129,7 @@ static bool checkpoint_check_instruments(const auvid_identifier_t *id, const uin
     {                                                                                              \
         checkpoint_limit_##what,                                                                   \
             sizeof checkpoint_limit_##what / sizeof checkpoint_limit_##what[0],                    \
-            checkpoint_check_##what                                                          \
+            checkpoint_check_##what                                                                \
     }
 const auvid_checkpoint_part_t auvid_uncertain_checkpoint = PART(uncertain);
 const auvid_checkpoint_part_t auvid_instruments_checkpoint = PART(instruments);
