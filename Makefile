@@ -127,9 +127,12 @@ TESTED = $(call objects,$(1),$(LIB) $(SIMULATOR) $(WORLD) $(SUPPORT)) build/$(1)
 # form only. The program itself is never built in double.
 SLOW := $(addprefix %/tests/unit/,$(addprefix identifier/,test_adaptive test_change_test \
     test_width) $(addprefix uncertain/,test_uncertain test_uncertain_causes))
-SLOW_SANITIZED := $(SLOW) $(addprefix %/tests/unit/tools/,test_doctor test_doctor_sensors \
-    test_doctor_units test_doctor_campaign)
-SLOW_DOUBLE := $(SLOW) %/tests/unit/uncertain/test_uncertain_checkpoint
+SLOW_SANITIZED := $(SLOW) $(addprefix %/tests/unit/,$(addprefix tools/test_,doctor \
+    doctor_sensors doctor_units doctor_campaign field field_mismatch field_run field_sensors \
+    simulator) identifier/test_user_model navigation/test_latency can/test_can_accuracy \
+    excitation/test_excitation_plan search/test_optimizer_figures)
+SLOW_DOUBLE := $(SLOW) $(addprefix %/tests/unit/,uncertain/test_uncertain_checkpoint \
+    identifier/test_user_model can/test_can_fifo)
 unit_tests = $(UNIT:tests/unit/%.c=build/$(1)/tests/unit/%)
 TEST_PROGRAMS := $(call unit_tests,release) \
     $(filter-out $(SLOW_SANITIZED),$(call unit_tests,sanitized)) \
