@@ -80,8 +80,8 @@ run() {
 
 # direction SENDER RECEIVER IDS: checks the effect of netem on one direction, within five standard
 # deviations. A frame that is lost and duplicated passes once, and a copy may be lost like any other
-# frame: 0.1 * 0.95 + 0.05 * 0.9 * 0.1 are lost, 0.05 * 0.9 duplicated. A copy may
-# be merged with its frame for a socket (test_bus.sh); nothing else may be missing in its log.
+# frame: 0.1 * 0.95 + 0.05 * 0.9 * 0.1 are lost, 0.05 * 0.9 duplicated. IDS are all that the sender
+# sends. A copy may be merged with its frame for a socket (test_bus.sh).
 direction() {
     local before behind passed dropped
     before=$(grep -Ec " ($3)#" "$1.log")
@@ -92,7 +92,8 @@ direction() {
         function near(n, p) { return (n - b * p) ^ 2 <= 25 * b * p }
         BEGIN { twice = p + d - b
             print b " sent, " d " lost, " twice " doubled, " r " got, " p - r " merged"
-            exit !(p == rx && r <= p && p - r <= twice && near(d, 0.0995) && near(twice, 0.045)) }'
+            exit !(p == rx && r <= p && p - r < 0.3 * twice && near(d, 0.0995) &&
+                near(twice, 0.045)) }'
     ! grep DROPCOUNT "$2.log"
 }
 
@@ -145,7 +146,7 @@ interruptions() {
 
 check "it identifies with 10 % loss, 5 % duplication, 20 ms delay, reordering" run
 check "vehicle to node: counters add up" direction vx0 vx1 '04[014]|40[0-8]'
-check "node to vehicle: counters add up" direction vx1 vx0 '04[235]|409|40[A-F]|41[0-2]'
+check "node to vehicle: counters add up" direction vx1 vx0 '04[235]|409|40[A-F]|41[0-4]'
 check "each receiver refused the frames it should refuse" counters
 check "thrust is not interrupted by single losses" interruptions
 finish
