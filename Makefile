@@ -213,7 +213,7 @@ test: build/auvid $(TEST_PROGRAMS) | setup ## Install what is missing, run all t
 	@tests/run.sh $(VCAN_SHORT) $(FIRMWARE_SCRIPTS) $(VALIDATION_SHORT) \
 	    $(filter-out $(BUILDS),$(SCRIPTS)) $(TEST_PROGRAMS) -- tests/statuses/test_statuses.sh
 
-test-long: build/auvid $(TEST_PROGRAMS_LONG) | setup ## The same with long campaigns (an hour)
+test-long: build/auvid $(TEST_PROGRAMS_LONG) | setup ## The same with long campaigns (hours)
 	@AUVID_TEST_LONG=1 tests/run.sh $(VCAN_SCRIPTS) $(FIRMWARE_SCRIPTS) \
 	    $(SCRIPTS) $(TEST_PROGRAMS_LONG) $(VALIDATION_SCRIPTS) $(MUTATION_SCRIPTS) -- \
 	    tests/statuses/test_statuses.sh
