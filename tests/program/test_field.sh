@@ -91,6 +91,8 @@ check "--field with another vehicle" refuses 'the vehicles of --field are girona
     demo --field 1 --vehicle bluerov2
 check "--sets of a passive run" refuses -- '--sets needs --driver excited' \
     demo --field 1 --driver joystick --sets 4
+check "--then after no excitation" refuses -- '--then needs --driver excited' \
+    demo --field 1 --driver joystick --then station
 check "--matched beside a mixture" refuses -- '--matched and --field, .* cannot be combined' \
     demo --matched --field 1
 check "rov20 on a bus" refuses "'rov20' is not one of" vehicle --bus memory --vehicle rov20
@@ -119,6 +121,24 @@ check "the same seeds, the same figures" cmp out four
 exits 0 demo --field 1 --runs 2 --seed 3 --sets 4 --json
 check "seeds are consecutive: runs may be divided among processes" holds out '
 assert d["each"] == json.load(open("four"))["each"][2:]'
+
+# ---- after the excitation ----
+rov="demo --field 1 --vehicle rov20 --runs 4 --seed 21 --json"
+exits 0 $rov
+cp out alone
+for driver in station joystick; do
+    # shellcheck disable=SC2086
+    check "$driver after the excitation" exits 0 $rov --then $driver
+    check "  adds sets, raises no alarm, and spoils no estimate" holds out '
+sets = [run["sets"] for run in d["each"]]
+assert d["driver"] == "excited, then '$driver'" and min(sets) >= 8 + 18, sets
+assert all(run["changed"] == run["drifted"] == 0 for run in d["each"])
+drag = [o["drag_force"]["flagged"]["0.6"]["value"] for o in (json.load(open("alone")), d)]
+assert drag[1] >= 0.9 * drag[0] > 0.5, drag'
+done
+exits 0 demo --field 1 --runs 4 --seed 21 --json --then lawnmower
+check "in closed loop no drift is reported" holds out '
+assert all(run["drifted"] == 0 for run in d["each"])'
 
 # ---- the reference of a controller ----
 loop="demo --field 0 --driver lawnmower --alternate 0.5 --runs 4 --json"

@@ -209,8 +209,7 @@ typedef struct {
                             less 1, over its threshold, with the noise of the newest sets if they
                             are noisier. In the DoF with the most evidence, at least that of the sum
                             over the sum's threshold. Above 1: the vehicle has changed. 0: none, or
-                            fewer than six sets, or an estimate of fewer than five, or a wrench not
-                            well above what disturbs the vehicle */
+                            fewer than six sets, or an estimate of fewer than five */
     auvid_real_t r2_velocity[AUVID_DOF_COUNT]; /**< of the velocity simulated through the set, from
                             the time of the estimate on; see validation.h */
     auvid_real_t drift[AUVID_DOF_COUNT]; /**< evidence that mass or drag force of this DoF differ
@@ -219,7 +218,8 @@ typedef struct {
                             threshold 6. In the DoF with the most evidence, at least that for a
                             common relative difference of all drag forces. Above 1: the vehicle has
                             drifted. 0: none, or no estimate of five sets that knew them was
-                            accepted before. Kept while none is accepted */
+                            accepted before. Kept while none is accepted, and in closed loop, where
+                            parameters are biased */
     uint32_t set;      /**< number of the set, from 1; 0: none was validated yet */
     uint32_t estimate; /**< number of the estimate that predicted it */
     uint8_t excited;   /**< bit j: DoF j was excited in it and in the estimate's data */

@@ -78,6 +78,7 @@ const auvid_checkpoint_limit_t auvid_checkpoint_limit[] = {
     SQUARES(metric, rows.set.tau_m2, rows.set.tau_m2),
     VALUE(metric, rows.set.factor, rows.previous),
     DOF_BITS(metric, rows.missing, rows.waiting),
+    SQUARES(metric, sets.min_wrench_m2, sets.min_wrench_m2),
     BYTE(metric, sets.from, sets.least, AUVID_MAX_SETS),
     FLAG(metric, sets.held, sets.changed),
     VALUE(metric, feedback.factor, feedback.wrench),

@@ -15,6 +15,7 @@
 
 #include "../base/auvid_math_internal.h"
 #include "../metric/auvid_metric_evaluator_internal.h"
+#include "../metric/auvid_metric_feedback_internal.h"
 
 /* A prediction is worse only if its cost is larger by this factor. */
 #define MARGIN AUVID_C(1.1)
@@ -33,10 +34,6 @@
 #define NOISE_DECAY AUVID_C(0.99)
 /* Bound of the ratio of residual variances. */
 #define LARGEST_NOISE_RATIO AUVID_C(4.0)
-/* Smallest variance of a set's wrench relative to that of the residual, for the set to count: see
- * identifier_is_driven. Where only a stabiliser acts, the wrench is the disturbance: about 1, up to
- * 2.8 in a set of 30 s. Excited or driven DoF have 9 or more, unless disturbances are large. */
-#define DRIVEN AUVID_C(5.0)
 enum { ENOUGH = 6 };
 
 /* A set is validated, or was overwritten before: the next newer one, if there is one, counts. */
@@ -153,21 +150,6 @@ static auvid_real_t identifier_noise_factor(const auvid_identifier_t *id, int ne
     return ratio * ratio;
 }
 
-/* Did the wrench move DoF j in the newest sets, more than what disturbs it? A stabiliser that only
- * holds still answers the disturbance with a wrench as large: the motion is then that of the
- * residual, and the parameters of such a set by itself are biased (Ljung 1999, 13.4). */
-static bool identifier_is_driven(const auvid_identifier_t *id, int newest, int j)
-{
-    auvid_real_t residual = id->estimate.confidence.residual_rms[j];
-    bool driven = true;
-    for (int age = 0; age < newest; ++age) {
-        const auvid_set_t *set = auvid_metric_set(&id->metric, age);
-        auvid_real_t squares = residual * residual * (auvid_real_t)set->rows_of[j];
-        driven = driven && ((set->excited >> j & 1) == 0 || set->tau_m2[j] > DRIVEN * squares);
-    }
-    return driven;
-}
-
 /* F - 1 of each DoF for the newest `newest` sets, relative to its limit; 0: no test possible.
  * @return the largest, or their sum relative to its limit, if that is larger */
 static auvid_real_t identifier_weigh_evidence(const auvid_identifier_t *id, int newest,
@@ -183,8 +165,7 @@ static auvid_real_t identifier_weigh_evidence(const auvid_identifier_t *id, int 
             statistic->change[newest - 1][j] / ((auvid_real_t)statistic->rank[j] * noise * noise *
                                                 identifier_noise_factor(id, newest, j));
         bool known = enough && auvid_metric_excited_sets(m, j, newest) + newest >= ENOUGH &&
-                     (id->change_test.excited >> j & 1) && auvid_is_finite(f) &&
-                     identifier_is_driven(id, newest, j);
+                     (id->change_test.excited >> j & 1) && auvid_is_finite(f);
         auvid_real_t excess = known ? f - AUVID_C(1.0) : AUVID_C(0.0);
         evidence[j] = excess / (LIMIT_DOF - AUVID_C(1.0));
         max_evidence = auvid_max(max_evidence, evidence[j]);
@@ -233,7 +214,8 @@ static void identifier_conclude_test(auvid_identifier_t *id)
         id->events |= AUVID_EVENT_CHANGED;
         identifier_judge_uncertain(id, true);
         auvid_identifier_restart_drift(id);
-    } else if (id->estimate.accepted && id->estimate.confidence.sets >= ENOUGH - 1) {
+    } else if (id->estimate.accepted && id->estimate.confidence.sets >= ENOUGH - 1 &&
+               !auvid_metric_has_feedback(&id->metric)) {
         auvid_identifier_test_drift(id);
     }
 }

@@ -92,6 +92,7 @@ static void identifier_publish_estimate(auvid_identifier_t *id)
     if (auvid_metric_lengthen(&id->metric)) {
         identifier_lengthen_cells(id);
     }
+    auvid_metric_set_residual(&id->metric, e->confidence.residual_rms);
     identifier_simulate(id);
 }
 

@@ -59,6 +59,11 @@ int auvid_metric_read_row(const auvid_metric_t *m, const auvid_set_t *set, int b
  * it; *rows: the rows of it. */
 auvid_real_t auvid_metric_wrench_squares(const auvid_metric_t *m, int j, auvid_real_t *rows);
 
+/** From the rms residual of an estimate from the sets in the ring: which wrench excites a DoF? One
+ * whose mean square is a multiple of the residual's, in later sets; see MIN_EXCITATION. Any above
+ * the threshold, while the ring's own sets have no more. */
+void auvid_metric_set_residual(auvid_metric_t *m, const auvid_real_t rms[AUVID_DOF_COUNT]);
+
 /** Is no row stored of a cell at t_us, because the ring is held? */
 static inline bool auvid_metric_drops_rows(const auvid_metric_t *m, uint64_t t_us)
 {

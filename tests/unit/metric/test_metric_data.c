@@ -5,6 +5,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "metric/auvid_metric_sets_internal.h"
 #include "metric_cells.h"
 #include "unity.h"
 
@@ -108,6 +109,44 @@ static void test_dof_is_excited_above_the_stated_part_of_its_scale(void)
         merge_all(&metric);
         TEST_ASSERT_EQUAL(above, metric.result.excited >> AUVID_YAW & 1);
     }
+}
+
+/* Add a set of 60 s with a sine of the yaw moment of this rms. Returns whether yaw is excited. */
+static bool set_excites_yaw(double rms)
+{
+    world_t w = world_of(&cfg);
+    uint32_t recorded = metric.sets.recorded;
+    auvid_metric_gap(&metric);
+    for (int k = 0; metric.sets.recorded == recorded; ++k) {
+        auvid_sample_t s = cell_at(&w, k * w.cell_s);
+        s.tau[AUVID_YAW] = (auvid_real_t)(rms * sqrt(2) * sin(2 * PI * 0.1 * k * 0.1));
+        TEST_ASSERT_TRUE(auvid_metric_add(&metric, &s) >= 0);
+    }
+    return (auvid_metric_newest(&metric)->excited >> AUVID_YAW & 1) != 0;
+}
+
+/* sqrt(3) = 1.73. The rms of 60 s of the smoothed sine is 2 % off. */
+static void test_dof_is_excited_above_a_multiple_of_the_residual(void)
+{
+    auvid_real_t rms[AUVID_DOF_COUNT] = {[AUVID_YAW] = 4};
+    start();
+    TEST_ASSERT_TRUE(set_excites_yaw(8.0));
+    auvid_metric_set_residual(&metric, rms);
+    TEST_ASSERT_FALSE(set_excites_yaw(1.65 * 4.0));
+    TEST_ASSERT_TRUE(set_excites_yaw(1.8 * 4.0));
+    rms[AUVID_YAW] = 1; /* a later estimate has a smaller residual */
+    auvid_metric_set_residual(&metric, rms);
+    TEST_ASSERT_TRUE(set_excites_yaw(1.65 * 4.0));
+}
+
+/* Else a large residual of few sets would lock out all later ones. */
+static void test_any_wrench_counts_while_the_sets_have_no_more(void)
+{
+    const auvid_real_t rms[AUVID_DOF_COUNT] = {[AUVID_YAW] = 4};
+    start();
+    TEST_ASSERT_TRUE(set_excites_yaw(1.65 * 4.0));
+    auvid_metric_set_residual(&metric, rms);
+    TEST_ASSERT_TRUE(set_excites_yaw(4.0));
 }
 
 static void test_set_in_which_a_dof_is_not_excited_does_not_count_in_its_r2(void)
@@ -516,6 +555,8 @@ int main(void)
     RUN_TEST(test_columns_that_are_zero_are_not_searched);
     RUN_TEST(test_dof_that_is_not_excited_is_left_out);
     RUN_TEST(test_dof_is_excited_above_the_stated_part_of_its_scale);
+    RUN_TEST(test_dof_is_excited_above_a_multiple_of_the_residual);
+    RUN_TEST(test_any_wrench_counts_while_the_sets_have_no_more);
     RUN_TEST(test_set_in_which_a_dof_is_not_excited_does_not_count_in_its_r2);
     RUN_TEST(test_no_dof_excited_is_no_data);
     RUN_TEST(test_what_fixed_parameters_explain_does_not_excite_a_dof);

@@ -23,7 +23,7 @@ typedef struct {
     field_campaign_t campaign;
     field_table_t table;
     field_record_t *record; /* [runs] */
-    char world[600];
+    char world[600], driver[40];
 } campaign_memory_t;
 
 /* Applies NAME=SIZE. Returns 0, or EXIT_REFUSED after an error message. */
@@ -125,12 +125,16 @@ static void begin(campaign_memory_t *m, const options_t *options)
     m->cfg.uncertain = !f->perfect_inputs && !options->plain;
     m->cfg.reference = f->reference;
     m->cfg.sets = options->sets;
+    m->cfg.then = f->then;
     m->cfg.budget = options->budget;
     m->cfg.field.vehicle = f->vehicle;
     field_run_identifier(&m->cfg, &m->run.averaged, cfg);
     describe(f, m->world, sizeof m->world);
+    bool goes_on = f->then != FIELD_EXCITED;
+    (void)snprintf(m->driver, sizeof m->driver, "%s%s%s", options_drivers[f->driver],
+                   goes_on ? ", then " : "", goes_on ? options_drivers[f->then] : "");
     m->campaign = (field_campaign_t){.vehicle = vehicle_names[f->vehicle],
-                                     .driver = options_drivers[f->driver],
+                                     .driver = m->driver,
                                      .world = m->world,
                                      .strength = f->mixture ? f->strength : -1.0,
                                      .matched = f->matched,

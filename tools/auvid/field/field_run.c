@@ -9,6 +9,9 @@
 #define SET_S 30.0
 #define LATE_S 60.0
 
+/* Length of the motion after the excitation [s]. */
+#define THEN_S 600.0
+
 /* Start of the excitation [s]. */
 #define BEGIN_S 1.0
 
@@ -181,13 +184,14 @@ static void count_alarms(uint32_t events, double t_s, field_record_t *record)
     }
 }
 
-/* Records until all sets are complete, or until a passive run ends. */
-static void record_motion(field_run_t *run, const field_run_config_t *config,
+/* Records with the driver of run->field, of the excitation until all sets are complete, of others
+ * for this time. */
+static void record_motion(field_run_t *run, const field_run_config_t *config, double length_s,
                           field_record_t *record)
 {
-    bool excited = config->field.driver == FIELD_EXCITED;
-    double end_s = excited ? (double)config->sets * SET_S + LATE_S : config->field.length_s;
-    long ticks = lround(end_s * 1e6 / SIM_TICK_US), begin_at = lround(BEGIN_S * 1e6 / SIM_TICK_US);
+    bool excited = run->field.cfg.driver == FIELD_EXCITED;
+    long ticks = lround(length_s * 1e6 / SIM_TICK_US),
+         begin_at = lround(BEGIN_S * 1e6 / SIM_TICK_US);
     double thruster_N[SIM_THRUSTERS] = {0.0};
     auvid_identifier_t *id = &run->id;
     for (long k = 1; k <= ticks && !(excited && id->metric.sets.recorded >= config->sets); ++k) {
@@ -287,6 +291,7 @@ static void gather(const field_run_t *run, const field_run_config_t *config, fie
 bool field_run(field_run_t *run, const field_run_config_t *config, field_record_t *record)
 {
     auvid_identifier_config_t *cfg = &run->id.cfg;
+    double length_s = config->field.length_s;
     memset(run, 0, sizeof *run);
     memset(record, 0, sizeof *record);
     field_run_identifier(config, &run->averaged, cfg);
@@ -297,7 +302,13 @@ bool field_run(field_run_t *run, const field_run_config_t *config, field_record_
         (config->attach != NULL && !config->attach(&run->id))) {
         return false;
     }
-    record_motion(run, config, record);
+    if (config->field.driver == FIELD_EXCITED) {
+        record_motion(run, config, (double)config->sets * SET_S + LATE_S, record);
+        (void)auvid_identifier_disarm(&run->id);
+        run->field.cfg.driver = config->then;
+        length_s = config->then != FIELD_EXCITED ? THEN_S : 0.0;
+    }
+    record_motion(run, config, length_s, record);
     while (auvid_identifier_work(&run->id, AT_EASE) == AUVID_PENDING) {
     }
     gather(run, config, record);

@@ -31,7 +31,9 @@ typedef struct {
      * false if the library refuses it. */
     bool (*configure)(auvid_identifier_config_t *cfg);
     bool (*attach)(auvid_identifier_t *id);
-    uint32_t sets;   /**< excited: number of sets of 30 s; the plan is repeated as needed */
+    uint32_t sets; /**< excited: number of sets of 30 s; the plan is repeated as needed */
+    /** Who drives for 600 s after the excitation; FIELD_EXCITED: the run ends with it. */
+    field_driver_t then;
     uint32_t budget; /**< work units per tick */
 } field_run_config_t;
 

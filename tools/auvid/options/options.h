@@ -39,7 +39,7 @@ typedef struct {
     const char *mismatch[FIELD_MISMATCHES]; /**< NAME=SIZE, as given */
     int mismatches;
     field_vehicle_t vehicle;
-    field_driver_t driver;
+    field_driver_t driver, then;
     double hours;       /**< length of each run; 0: of --sets, or 600 s */
     const char *chosen; /**< an option that needs field statistics, or NULL */
 } options_field_t;

@@ -14,7 +14,7 @@ const char *const options_drivers[FIELD_DRIVERS] = {"excited", "joystick", "lawn
 /* Sets of 30 s. */
 #define SETS_PER_HOUR 120.0
 
-static int take_driver(reader_t *r, options_field_t *f)
+static int take_driver(reader_t *r, field_driver_t *driver)
 {
     const char *text = NULL;
     if (take_value(r, &text) != 0) {
@@ -22,7 +22,7 @@ static int take_driver(reader_t *r, options_field_t *f)
     }
     for (int i = 0; i < FIELD_DRIVERS; ++i) {
         if (strcmp(text, options_drivers[i]) == 0) {
-            f->driver = (field_driver_t)i;
+            *driver = (field_driver_t)i;
             return 0;
         }
     }
@@ -50,7 +50,11 @@ int options_field_take(reader_t *r, options_t *options)
     }
     if (strcmp(r->name, "--driver") == 0) {
         f->chosen = "--driver";
-        return take_driver(r, f);
+        return take_driver(r, &f->driver);
+    }
+    if (strcmp(r->name, "--then") == 0) {
+        f->chosen = "--then";
+        return take_driver(r, &f->then);
     }
     if (strcmp(r->name, "--hours") == 0) {
         f->chosen = "--hours";
@@ -114,8 +118,9 @@ int options_field_check(options_t *options)
         return report_error("demo: %s needs --driver lawnmower or station",
                             f->reference ? "--reference" : "--alternate");
     }
-    if (options->sets > 0 && f->driver != FIELD_EXCITED) {
-        return report_error("demo: --sets needs --driver excited");
+    if ((options->sets > 0 || f->then != FIELD_EXCITED) && f->driver != FIELD_EXCITED) {
+        return report_error("demo: %s needs --driver excited",
+                            options->sets > 0 ? "--sets" : "--then");
     }
     if (f->hours > 0.0) {
         if (options->sets > 0) {

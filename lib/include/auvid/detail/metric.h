@@ -154,7 +154,8 @@ typedef struct {
     uint64_t until_us;  /* residual path: no row is stored after this while the ring is held */
     uint64_t resume_us; /* residual path: no row is stored whose middle is before this */
     auvid_set_t set[AUVID_MAX_SETS];
-    uint32_t recorded;     /**< sets completed since init */
+    auvid_real_t min_wrench_m2[AUVID_DOF_COUNT]; /* see auvid_metric_set_residual */
+    uint32_t recorded;                           /**< sets completed since init */
     uint32_t rows_dropped; /**< complete rows lost to every evaluation because the ring was held */
     uint32_t stored;       /* sets stored in the ring so far */
     uint8_t from;          /* number of newest sets of the ring that do not count */
