@@ -51,7 +51,7 @@ report() {
     fi
 }
 # The library without the bus and the models in one translation unit: it takes a second.
-printf '#include "%s"\n' "$PWD"/lib/src/{base,navigation,metric,search,excitation,identifier}/*.c \
+printf '#include "%s"\n' "$PWD"/lib/src/{base,navigation,metric,search,excitation,identifier,uncertain}/*.c \
     "$scratch/fits.c" >"$scratch/unity.c"
 build() {
     gcc -std=c11 -ffp-contract=off -O0 -Ilib/include "$@" -o "$scratch/fits" "$scratch/unity.c" \
