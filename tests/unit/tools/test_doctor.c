@@ -260,6 +260,19 @@ static void test_coarse_steps_are_told(void)
     TEST_ASSERT_NOT_NULL(strstr(finding(DOCTOR_QUANTISED)->text, "steps of 0.2"));
 }
 
+static void test_coarse_steps_to_zero_are_no_lost_lock(void)
+{
+    for (int k = 0; k < ROWS; ++k) {
+        for (int i = 0; i < 3; ++i) {
+            double *v = &rows[k].value[CSV_NU + i];
+            *v = 0.2 * floor(*v / 0.2 + 0.5);
+        }
+    }
+    examine();
+    TEST_ASSERT_TRUE(doctor.drops == 0.0);
+    TEST_ASSERT_NULL(finding(DOCTOR_OUTLIER));
+}
+
 static void test_a_sagging_voltage_is_told(void)
 {
     has[CSV_VOLTAGE] = true;
@@ -380,6 +393,7 @@ int main(void)
     RUN_TEST(test_a_missing_column_is_a_warning);
     RUN_TEST(test_pulse_widths_are_named);
     RUN_TEST(test_coarse_steps_are_told);
+    RUN_TEST(test_coarse_steps_to_zero_are_no_lost_lock);
     RUN_TEST(test_a_sagging_voltage_is_told);
     RUN_TEST(test_time_that_goes_back_is_an_error_and_the_row_is_skipped);
     RUN_TEST(test_gaps_are_counted_and_are_no_error);

@@ -120,6 +120,7 @@ typedef struct {
 typedef struct {
     units_speed_t speed;
     double last, last_s;
+    double least; /* smallest that is not 0 */
     double jumps, jump, at_s; /* number, largest, time of the first */
 } doctor_velocity_t;
 

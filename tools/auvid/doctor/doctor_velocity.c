@@ -12,9 +12,18 @@
 #define MOVES 0.1  /* a vehicle does not stop at once from faster [m/s] */
 #define MIN_DROPS 3.0
 
+/* Returns the last speed; 0 if it is the smallest of the log, a step of coarse values. */
+static double moved(const doctor_velocity_t *w)
+{
+    double last = fabs(w->last);
+    return last > 1.5 * w->least ? last : 0.0;
+}
+
 static void watch(doctor_t *d, int i, double t, double v)
 {
     doctor_velocity_t *w = &d->velocity[i];
+    bool less = fabs(v) > 0.0 && (fabs(v) < w->least || !(w->least > 0.0));
+    w->least = less ? fabs(v) : w->least;
     double change = fabs(v - w->last);
     if (w->speed.n > 0.0 && change > JUMP && change > STEEP * (t - w->last_s)) {
         w->at_s = w->jumps > 0.0 ? w->at_s : t;
@@ -34,7 +43,7 @@ void doctor_velocity_add(doctor_t *d, const csv_row_t *row)
         double v = row->value[CSV_NU + i];
         if (d->has[CSV_NU + i]) {
             all = all && isfinite(v);
-            before = fmax(before, fabs(d->velocity[i].last));
+            before = fmax(before, moved(&d->velocity[i]));
             now = fmax(now, isfinite(v) ? fabs(v) : 0.0);
         }
         if (d->has[CSV_NU + i] && isfinite(v)) {
