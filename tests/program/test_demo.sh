@@ -209,7 +209,7 @@ check "a stabiliser that alone acts after the excitation" exits 0 demo --vehicle
     --disturbance 0.5 --seed 6 --json
 check "  is no change of the vehicle, and spoils no estimate" is out '
 test = d["change_test"]
-assert test["set"] == 9 and test["change"]["M"] is not None and test["changed"] == []
+assert test["set"] == 8 and test["change"]["M"] is not None and test["changed"] == []
 sure = [p for p in d["parameters"] if p["identifiable"]]
 assert len(sure) >= 12 and all(abs(p["estimate"] / p["truth"] - 1) < 0.2 for p in sure)'
 check "  fit reads its log" exits 3 fit rov.csv --json --model bluerov2
