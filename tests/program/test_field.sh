@@ -93,6 +93,8 @@ check "--sets of a passive run" refuses -- '--sets needs --driver excited' \
     demo --field 1 --driver joystick --sets 4
 check "--then after no excitation" refuses -- '--then needs --driver excited' \
     demo --field 1 --driver joystick --then station
+check "--then excited" refuses -- "--then: 'excited' is the driver until then" \
+    demo --field 1 --then excited
 check "--matched beside a mixture" refuses -- '--matched and --field, .* cannot be combined' \
     demo --matched --field 1
 check "rov20 on a bus" refuses "'rov20' is not one of" vehicle --bus memory --vehicle rov20

@@ -84,7 +84,7 @@ static const char field_help[] =
     "                     scales of thrust and DVL, and the delay\n"
     "  --perfect-inputs   set --thrust-scale, --dvl-scale and --delay to zero;\n"
     "                     no input is uncertain\n"
-    "  --then NAME        another driver for 600 s after the excitation\n"
+    "  --then NAME        joystick, lawnmower or station for 600 s after the excitation\n"
     "  --reference        give the reference of lawnmower or station to the identifier, whose\n"
     "                     instruments use it in closed loop\n"
     "  --alternate A      let their set points alternate by A metres and A / 2 radians each way\n"

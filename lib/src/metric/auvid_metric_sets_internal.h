@@ -59,9 +59,9 @@ int auvid_metric_read_row(const auvid_metric_t *m, const auvid_set_t *set, int b
  * it; *rows: the rows of it. */
 auvid_real_t auvid_metric_wrench_squares(const auvid_metric_t *m, int j, auvid_real_t *rows);
 
-/** From the rms residual of an estimate from the sets in the ring: which wrench excites a DoF? One
- * whose mean square is a multiple of the residual's, in later sets; see MIN_EXCITATION. Any above
- * the threshold, while the ring's own sets have no more. */
+/** Take the rms residual [N, Nm] of an estimate from the sets in the ring. A later set is left out
+ * if the wrench is not well above it in any DoF; see MIN_EXCITATION. Of a DoF in which the ring's
+ * own sets are not above it either, any wrench above the threshold counts. */
 void auvid_metric_set_residual(auvid_metric_t *m, const auvid_real_t rms[AUVID_DOF_COUNT]);
 
 /** Is no row stored of a cell at t_us, because the ring is held? */

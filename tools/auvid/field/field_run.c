@@ -291,7 +291,6 @@ static void gather(const field_run_t *run, const field_run_config_t *config, fie
 bool field_run(field_run_t *run, const field_run_config_t *config, field_record_t *record)
 {
     auvid_identifier_config_t *cfg = &run->id.cfg;
-    double length_s = config->field.length_s;
     memset(run, 0, sizeof *run);
     memset(record, 0, sizeof *record);
     field_run_identifier(config, &run->averaged, cfg);
@@ -302,13 +301,14 @@ bool field_run(field_run_t *run, const field_run_config_t *config, field_record_
         (config->attach != NULL && !config->attach(&run->id))) {
         return false;
     }
-    if (config->field.driver == FIELD_EXCITED) {
-        record_motion(run, config, (double)config->sets * SET_S + LATE_S, record);
+    bool excited = config->field.driver == FIELD_EXCITED;
+    record_motion(run, config,
+                  excited ? (double)config->sets * SET_S + LATE_S : config->field.length_s, record);
+    if (excited && config->then != FIELD_EXCITED) {
         (void)auvid_identifier_disarm(&run->id);
         run->field.cfg.driver = config->then;
-        length_s = config->then != FIELD_EXCITED ? THEN_S : 0.0;
+        record_motion(run, config, THEN_S, record);
     }
-    record_motion(run, config, length_s, record);
     while (auvid_identifier_work(&run->id, AT_EASE) == AUVID_PENDING) {
     }
     gather(run, config, record);

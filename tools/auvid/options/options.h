@@ -39,9 +39,10 @@ typedef struct {
     const char *mismatch[FIELD_MISMATCHES]; /**< NAME=SIZE, as given */
     int mismatches;
     field_vehicle_t vehicle;
-    field_driver_t driver, then;
-    double hours;       /**< length of each run; 0: of --sets, or 600 s */
-    const char *chosen; /**< an option that needs field statistics, or NULL */
+    field_driver_t driver;
+    field_driver_t then; /**< after the excitation; FIELD_EXCITED: nothing */
+    double hours;        /**< length of each run; 0: of --sets, or 600 s */
+    const char *chosen;  /**< an option that needs field statistics, or NULL */
 } options_field_t;
 
 /** All options. */

@@ -54,7 +54,10 @@ int options_field_take(reader_t *r, options_t *options)
     }
     if (strcmp(r->name, "--then") == 0) {
         f->chosen = "--then";
-        return take_driver(r, &f->then);
+        int status = take_driver(r, &f->then);
+        return status == 0 && f->then == FIELD_EXCITED
+                   ? report_error("--then: 'excited' is the driver until then")
+                   : status;
     }
     if (strcmp(r->name, "--hours") == 0) {
         f->chosen = "--hours";

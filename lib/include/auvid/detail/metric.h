@@ -154,7 +154,7 @@ typedef struct {
     uint64_t until_us;  /* residual path: no row is stored after this while the ring is held */
     uint64_t resume_us; /* residual path: no row is stored whose middle is before this */
     auvid_set_t set[AUVID_MAX_SETS];
-    auvid_real_t min_wrench_m2[AUVID_DOF_COUNT]; /* see auvid_metric_set_residual */
+    auvid_real_t min_wrench_m2[AUVID_DOF_COUNT]; /* [N2, N2 m2]; see auvid_metric_set_residual */
     uint32_t recorded;                           /**< sets completed since init */
     uint32_t rows_dropped; /**< complete rows lost to every evaluation because the ring was held */
     uint32_t stored;       /* sets stored in the ring so far */
