@@ -101,7 +101,9 @@ assert d["log"]["paths"] == ["dive.log"]
 assert abs(d["log"]["duration_s"] / (d["log"]["rows"] - 1) - 0.02) < 1e-4'
 check "several logs are one page" same 0 fit good.csv 2.csv --thrusters girona500
 check "  names both" page page.html 'assert d["log"]["paths"] == ["good.csv", "2.csv"]'
-check "a log with a wrong sign and one without" same 3 fit good.csv sign.csv --thrusters girona500
+check "a log with a wrong sign and one without" same 0 fit good.csv sign.csv --thrusters girona500
+check "  no parameter of the DoF with the wrong sign is identifiable" page page.html '
+assert not any(p["identifiable"] for p in d["parameters"] if p["dof"] == "sway")'
 check "  the page says which, and what" page page.html '
 one, = d["log_findings"]
 assert (one["log"], one["severity"], one["code"]) == ("sign.csv", "error", "input_sign"), one

@@ -84,7 +84,7 @@ typedef enum {
     AUVID_EVALUATION_LIMIT = 9,   /**< stopped at the evaluation limit, not converged */
     AUVID_TICK = 10,              /**< a control tick is due: call the step function */
     AUVID_SET_IDLE = 11,          /**< a data set was completed and discarded: no DoF with a free
-                                  parameter was excited in it; see excitation_threshold */
+                                  parameter was excited in it (excitation_threshold) */
     AUVID_ERR_NULL = -1,          /**< a required pointer is NULL */
     AUVID_ERR_NOT_FINITE = -2,    /**< a value is NaN or infinite */
     AUVID_ERR_TIME_BACK = -3,     /**< time went backwards */

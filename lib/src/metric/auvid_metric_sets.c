@@ -17,12 +17,12 @@
 
 enum { DIGITS = AUVID_METRIC_DIGITS };
 
-/* Smallest variance of a DoF's wrench relative to that of the residual, for one DoF of a set. A
- * controller that only holds still answers the disturbance with a wrench as large: the motion is
- * then that of the residual, and such rows bias the parameters (Ljung 1999, 13.4). Simulated
- * station keeping in field mixtures: 2431 of 2432 sets and DoF have at most 1.7, one has 2.7; a
- * BlueROV2's stabiliser 2.8. Excitation and joystick have more in 99 % in mixtures of usual size,
- * in 73 to 84 % in those twice as large. */
+/* Smallest variance of a set's wrench relative to that of the residual, for a DoF to count as
+ * excited. A controller that only holds still answers the disturbance with a wrench as large: the
+ * motion is then that of the residual, and such rows bias the parameters (Ljung 1999, 13.4).
+ * Simulated station keeping in field mixtures: 2431 of 2432 sets and DoF have at most 1.7, one has
+ * 2.7; a BlueROV2's stabiliser 2.8. Excitation and joystick have more in 99 % in mixtures of usual
+ * size, in 73 to 84 % in those twice as large. */
 #define MIN_EXCITATION AUVID_C(3.0)
 
 int auvid_metric_slot(const auvid_metric_t *m, int age)
@@ -188,17 +188,15 @@ auvid_status_t auvid_metric_close(auvid_metric_t *metric)
         return AUVID_ERR_NO_DATA;
     }
     auvid_metric_rotate_rows(m);
-    uint8_t excited = 0, driven = 0; /* driven: above the residual, too */
+    uint8_t excited = 0;
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
-        auvid_real_t rows = (auvid_real_t)set->rows_of[j],
-                     min_rms = m->cfg.excitation_threshold * m->cfg.tau_max[j];
-        bool is_excited =
-            m->cfg.vehicle->columns[j] != 0 && set->tau_m2[j] > min_rms * min_rms * rows;
-        bool is_driven = is_excited && set->tau_m2[j] > m->sets.min_wrench_m2[j] * rows;
+        auvid_real_t min_rms = m->cfg.excitation_threshold * m->cfg.tau_max[j],
+                     min_m2 = auvid_max(min_rms * min_rms, m->sets.min_wrench_m2[j]);
+        bool is_excited = m->cfg.vehicle->columns[j] != 0 &&
+                          set->tau_m2[j] > min_m2 * (auvid_real_t)set->rows_of[j];
         excited = (uint8_t)(excited | (unsigned)is_excited << j);
-        driven = (uint8_t)(driven | (unsigned)is_driven << j);
     }
-    bool kept = auvid_metric_free_of(m, driven) != 0;
+    bool kept = auvid_metric_free_of(m, excited) != 0;
     if (kept && m->sets.held && auvid_metric_stores_rows(m)) {
         m->sets.full = true;
         return AUVID_PENDING;

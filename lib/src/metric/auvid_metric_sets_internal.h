@@ -59,9 +59,10 @@ int auvid_metric_read_row(const auvid_metric_t *m, const auvid_set_t *set, int b
  * it; *rows: the rows of it. */
 auvid_real_t auvid_metric_wrench_squares(const auvid_metric_t *m, int j, auvid_real_t *rows);
 
-/** Take the rms residual [N, Nm] of an estimate from the sets in the ring. A later set is left out
- * if the wrench is not well above it in any DoF; see MIN_EXCITATION. Of a DoF in which the ring's
- * own sets are not above it either, any wrench above the threshold counts. */
+/** Take the rms residual [N, Nm] of an estimate from the sets in the ring. In later sets a DoF is
+ * excited only if its wrench is well above it; see MIN_EXCITATION. Of a DoF in which the ring's own
+ * sets are not above it either, any wrench above the threshold counts: a large residual of few sets
+ * must not lock out all later ones. */
 void auvid_metric_set_residual(auvid_metric_t *m, const auvid_real_t rms[AUVID_DOF_COUNT]);
 
 /** Is no row stored of a cell at t_us, because the ring is held? */
