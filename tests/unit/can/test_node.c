@@ -2,164 +2,20 @@
  * The node in lock step with the simulated vehicle, through frames in plain arrays.
  */
 #include <math.h>
-#include <stdio.h>
 #include <stddef.h>
+#include <stdio.h>
 #include <string.h>
 
-#include "auvid/node.h"
 #include "by_residual.h"
 #include "chain.h"
 #include "dropper.h"
-#include "vehicle_sim.h"
-#include "unity.h"
+#include "node_run.h"
 
-enum { SETS = 2, LOG = 60000, SET_TICKS = 1500 };
+enum { SET_TICKS = 1500 };
 
-static auvid_node_t node, other;
-static auvid_actuation_t actuation, other_actuation;
-static auvid_actuation_config_t acting;
-static vehicle_sim_t vehicle_sim;
+static auvid_node_t other;
+static auvid_actuation_t other_actuation;
 static chain_t chain;
-static auvid_identifier_config_t identifier;
-static auvid_node_config_t config;
-
-/* Frames received by the node, in order. */
-static auvid_can_frame_t taken[LOG];
-static int taken_count;
-
-/* State of the current run. */
-static struct {
-    uint32_t commands;   /* frames of thruster command A sent by the node */
-    uint32_t last_zero;  /* the last command was zero */
-    double largest;      /* maximum thrust of the last command */
-    uint32_t ticks;      /* number so far */
-    uint32_t jump_at;    /* tick in which the bus's clock is set ... */
-    int32_t jump_us;     /* ... by this much */
-    bool random_arrival; /* times of arrival are random */
-    uint64_t random;
-} run;
-
-static void prepare(uint64_t seed)
-{
-    static const auvid_real_t amplitude[AUVID_DOF_COUNT] = {100, 100, 100, 0, 0, 40};
-    vehicle_sim_config_t vehicle;
-    memset(&run, 0, sizeof run);
-    run.random = 88172645463325252u;
-    taken_count = 0;
-    vehicle_sim_defaults(&vehicle);
-    vehicle.sim.seed = seed;
-    TEST_ASSERT_TRUE(vehicle_sim_init(&vehicle_sim, &vehicle));
-    auvid_identifier_defaults(&identifier, &auvid_girona500);
-    identifier.exact_inputs = true;
-    auvid_actuation_defaults(&acting);
-    (void)auvid_excitation_plan(&acting.excitation, amplitude, 30, SETS, seed);
-    identifier.search.seed = seed;
-    auvid_node_defaults(&config);
-    config.answer = true;
-}
-
-void setUp(void)
-{
-    prepare(1);
-}
-
-void tearDown(void)
-{
-}
-
-static void begin(bool excite)
-{
-    TEST_ASSERT_EQUAL(AUVID_OK,
-                      auvid_node_init(&node, &config, &auvid_allocation_girona500, &identifier));
-    if (excite) {
-        TEST_ASSERT_EQUAL(AUVID_OK, auvid_node_attach_actuation(&node, &actuation, &acting));
-    }
-}
-
-static uint64_t draw(void)
-{
-    run.random ^= run.random << 13;
-    run.random ^= run.random >> 7;
-    run.random ^= run.random << 17;
-    return run.random;
-}
-
-/* Passes the frames of the node to the vehicle. */
-static void deliver(const auvid_can_frame_t *frame, int count)
-{
-    for (int i = 0; i < count; ++i) {
-        auvid_can_message_t m;
-        TEST_ASSERT_EQUAL(AUVID_OK, auvid_can_unpack(NULL, &frame[i], &m));
-        if (m.kind == AUVID_CAN_THRUSTER_COMMAND_A) {
-            run.largest = 0.0;
-            ++run.commands;
-            for (int k = 0; k < 4; ++k) {
-                run.largest = fmax(run.largest, fabs((double)m.as.thruster_command_a.thrust[k]));
-            }
-        }
-        if (m.kind == AUVID_CAN_THRUSTER_COMMAND_B) {
-            run.largest = fmax(run.largest, fabs((double)m.as.thruster_command_b.thrust[0]));
-        }
-        vehicle_sim_take(&vehicle_sim, &frame[i]);
-    }
-}
-
-/* The node's part of a tick that has begun. */
-static void serve(auvid_node_t *n)
-{
-    auvid_can_frame_t frame[AUVID_NODE_FRAMES];
-    int count = 0;
-    (void)auvid_node_step(n, NULL, frame, &count);
-    deliver(frame, count);
-    (void)auvid_node_work(n, AUVID_DEFAULT_BUDGET);
-    TEST_ASSERT_EQUAL(AUVID_OK, auvid_node_report(n, 1, frame, &count));
-    deliver(frame, count);
-}
-
-static auvid_status_t give(auvid_can_frame_t *frame)
-{
-    if (taken_count < LOG) {
-        taken[taken_count++] = *frame;
-    }
-    auvid_status_t status = auvid_node_take(&node, frame);
-    if (status == AUVID_TICK) {
-        serve(&node);
-    }
-    return status;
-}
-
-static void set_clock(auvid_can_frame_t *frame)
-{
-    auvid_can_message_t m;
-    if (run.jump_at == 0 || run.ticks < run.jump_at ||
-        auvid_can_unpack(NULL, frame, &m) != AUVID_OK || m.kind != AUVID_CAN_TICK) {
-        return;
-    }
-    auvid_can_sender_t sender;
-    TEST_ASSERT_EQUAL(AUVID_OK, auvid_can_sender_init(&sender, NULL));
-    sender.counter[AUVID_CAN_TICK] = m.counter;
-    m.as.tick.time += (uint32_t)run.jump_us;
-    TEST_ASSERT_EQUAL(AUVID_OK, auvid_can_pack(&sender, &m, frame));
-}
-
-static void tick(void)
-{
-    auvid_can_frame_t frame[VEHICLE_SIM_FRAMES];
-    int count = vehicle_sim_tick(&vehicle_sim, frame);
-    ++run.ticks;
-    for (int i = 0; i < count; ++i) {
-        set_clock(&frame[i]);
-        frame[i].t_us = run.random_arrival ? draw() : frame[i].t_us;
-        (void)give(&frame[i]);
-    }
-}
-
-static void go(uint32_t ticks)
-{
-    for (uint32_t k = 0; k < ticks; ++k) {
-        tick();
-    }
-}
 
 static void send(const auvid_can_message_t *m)
 {
@@ -512,139 +368,6 @@ static void test_null_and_not_initialised_are_refused(void)
     TEST_ASSERT_EQUAL(AUVID_ERR_STATE, auvid_node_take(&node, frame));
 }
 
-/* ---- time ---- */
-
-static void clock_is_set(int32_t by_us)
-{
-    begin(true);
-    run.jump_at = 400;
-    run.jump_us = by_us;
-    go(399);
-    TEST_ASSERT_EQUAL(AUVID_GUARD_EXCITING, actuation.guard.state);
-    TEST_ASSERT_EQUAL_UINT32(0, node.counters.clock_steps);
-    uint64_t before = node.t_us;
-    tick();
-    TEST_ASSERT_EQUAL_UINT32(1, node.counters.clock_steps);
-    TEST_ASSERT_TRUE(node.t_us > before);
-    TEST_ASSERT_EQUAL(AUVID_GUARD_ABORTED, actuation.guard.state);
-    TEST_ASSERT_TRUE(run.largest == 0.0);
-    go(200);
-    TEST_ASSERT_EQUAL_UINT32(1, node.counters.clock_steps);
-    TEST_ASSERT_EQUAL_UINT32(600, node.counters.ticks);
-    uint32_t dropped = node.counters.samples_dropped; /* gated until converged */
-    go(200);
-    TEST_ASSERT_EQUAL_UINT32(dropped, node.counters.samples_dropped);
-}
-
-static void test_a_clock_set_back_is_counted_and_the_node_continues(void)
-{
-    clock_is_set(-5000000);
-}
-
-static void test_a_clock_set_ahead_is_counted_and_the_node_continues(void)
-{
-    clock_is_set(5000000);
-}
-
-static void test_a_wrap_of_the_clock_has_no_effect(void)
-{
-    begin(true);
-    run.jump_at = 1;
-    run.jump_us = -4000000; /* the tick's 32 bits wrap at 4 s */
-    go(400);
-    TEST_ASSERT_EQUAL_UINT32(0, node.counters.clock_steps);
-    TEST_ASSERT_EQUAL(AUVID_GUARD_EXCITING, actuation.guard.state);
-}
-
-static void test_a_lost_tick_is_counted(void)
-{
-    auvid_can_frame_t frame[VEHICLE_SIM_FRAMES];
-    begin(false);
-    go(100);
-    (void)vehicle_sim_tick(&vehicle_sim, frame);
-    go(10);
-    TEST_ASSERT_EQUAL_UINT32(1, node.counters.ticks_missed);
-    TEST_ASSERT_EQUAL_UINT32(0, node.counters.clock_steps);
-    TEST_ASSERT_EQUAL_UINT32(110, node.counters.ticks);
-}
-
-static auvid_can_frame_t tick_frame(auvid_can_sender_t *from, uint32_t sequence)
-{
-    auvid_can_frame_t frame;
-    auvid_can_message_t m = {.kind = AUVID_CAN_TICK};
-    m.as.tick.sequence = sequence;
-    m.as.tick.time = 20000 * sequence;
-    TEST_ASSERT_EQUAL(AUVID_OK, auvid_can_pack(from, &m, &frame));
-    return frame;
-}
-
-/* 2 overtakes 1 and is repeated after it, where its counter is in sequence. */
-static void test_a_late_or_repeated_tick_is_refused_and_no_clock_step(void)
-{
-    auvid_can_sender_t from;
-    begin(false);
-    TEST_ASSERT_EQUAL(AUVID_OK, auvid_can_sender_init(&from, NULL));
-    auvid_can_frame_t first = tick_frame(&from, 1), second = tick_frame(&from, 2);
-    auvid_can_frame_t third = tick_frame(&from, 3);
-    TEST_ASSERT_EQUAL(AUVID_TICK, auvid_node_take(&node, &second));
-    TEST_ASSERT_EQUAL(AUVID_ERR_COUNTER_JUMP, auvid_node_take(&node, &first));
-    TEST_ASSERT_EQUAL(AUVID_ERR_STALE, auvid_node_take(&node, &second));
-    TEST_ASSERT_EQUAL(AUVID_TICK, auvid_node_take(&node, &third));
-    TEST_ASSERT_EQUAL_UINT32(0, node.counters.clock_steps);
-    TEST_ASSERT_EQUAL_UINT32(2, node.counters.refused);
-    TEST_ASSERT_EQUAL_UINT32(2, node.counters.frames);
-}
-
-static void test_halves_of_an_imu_sample_may_arrive_in_neighbouring_ticks(void)
-{
-    auvid_can_frame_t frame[VEHICLE_SIM_FRAMES], late;
-    bool has = false;
-    begin(false);
-    for (int k = 0; k < 100; ++k) {
-        int count = vehicle_sim_tick(&vehicle_sim, frame);
-        for (int i = 0; i < count; ++i) {
-            auvid_can_message_t m;
-            TEST_ASSERT_EQUAL(AUVID_OK, auvid_can_unpack(NULL, &frame[i], &m));
-            if (m.kind != AUVID_CAN_IMU_RATES) {
-                (void)give(&frame[i]);
-                continue;
-            }
-            if (has) { /* from the previous tick: it is 20 ms old now */
-                (void)give(&late);
-            }
-            auvid_can_sender_t sender;
-            TEST_ASSERT_EQUAL(AUVID_OK, auvid_can_sender_init(&sender, NULL));
-            sender.counter[AUVID_CAN_IMU_RATES] = m.counter;
-            m.as.imu_rates.age = 20;
-            TEST_ASSERT_EQUAL(AUVID_OK, auvid_can_pack(&sender, &m, &late));
-            has = true;
-        }
-    }
-    auvid_nav_state_t state;
-    TEST_ASSERT_EQUAL(AUVID_OK, auvid_nav_state(&node.id.nav, &state));
-    TEST_ASSERT_TRUE(state.t_us + 40000u >= node.t_us);
-    TEST_ASSERT_EQUAL_UINT32(0, node.counters.samples_dropped);
-}
-
-static void test_a_node_with_its_own_clock_sends_the_tick_and_refuses_to_go_back(void)
-{
-    auvid_can_frame_t frame[AUVID_NODE_FRAMES];
-    auvid_can_message_t m;
-    int count = 0;
-    uint64_t t_us = 1000000;
-    begin(true);
-    TEST_ASSERT_EQUAL(AUVID_OK, auvid_node_step(&node, &t_us, frame, &count));
-    TEST_ASSERT_EQUAL(1, count);
-    TEST_ASSERT_EQUAL(AUVID_OK, auvid_can_unpack(NULL, frame, &m));
-    TEST_ASSERT_EQUAL(AUVID_CAN_TICK, m.kind);
-    TEST_ASSERT_EQUAL_UINT32(1000000, m.as.tick.time);
-    TEST_ASSERT_EQUAL(AUVID_ERR_TIME_SAME, auvid_node_step(&node, &t_us, frame, &count));
-    t_us = 900000;
-    TEST_ASSERT_EQUAL(AUVID_ERR_TIME_BACK, auvid_node_step(&node, &t_us, frame, &count));
-    t_us = 1020000;
-    TEST_ASSERT_EQUAL(AUVID_OK, auvid_node_step(&node, &t_us, frame, &count));
-}
-
 /* ---- numbers of the DBC ---- */
 
 #define SAME(a, b) _Static_assert((int)(a) == (int)(b), #a)
@@ -759,13 +482,6 @@ int main(void)
     RUN_TEST(test_halt_commands_zero_once_and_only_after_a_command);
     RUN_TEST(test_foreign_repeated_and_bad_frames_are_refused_and_counted);
     RUN_TEST(test_null_and_not_initialised_are_refused);
-    RUN_TEST(test_a_clock_set_back_is_counted_and_the_node_continues);
-    RUN_TEST(test_a_clock_set_ahead_is_counted_and_the_node_continues);
-    RUN_TEST(test_a_wrap_of_the_clock_has_no_effect);
-    RUN_TEST(test_a_lost_tick_is_counted);
-    RUN_TEST(test_a_late_or_repeated_tick_is_refused_and_no_clock_step);
-    RUN_TEST(test_halves_of_an_imu_sample_may_arrive_in_neighbouring_ticks);
-    RUN_TEST(test_a_node_with_its_own_clock_sends_the_tick_and_refuses_to_go_back);
     RUN_TEST(test_the_configuration_may_be_inside_the_node);
     RUN_TEST(test_work_is_that_of_the_identifier);
     return UNITY_END();
