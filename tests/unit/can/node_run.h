@@ -28,7 +28,6 @@ static int taken_count;
 /* State of the current run. */
 static struct {
     uint32_t commands;   /* frames of thruster command A sent by the node */
-    uint32_t last_zero;  /* the last command was zero */
     double largest;      /* maximum thrust of the last command */
     uint32_t ticks;      /* number so far */
     uint32_t jump_at;    /* tick in which the bus's clock is set ... */
