@@ -11,6 +11,8 @@
 # sanitizers these would take hours and show the same: there only what forges input has it.
 #   TEST_LIMIT=1200               seconds until a program is stopped
 #   TEST_LOGS=build/test-logs     what each program prints
+#   TEST_RESUME=1                 go on with an earlier run that was stopped: what passed there and is
+#                                 not newer than its result is counted, and not run again
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
@@ -19,7 +21,7 @@ export LOGS=${TEST_LOGS:-build/test-logs} AUVID=build/auvid
 # less than a fifth of it; so it holds on a machine that is five times slower, or as busy.
 export LIMIT=${TEST_LIMIT:-1200}
 [ -z "${AUVID_TEST_LONG:-}" ] || LIMIT=14400
-rm -rf "$LOGS"
+[ -n "${TEST_RESUME:-}" ] || rm -rf "$LOGS"
 mkdir -p "$LOGS"
 
 # Tests start Python hundreds of times, for its standard library only. Where a script chooses its
@@ -44,6 +46,11 @@ run_one() {
     local name=${1#build/} log status=0 start=$SECONDS passed failed skipped nice=$OTHERS
     [[ $name != tests/vcan/* && $name != */test_realtime.sh ]] || nice=$FIRST
     log=$LOGS/${name//\//-}
+    if [ -e "$log.count" ] && [ "$(cut -d ' ' -f 2 "$log.count")" = 0 ] &&
+        [ ! "$1" -nt "$log.count" ]; then
+        return
+    fi
+    rm -f "$log.count"
     if [[ $name =~ ^(wide_)?(double|sanitized)/ && ! $name =~ hostile|forged ]]; then
         unset AUVID_TEST_LONG
     fi

@@ -32,4 +32,27 @@ check "a program that was not built" counts '0 passed, 1 failed' 1 "$PWD/none"
 check "a program that hangs is stopped, even if it ignores signals" \
     counts '2 passed, 2 failed' 1 "$PWD/hang" "$PWD/deaf"
 check "a program that is skipped" counts '0 passed, 0 failed, 1 skipped' 1 "$PWD/skipping"
+
+# resumed SUMMARY STATUS: so ends a run of three programs that goes on with an earlier one.
+resumed() {
+    TEST_RESUME=1 counts "$1" "$2" "$PWD/passed" "$PWD/failed" "$PWD/stopped"
+}
+
+# What passed is not run again until it is newer than its result; what failed or was stopped is.
+resumes() {
+    local name
+    for name in passed failed stopped; do
+        program $name <<END
+cd $PWD && echo $name >>runs && { [ $name != failed ] || [ -e mended ]; } && echo "ok - one"
+END
+    done
+    rm -rf logs
+    resumed '2 passed, 1 failed' 1 || return
+    rm logs/*stopped.count && touch mended
+    resumed '3 passed, 0 failed' 0 && [ "$(sort runs | uniq -c | xargs)" = \
+        '2 failed 1 passed 2 stopped' ] || return
+    touch -d '1 minute' passed
+    resumed '3 passed, 0 failed' 0 && [ "$(grep -c passed runs)" = 2 ]
+}
+check "a run that was stopped goes on" resumes
 finish
