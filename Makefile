@@ -71,9 +71,8 @@ VALIDATION_SHORT := $(filter-out %/test_package.sh %/test_peers.sh,$(VALIDATION_
 SLEEPER := tests/program/test_realtime.sh
 SCRIPTS := $(SLEEPER) $(filter-out $(SLEEPER),$(SCRIPTS))
 # Builds of packages (CMake, pkg-config, C++) and with all kinds of flags are left to the long form.
-BUILDS := $(addprefix tests/program/,test_drop_in.sh test_hostile_builds.sh test_sizes_derived.sh \
-    test_sizes_link.sh test_sizes_uncertain.sh \
-    test_threads.sh)
+BUILDS := $(addprefix tests/program/test_,drop_in.sh hostile_builds.sh paths_link.sh \
+    sizes_derived.sh sizes_link.sh sizes_uncertain.sh threads.sh)
 # What needs a real bus, here or in a virtual machine.
 VCAN_SCRIPTS := $(wildcard tests/vcan/test_*.sh)
 # Of these, what takes minutes of a machine's clock is left to the long form and `make test-vcan`.
@@ -129,7 +128,8 @@ SLOW := $(addprefix %/tests/unit/,$(addprefix identifier/,test_adaptive test_cha
     test_width) $(addprefix uncertain/,test_uncertain test_uncertain_causes))
 SLOW_SANITIZED := $(SLOW) $(addprefix %/tests/unit/,$(addprefix tools/test_,doctor \
     doctor_sensors doctor_units doctor_campaign field field_mismatch field_run field_sensors \
-    simulator) identifier/test_user_model navigation/test_latency can/test_can_accuracy \
+    simulator) $(addprefix identifier/test_,identifier prior thrusters user_model) \
+    uncertain/test_instruments navigation/test_latency can/test_can_accuracy \
     excitation/test_excitation_plan search/test_optimizer_figures)
 SLOW_DOUBLE := $(SLOW) $(addprefix %/tests/unit/,uncertain/test_uncertain_checkpoint \
     identifier/test_user_model can/test_can_fifo)
