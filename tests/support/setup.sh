@@ -171,6 +171,11 @@ python_environment() {
     local folder=$1 requirements=$2
     shift 2
     ! cmp -s "$requirements" "$folder/installed.txt" || return 0
+    # Tests that run at the same time may need the same folder.
+    mkdir -p third_party
+    exec 9>third_party/environments.lock
+    flock 9
+    ! cmp -s "$requirements" "$folder/installed.txt" || return 0
     echo "setup: making $folder ($(grep -v '^#' "$requirements" | tr '\n' ' '))"
     rm -rf "$folder"
     # One pip serves all folders: a copy of it in each takes five seconds.
