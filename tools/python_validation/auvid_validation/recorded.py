@@ -87,26 +87,43 @@ def fit(train, test, arguments):
     return found
 
 
+def sampled(t, column):
+    """Linear between samples; an empty cell is none. NaN where the next one is too far."""
+    at = t[known := np.isfinite(column)]
+    after = np.clip(np.searchsorted(at, t), 1, max(len(at) - 1, 1))
+    near = len(at) > 1 and (t >= at[0]) & (t <= at[-1]) & (at[after] - at[after - 1] <= GAP_S)
+    return np.where(near, np.interp(t, at, column[known]), np.nan) if len(at) else column
+
+
+def held(column):
+    """The last input before an empty cell."""
+    last = np.maximum.accumulate(np.where(np.isfinite(column), np.arange(len(column)), 0))
+    return column[last]
+
+
 class Log:
-    """Columns of a CSV that `auvid fit` has accepted."""
+    """Columns of a CSV that `auvid fit` has accepted: the rows at which all are known."""
 
     def __init__(self, path):
         self.path = pathlib.Path(path)
         with self.path.open(encoding="utf-8-sig") as file:  # as auvid fit: a mark may come first
             names = [name.strip() for name in file.readline().split(",")]
             lines = [line for line in file if line.endswith("\n")]  # the last may be truncated
-            data = np.loadtxt(lines, delimiter=",", ndmin=2, comments=None)
+            data = np.genfromtxt(lines, delimiter=",", comments=None).reshape(-1, len(names))
         column = dict(zip(names, data.T))
+        t = column["t_s"]
 
-        def take(wanted):
-            return np.column_stack([column.get(name, np.zeros(len(data))) for name in wanted])
+        def take(wanted, fill):
+            return np.column_stack([fill(column[name]) if name in column else np.zeros(len(t))
+                                    for name in wanted])
 
-        self.t = column["t_s"] - column["t_s"][0]
-        self.tilt = take(ATTITUDE + RATES)
-        self.velocity = take(VELOCITIES)
+        tilt = take(ATTITUDE + RATES, lambda x: sampled(t, x))
+        velocity = take(VELOCITIES, lambda x: sampled(t, x))
         self.in_commands = not any(name in column for name in WRENCH)
-        inputs = take(COMMANDS if self.in_commands else WRENCH)
-        self.input = inputs[:, DOFS]
+        inputs = take(COMMANDS if self.in_commands else WRENCH, held)[:, DOFS]
+        known = np.isfinite(np.column_stack([t, tilt, velocity, inputs])).all(axis=1)
+        self.t, self.tilt, self.velocity = t[known] - t[known][0], tilt[known], velocity[known]
+        self.input = inputs[known]
 
     @property
     def pieces(self):
