@@ -125,8 +125,8 @@ static campaign_t campaign_first, campaign_later;
 
 /** Take the result of the last search, which ended with finish_work at the default budget.
  * @param wanted bit i: truth[i] counts */
-static inline void campaign_take(const auvid_identifier_t *id, const double *truth,
-                                 uint32_t wanted, double delay_s)
+static inline void campaign_take(const auvid_identifier_t *id, const double *truth, uint32_t wanted,
+                                 double delay_s)
 {
     campaign_t *c = campaign_early > 0 ? &campaign_later : &campaign_first;
     int k = c->count++;
@@ -201,22 +201,28 @@ static inline void campaign_options(int argc, char **argv, uint32_t few)
     }
 }
 
-/** Identify with each seed: one search of all `sets` sets, then one after a search of all but one.
- * All must end at the optimum. */
-static inline void campaign_run(void (*identify_seed)(uint64_t seed), uint32_t sets,
-                                const char *name)
+/** Report; the share of searches that end above the optimum must not exceed `share`. */
+static inline void campaign_judge(campaign_t *c, const char *name, const char *which, double share)
 {
     char of[64];
+    (void)snprintf(of, sizeof of, "%s, %s search", name, which);
+    int above = campaign_report(c, of);
+    TEST_ASSERT_TRUE_MESSAGE(binomial_lower(above, c->count, 0.05) <= share, "above the optimum");
+}
+
+/** Identify with each seed: one search of all `sets` sets, then one after a search of all but one.
+ * @param share of the searches that may end in another minimum of the cost; 0: none may */
+static inline void campaign_run(void (*identify_seed)(uint64_t seed), uint32_t sets,
+                                const char *name, double share)
+{
     for (uint64_t k = 0; k < campaign_seeds.count; ++k) {
         campaign_early = 0;
         identify_seed(campaign_seeds.first + k);
         campaign_early = sets - 1;
         identify_seed(campaign_seeds.first + k);
     }
-    (void)snprintf(of, sizeof of, "%s, first search", name);
-    TEST_ASSERT_EQUAL_INT(0, campaign_report(&campaign_first, of));
-    (void)snprintf(of, sizeof of, "%s, later search", name);
-    TEST_ASSERT_EQUAL_INT(0, campaign_report(&campaign_later, of));
+    campaign_judge(&campaign_first, name, "first", share);
+    campaign_judge(&campaign_later, name, "later", share);
 }
 
 #endif
