@@ -5,7 +5,7 @@ set -euo pipefail
 cd "$(dirname "$0")/../.."
 unset MAKEFLAGS MFLAGS MAKELEVEL # of the make that runs this
 
-for module in guard identifier_act node node_step can_receiver; do
+for module in guard actuation node node_step can_receiver; do
     if nice make --no-print-directory mutate FILE="$(echo lib/src/*/"auvid_$module.c")"; then
         echo "ok every change of auvid_$module.c is noticed, or listed"
     else

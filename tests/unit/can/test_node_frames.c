@@ -506,6 +506,25 @@ static void test_null_and_overlapping_identifiers_are_refused(void)
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_node_init(&node, &cfg, &thrusters, &identifier));
 }
 
+static auvid_status_t init_with_identifiers(int fast, int slow)
+{
+    cfg.ids.fast = (uint16_t)fast;
+    cfg.ids.slow = (uint16_t)slow;
+    return auvid_node_init(&node, &cfg, &thrusters, &identifier);
+}
+
+static void test_all_frames_must_have_identifiers_of_11_bits(void)
+{
+    enum { LAST_FAST = 0x800 - AUVID_CAN_FAST_KINDS, LAST_SLOW = 0x800 - AUVID_CAN_SLOW_KINDS };
+    TEST_ASSERT_EQUAL(AUVID_OK, init_with_identifiers(0, 0x400));
+    TEST_ASSERT_EQUAL(AUVID_OK, init_with_identifiers(0x400, 0));
+    TEST_ASSERT_EQUAL(AUVID_OK, init_with_identifiers(LAST_FAST, 0x400));
+    TEST_ASSERT_EQUAL(AUVID_OK, init_with_identifiers(0x400, LAST_SLOW));
+    TEST_ASSERT_EQUAL(AUVID_ERR_RANGE, init_with_identifiers(LAST_FAST + 1, 0x400));
+    TEST_ASSERT_EQUAL(AUVID_ERR_RANGE, init_with_identifiers(0x400, LAST_SLOW + 1));
+    TEST_ASSERT_FALSE(node.ready);
+}
+
 static void test_after_init_there_is_no_sample(void)
 {
     static const auvid_input_t none;
@@ -578,6 +597,7 @@ int main(void)
     RUN_TEST(test_after_an_init_that_fails_every_function_refuses_the_node);
     RUN_TEST(test_one_to_eight_thrusters_are_accepted);
     RUN_TEST(test_null_and_overlapping_identifiers_are_refused);
+    RUN_TEST(test_all_frames_must_have_identifiers_of_11_bits);
     RUN_TEST(test_after_init_there_is_no_sample);
     RUN_TEST(test_an_altitude_frame_below_the_limit_ends_the_excitation);
     RUN_TEST(test_altitude_frames_without_a_value_are_a_lost_altitude);
