@@ -340,6 +340,11 @@ static void test_foreign_repeated_and_bad_frames_are_refused_and_counted(void)
     frame.data[0] = auvid_can_crc(frame.data, AUVID_CAN_ARM + 1);
     TEST_ASSERT_EQUAL(AUVID_ERR_RANGE, auvid_node_take(&node, &frame));
     TEST_ASSERT_EQUAL_UINT32(4, node.counters.refused);
+    const auvid_node_received_t *ticks = &node.received[auvid_can_node_kind(AUVID_CAN_TICK)],
+                                *arm = &node.received[auvid_can_node_kind(AUVID_CAN_ARM)];
+    TEST_ASSERT_EQUAL_UINT32(100, ticks->good);
+    TEST_ASSERT_EQUAL_UINT32(3, ticks->refused);
+    TEST_ASSERT_EQUAL_UINT32(1, arm->refused);
     frame.id = 0x123;
     TEST_ASSERT_EQUAL(AUVID_UNUSED, auvid_node_take(&node, &frame));
     TEST_ASSERT_EQUAL_UINT32(4, node.counters.refused);
