@@ -6,7 +6,7 @@
 counts() {
     local summary=$1 wanted=$2 status=0
     shift 2
-    CI='' TEST_LOGS=$PWD/logs TEST_LIMIT=2 "$ROOT/tests/run.sh" "$@" >run.out 2>&1 || status=$?
+    CI='' TEST_RESUME=${RESUME:-} TEST_LOGS=$PWD/logs TEST_LIMIT=2 "$ROOT/tests/run.sh" "$@" >run.out 2>&1 || status=$?
     cat run.out
     [ "$status" = "$wanted" ] && [ "$(tail -n 1 run.out)" = "$summary" ]
 }
@@ -35,7 +35,7 @@ check "a program that is skipped" counts '0 passed, 0 failed, 1 skipped' 1 "$PWD
 
 # resumed SUMMARY STATUS: so ends a run of three programs that goes on with an earlier one.
 resumed() {
-    TEST_RESUME=1 counts "$1" "$2" "$PWD/passed" "$PWD/failed" "$PWD/stopped"
+    RESUME=1 counts "$1" "$2" "$PWD/passed" "$PWD/failed" "$PWD/stopped"
 }
 
 # What passed is not run again until it is newer than its result; what failed or was stopped is.
