@@ -11,8 +11,8 @@
 # sanitizers these would take hours and show the same: there only what forges input has it.
 #   TEST_LIMIT=1200               seconds until a program is stopped
 #   TEST_LOGS=build/test-logs     what each program prints
-#   TEST_RESUME=1                 go on with an earlier run that was stopped: what passed there and is
-#                                 not newer than its result is counted, and not run again
+#   TEST_RESUME=1                 go on with an earlier run that was stopped: what passed there
+#                                 and is not newer than its result is counted, and not run again
 set -euo pipefail
 cd "$(dirname "$0")/.."
 

@@ -6,7 +6,8 @@
 counts() {
     local summary=$1 wanted=$2 status=0
     shift 2
-    CI='' TEST_RESUME=${RESUME:-} TEST_LOGS=$PWD/logs TEST_LIMIT=2 "$ROOT/tests/run.sh" "$@" >run.out 2>&1 || status=$?
+    CI='' TEST_RESUME=${RESUME:-} TEST_LOGS=$PWD/logs TEST_LIMIT=2 \
+        "$ROOT/tests/run.sh" "$@" >run.out 2>&1 || status=$?
     cat run.out
     [ "$status" = "$wanted" ] && [ "$(tail -n 1 run.out)" = "$summary" ]
 }

@@ -7,8 +7,8 @@
  * most 1 % of the rms wrench of its degree of freedom. (That force is the error times the rms of
  * the parameter's column.) Three of the 20 parameters are truly zero: the linear drags of sway,
  * roll and yaw. They must not be identifiable, and their rms errors have the same limit. By chance
- * each of them is beyond its half-width, 2.1 standard errors, on the impossible side in 1.8 % of the
- * runs. Its degree of freedom is then not credible; in all other runs all others are identifiable.
+ * each of them is beyond its half-width, 2.1 standard errors, on the impossible side in 1.8 % of
+ * the runs. Its degree of freedom is then not credible; otherwise all others are identifiable.
  * No flag may be wrong in any run. The long form (AUVID_TEST_LONG) has 200 runs.
  *
  * The thrusters stabilise roll and pitch with 8 Nm/rad, in addition to the hull's 1.3 Nm/rad, so
