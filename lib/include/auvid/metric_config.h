@@ -48,10 +48,10 @@ typedef struct {
                                 auvid_identifier_attach_actuation names the thrusters; then what
                                 they give in this DoF (auvid_allocation_capacity, the larger
                                 direction), if that is above 0 and at most AUVID_RECORDER_LARGEST */
-    /** a DoF is excited if the rms of its wrench about its mean exceeds this part of tau_max; 0..1,
-     * default 0.02. Once there is an estimate, the identifier also wants sqrt(3) times the rms of
-     * its residual, in the DoF in which its sets have that: a controller that only keeps its place
-     * answers the disturbance with less */
+    /** a DoF is excited in a set if the rms of its wrench about its mean exceeds this part of
+     * tau_max; 0..1, default 0.02. Once there is an estimate, the rms must also exceed sqrt(3)
+     * times that of the residual in this DoF, unless the sets of the estimate do not, either: the
+     * wrench of a controller that only keeps its place is an answer to the disturbance */
     auvid_real_t excitation_threshold;
     auvid_real_t delay_s[AUVID_DOF_COUNT]; /**< delay of the wrench if it is not estimated [s]:
                                                 a shift of -2..6 cells (-0.2..0.6 s);

@@ -88,11 +88,14 @@ def fit(train, test, arguments):
 
 
 def sampled(t, column):
-    """Linear between samples; an empty cell is none. NaN where the next one is too far."""
+    """Linear between samples; an empty cell is none. NaN outside, and between samples too far
+    apart."""
     at = t[known := np.isfinite(column)]
-    after = np.clip(np.searchsorted(at, t), 1, max(len(at) - 1, 1))
-    near = len(at) > 1 and (t >= at[0]) & (t <= at[-1]) & (at[after] - at[after - 1] <= GAP_S)
-    return np.where(near, np.interp(t, at, column[known]), np.nan) if len(at) else column
+    if len(at) < 2:
+        return column
+    after = np.clip(np.searchsorted(at, t), 1, len(at) - 1)
+    values = np.interp(t, at, column[known], left=np.nan, right=np.nan)
+    return np.where(at[after] - at[after - 1] <= GAP_S, values, np.nan)
 
 
 def held(column):
