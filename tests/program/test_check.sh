@@ -152,8 +152,8 @@ done <<'END'
 1 attitude_enu error .* as if the attitude were in ENU and FLU axes: change the signs of theta_rad
 1 velocities_flu error +v_mps, w_mps and r_radps accelerate against their inputs, u_mps with its
 0 attitude_late warning +the attitude trails p, q, r by 0\.4[0-9]* s: give each column the time
-1 motion_late error +the velocities follow their inputs by 1\.[2-6] s, more than thrusters need
-1 motion_early error +the velocities change before their inputs by 0\.[5-9] s, which no vehicle does
+0 motion_late warning +the velocities follow their inputs by 1\.[2-6] s, .*; fit shifts the inputs
+0 motion_early warning +the velocities change before their inputs by 0\.[5-9] s, .*; fit shifts the
 0 held warning +the velocity repeats each value for about 0\.40 s, as if held .*: leave its cells
 0 outage warning +u_mps, v_mps and w_mps keep their values for up to 9\.9 s .*: leave those rows out
 1 millimetres error +u_mps reaches [0-9]+.* m/s, as if it were in mm/s or cm/s: convert it to m/s
@@ -161,7 +161,7 @@ done <<'END'
 1 marked error +v_mps is -999 in [0-9]+ rows, a mark of missing samples: leave these cells empty
 1 no_lock error +the velocities drop from motion to exactly 0 [0-9]+ times, .*: leave these cells
 1 outliers error +u_mps jumps 2 times by up to 2[4-6].* m/s .*: leave cells of outliers empty
-1 sway_zero error +v_mps is always 0, but Y_N acts: log the measured velocity
+0 sway_zero warning +v_mps is always 0, but Y_N acts: both are left out: log the measured
 1 attitude_zero error +the attitude never changes, but the rates do: log the measured attitude
 0 coarse warning +u_mps has steps of 0\.3, coarse against its variation .*: log more digits
 1 slow error +the rows are about 1\.[0-9]+ s apart, more than the 0\.5 s that fit bridges: log at 5

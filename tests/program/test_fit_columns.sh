@@ -92,6 +92,56 @@ for y in r:
 exits 0 fit slow.csv --plain --json >slow.said
 check "a slow vehicle with velocities of 1 mm/s resolution is not held" test ! -s err
 
+# ---- inputs of another clock ----
+late() { # CELLS OUT: motion and attitude so much later than the inputs, or earlier
+    change "
+later = $1; n = [C[x] for x in ANGLES + VELOCITY + RATES]; old = [list(y) for y in r]
+r = r[max(later, 0):len(r) + min(later, 0)]
+for i, y in enumerate(r):
+    for c in n: y[c] = old[max(i - min(later, 0), i)][c]" <train.csv >"$2"
+}
+# shifted FILE: masses within 2 %, drag at 0.6 of the largest speed within 5 %
+shifted() {
+    exits 0 fit "$@" --plain --json && is out '
+assert all(error(n) < 0.02 for n in TRUTH if n[0] == "m"), {n: error(n) for n in TRUTH}
+for axis, (a, b) in (("X", ("X_u", "X_uu")), ("Y", ("Y_v", "Y_vv")), ("Z", ("Z_w", "Z_ww")),
+                     ("N", ("N_r", "N_rr"))):
+    f = d["drag"][axis][1]
+    assert abs(f["force"] / f["speed"] / (TRUTH[a] + TRUTH[b] * abs(f["speed"])) - 1) < 0.05, axis'
+}
+late 65 later.csv
+check "motion 1.3 s late" shifted later.csv
+check "  is shifted by that" is out 'assert 1.1 <= d["log"]["input_shift_s"][0] <= 1.3'
+exits 0 fit later.csv --plain >/dev/null
+check "  which the report says" grep -q '^ *later.csv: they act 1.[123] s later than logged' out
+late -40 earlier.csv
+check "motion 0.8 s early" shifted earlier.csv
+check "  is shifted by that" is out 'assert -1.0 <= d["log"]["input_shift_s"][0] <= -0.8'
+check "logs of two clocks" shifted later.csv earlier.csv
+check "and the held-out log has a third" \
+    exits 0 fit later.csv --validate earlier.csv --plain --json
+check "  whose motion is predicted" is out '
+assert min(x for x in d["r2_validation"].values() if x is not None) > 0.98, d["r2_validation"]
+assert d["held_out_log"]["input_shift_s"][0] < -0.7'
+
+# ---- velocities of few steps ----
+change '
+for y in r:
+    y[C["v_mps"]] = 0.5 * round(y[C["v_mps"]] / 0.5)' <train.csv >steps.csv
+check "a velocity of few steps is left out" exits 0 fit steps.csv --plain --json
+check "  with a warning" grep -q 'v_mps has steps of 0.5, too coarse .*, and is left out' err
+check "  and the reason; the others are identified, without advice on sway" is out '
+assert all((P[n]["estimate"] is None) == (n in ("m_v", "Y_v", "Y_vv")) for n in TRUTH)
+assert P["m_v"]["note"] == "velocity is too coarse, or stuck", P["m_v"]
+assert error("m_w") < 0.03 and P["m_w"]["identifiable"]
+assert not any("sway" in sentence for sentence in d["missing"]), d["missing"]'
+change '
+for y in r:
+    for n in ANGLES + RATES + VELOCITY: y[C[n]] = 2 * round(y[C[n]] / 2)' <train.csv >signs.csv
+check "all too coarse: exit 3" exits 3 fit signs.csv --plain --json
+check "  in words" sh -c '"$0" fit signs.csv --plain 2>/dev/null |
+    grep -q "^nothing identified: the velocities are too coarse, or stuck"' "$AUVID"
+
 # ---- thrusters ----
 change 'add(["thruster_%d_N" % k for k in range(1, 6)], thrust); drop(*WRENCH)' \
     <train.csv >newtons.csv

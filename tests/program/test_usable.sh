@@ -14,6 +14,8 @@ import csv, json, os, random, subprocess, sys
 program, logs, seed, tank = sys.argv[1], int(sys.argv[2]), int(sys.argv[3]), sys.argv[4]
 random.seed(seed)
 VELOCITY = ["u_mps", "v_mps", "w_mps"]
+DRAG = {"X": ("X_u", "X_uu"), "Y": ("Y_v", "Y_vv"), "Z": ("Z_w", "Z_ww"), "K": ("K_p", "K_pp"),
+        "M": ("M_q", "M_qq"), "N": ("N_r", "N_rr")}
 INPUTS = ["X_N", "Y_N", "Z_N", "K_Nm", "M_Nm", "N_Nm"] + [
     "cmd_" + dof for dof in ("surge", "sway", "heave", "roll", "pitch", "yaw")]
 
@@ -68,8 +70,8 @@ def quantise(head, rows):
 
 
 def good(vehicle, truth, path, other):
-    """Is there a flagged parameter, and are four of five within 20 % of the truth? Where that is
-    not known: is half of the variance of the other run predicted?"""
+    """Is there a flagged parameter or drag force, and are four of five within 20 % of the truth?
+    Where that is not known: is half of the variance of the other run predicted?"""
     options = ["--vehicle", vehicle] if vehicle else ["--bias", "--validate", other]
     status, out = run("fit", path, *options, "--plain", "--json")
     if status not in (0, 3):
@@ -78,9 +80,12 @@ def good(vehicle, truth, path, other):
     if not vehicle:
         r2 = [x for x in result["r2_validation"].values() if x is not None]
         return len(r2) > 0 and sum(r2) / len(r2) > 0.5
-    sure = [p for p in result["parameters"] if p["identifiable"]]
-    right = [abs(p["estimate"] / truth[p["name"]] - 1) < 0.2 for p in sure
-             if abs(truth.get(p["name"], 0)) > 0]
+    right = [abs(p["estimate"] / truth[p["name"]] - 1) < 0.2 for p in result["parameters"]
+             if p["identifiable"] and abs(truth.get(p["name"], 0)) > 0]
+    for axis, forces in result["drag"].items():
+        linear, quadratic = (truth[name] for name in DRAG[axis])
+        right += [abs(f["force"] / (linear * f["speed"] + quadratic * abs(f["speed"]) * f["speed"])
+                      - 1) < 0.2 for f in forces if f["identifiable"]]
     return len(right) > 0 and sum(right) >= 0.8 * len(right)
 
 

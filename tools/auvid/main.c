@@ -188,8 +188,9 @@ static const char columns_help[] =
     "specific force of an accelerometer in body axes (fz_mps2 is -9.8 at rest).\n"
     "\n";
 static const char fit_exit_help[] =
-    "exit status of fit: 0 at least one parameter is identifiable; 1 a log is refused; 2 bad\n"
-    "usage; 3 nothing can be trusted. The first line of the tables says the same in words.\n";
+    "exit status of fit: 0 at least one parameter or drag force is identifiable; 1 a log is\n"
+    "refused; 2 bad usage; 3 nothing can be trusted. The first line of the tables says the same\n"
+    "in words.\n";
 static const char exit_help[] =
     "exit status of other commands: 0 identified; 1 not converged, or nothing to identify; 2 bad\n"
     "usage or data\n";

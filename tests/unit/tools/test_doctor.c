@@ -152,20 +152,59 @@ static void test_a_late_attitude_is_named_with_its_delay(void)
     TEST_ASSERT_DOUBLE_WITHIN(0.02, 0.24, finding(DOCTOR_ATTITUDE_SHIFT)->value);
 }
 
+/* One shift of the whole log, which fit takes into account. */
+static void assert_shift(doctor_severity_t severity, double lag_s)
+{
+    const doctor_finding_t *f = finding(DOCTOR_INPUT_SHIFT);
+    TEST_ASSERT_NOT_NULL(f);
+    TEST_ASSERT_EQUAL(severity, f->severity);
+    TEST_ASSERT_DOUBLE_WITHIN(0.2, lag_s, f->value);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-9, f->value - 0.1, doctor.shift_s);
+    TEST_ASSERT_EQUAL_STRING("usable for identification: surge, sway, heave, roll, pitch, yaw",
+                             doctor.verdict);
+}
+
 static void test_late_motion_is_named_with_its_delay(void)
 {
     delay(CSV_ATTITUDE, CSV_NU + 5, 60);
     examine();
-    assert_error(DOCTOR_INPUT_SHIFT, CSV_WRENCH, "follow their inputs by 1.");
-    TEST_ASSERT_DOUBLE_WITHIN(0.2, 1.2, finding(DOCTOR_INPUT_SHIFT)->value);
+    assert_shift(DOCTOR_WARNING, 1.2);
+    TEST_ASSERT_NOT_NULL(strstr(doctor.finding[0].text, "fit shifts the inputs by that"));
 }
 
 static void test_early_motion_is_named(void)
 {
     delay(CSV_WRENCH, CSV_WRENCH + 5, 30);
     examine();
-    assert_error(DOCTOR_INPUT_SHIFT, CSV_WRENCH, "which no vehicle does");
-    TEST_ASSERT_DOUBLE_WITHIN(0.2, -0.6, finding(DOCTOR_INPUT_SHIFT)->value);
+    assert_shift(DOCTOR_WARNING, -0.6);
+    TEST_ASSERT_NOT_NULL(strstr(doctor.finding[0].text, "which no vehicle does"));
+}
+
+static void test_motion_that_is_early_by_nearly_two_seconds_is_named(void)
+{
+    delay(CSV_WRENCH, CSV_WRENCH + 5, 90);
+    examine();
+    assert_shift(DOCTOR_WARNING, -1.8);
+}
+
+/* Longer than thrusters and instruments usually need, but possible: no accusation. */
+static void test_a_long_lag_is_a_note(void)
+{
+    delay(CSV_ATTITUDE, CSV_NU + 5, 25);
+    examine();
+    assert_shift(DOCTOR_NOTE, 0.5);
+}
+
+/* No single shift puts that right. */
+static void test_a_clock_that_is_set_within_the_log_is_an_error(void)
+{
+    for (int k = ROWS - 1; k >= ROWS / 2; --k) {
+        memcpy(&rows[k].value[CSV_ATTITUDE], &rows[k - 60].value[CSV_ATTITUDE], 9 * sizeof(double));
+    }
+    examine();
+    assert_error(DOCTOR_INPUT_SHIFT, CSV_WRENCH, "follow their inputs by 1.");
+    TEST_ASSERT_FALSE(doctor.shift_s != 0.0);
+    TEST_ASSERT_FALSE(doctor.usable);
 }
 
 static void test_a_slip_of_a_part_is_told_with_its_time(void)
@@ -211,11 +250,15 @@ static void test_an_outage_is_told_with_its_length(void)
     TEST_ASSERT_NOT_NULL(strstr(finding(DOCTOR_OUTAGE)->text, "t_s 140.0"));
 }
 
-static void test_a_velocity_that_is_always_zero_is_an_error(void)
+static void test_a_velocity_that_is_always_zero_is_left_out(void)
 {
     scale(CSV_NU + 1, 0.0);
     examine();
-    assert_error(DOCTOR_STUCK, CSV_NU + 1, "v_mps is always 0, but Y_N acts");
+    TEST_ASSERT_NOT_NULL(finding(DOCTOR_STUCK));
+    TEST_ASSERT_NOT_NULL(strstr(finding(DOCTOR_STUCK)->text, "v_mps is always 0, but Y_N acts"));
+    TEST_ASSERT_EQUAL_HEX(1u << 1, doctor.left_out);
+    TEST_ASSERT_EQUAL_STRING("usable for identification: surge, heave, roll, pitch, yaw",
+                             doctor.verdict);
 }
 
 static void test_an_attitude_that_never_changes_is_an_error(void)
@@ -258,6 +301,25 @@ static void test_coarse_steps_are_told(void)
     examine();
     TEST_ASSERT_TRUE(doctor_has_finding(&doctor, DOCTOR_QUANTISED, CSV_NU));
     TEST_ASSERT_NOT_NULL(strstr(finding(DOCTOR_QUANTISED)->text, "steps of 0.2"));
+    TEST_ASSERT_EQUAL_HEX(0, doctor.left_out);
+}
+
+/* From 1.1 standard deviations on. */
+static void test_a_velocity_of_few_steps_is_left_out(void)
+{
+    double square = 0.0;
+    for (int k = 0; k < ROWS; ++k) {
+        square += rows[k].value[CSV_NU] * rows[k].value[CSV_NU] / ROWS;
+    }
+    for (int k = 0; k < ROWS; ++k) {
+        double step = 1.3 * sqrt(square), *u = &rows[k].value[CSV_NU];
+        *u = step * floor(*u / step + 0.5);
+    }
+    examine();
+    TEST_ASSERT_EQUAL_HEX(1u, doctor.left_out);
+    TEST_ASSERT_NOT_NULL(strstr(finding(DOCTOR_QUANTISED)->text, "and is left out"));
+    TEST_ASSERT_EQUAL_STRING("usable for identification: sway, heave, roll, pitch, yaw",
+                             doctor.verdict);
 }
 
 static void test_coarse_steps_to_zero_are_no_lost_lock(void)
@@ -384,15 +446,19 @@ int main(void)
     RUN_TEST(test_a_late_attitude_is_named_with_its_delay);
     RUN_TEST(test_late_motion_is_named_with_its_delay);
     RUN_TEST(test_early_motion_is_named);
+    RUN_TEST(test_motion_that_is_early_by_nearly_two_seconds_is_named);
+    RUN_TEST(test_a_long_lag_is_a_note);
+    RUN_TEST(test_a_clock_that_is_set_within_the_log_is_an_error);
     RUN_TEST(test_a_slip_of_a_part_is_told_with_its_time);
     RUN_TEST(test_velocities_may_be_absent_between_samples);
     RUN_TEST(test_held_velocities_are_a_warning);
     RUN_TEST(test_an_outage_is_told_with_its_length);
-    RUN_TEST(test_a_velocity_that_is_always_zero_is_an_error);
+    RUN_TEST(test_a_velocity_that_is_always_zero_is_left_out);
     RUN_TEST(test_an_attitude_that_never_changes_is_an_error);
     RUN_TEST(test_a_missing_column_is_a_warning);
     RUN_TEST(test_pulse_widths_are_named);
     RUN_TEST(test_coarse_steps_are_told);
+    RUN_TEST(test_a_velocity_of_few_steps_is_left_out);
     RUN_TEST(test_coarse_steps_to_zero_are_no_lost_lock);
     RUN_TEST(test_a_sagging_voltage_is_told);
     RUN_TEST(test_time_that_goes_back_is_an_error_and_the_row_is_skipped);

@@ -200,7 +200,7 @@ static void judge(doctor_t *d)
         errors += d->finding[i].severity == DOCTOR_ERROR;
     }
     for (int j = 0; j < 6; ++j) {
-        if (d->answers[j]) {
+        if (d->answers[j] && !(d->left_out >> j & 1u)) {
             size_t used = strlen(axes);
             (void)snprintf(axes + used, sizeof axes - used, "%s%s", used > 0 ? ", " : "", name[j]);
         }
@@ -216,7 +216,8 @@ static void judge(doctor_t *d)
                        errors == 1 ? "" : "s");
     } else {
         (void)snprintf(d->verdict, sizeof d->verdict,
-                       "not usable for identification: no velocity visibly follows its input");
+                       "not usable for identification: no velocity %svisibly follows its input",
+                       d->left_out != 0 ? "that can be used " : "");
     }
 }
 

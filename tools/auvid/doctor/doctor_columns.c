@@ -12,7 +12,7 @@
 #define TOGETHER 0.8   /* share of the changes of a velocity that all make together */
 #define OUTAGE_S 1.5   /* velocities that stand still for longer are no samples */
 #define COARSE 0.3     /* step of a column, relative to its standard deviation */
-#define TOO_COARSE 2.5 /* .. with which fit finds no parameter */
+#define TOO_COARSE 1.1 /* .. from which its errors are no noise, but follow the motion */
 #define SATURATED 0.3  /* share of the samples at the limit */
 #define SAG 0.1
 #define MIN_SAMPLES 200.0
@@ -153,10 +153,11 @@ static void find_stuck(doctor_t *d)
     for (int j = 0; j < 6; ++j) {
         bool driven = d->inputs >= 0 && varies(d, d->inputs + j);
         if (always(d, CSV_NU + j) && driven) {
-            doctor_add(d, DOCTOR_ERROR, DOCTOR_STUCK, CSV_NU + j, d->inputs + j, NULL,
-                       "%s is always %g, but %s acts: log the measured %s", csv_name[CSV_NU + j],
-                       d->column[CSV_NU + j].first + 0.0, csv_name[d->inputs + j],
-                       j < 3 ? "velocity" : "rate");
+            d->left_out |= 1u << j;
+            doctor_add(d, DOCTOR_WARNING, DOCTOR_STUCK, CSV_NU + j, d->inputs + j, NULL,
+                       "%s is always %g, but %s acts: both are left out: log the measured %s",
+                       csv_name[CSV_NU + j], d->column[CSV_NU + j].first + 0.0,
+                       csv_name[d->inputs + j], j < 3 ? "velocity" : "rate");
         } else if (always(d, CSV_NU + j) && j >= 3 && varies(d, CSV_ATTITUDE + j - 3)) {
             doctor_add(d, DOCTOR_WARNING, DOCTOR_STUCK, CSV_NU + j, CSV_ATTITUDE + j - 3, NULL,
                        "%s is always %g, but %s changes: log the measured rate",
@@ -232,13 +233,15 @@ static void find_steps(doctor_t *d, int column)
     for (int i = 1; i < c->distincts; ++i) {
         step = fmin(step, c->distinct[i] - c->distinct[i - 1]);
     }
+    bool too = column >= CSV_NU && step > TOO_COARSE * spread;
     if (step > COARSE * spread) {
-        doctor_add(d, step > TOO_COARSE * spread ? DOCTOR_ERROR : DOCTOR_WARNING, DOCTOR_QUANTISED,
-                   column, -1, NULL,
-                   "%s has steps of %.3g, coarse against its variation of %.3g (1 sigma): log more "
-                   "digits",
-                   csv_name[column], step, spread);
+        doctor_add(d, DOCTOR_WARNING, DOCTOR_QUANTISED, column, -1, NULL,
+                   "%s has steps of %.3g, %scoarse against its variation of %.3g (1 sigma)%s: log "
+                   "more digits",
+                   csv_name[column], step, too ? "too " : "", spread,
+                   too ? ", and is left out" : "");
     }
+    d->left_out |= too ? 1u << (column - CSV_NU) : 0u;
 }
 
 static void find_limits(doctor_t *d)

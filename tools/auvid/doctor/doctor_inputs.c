@@ -20,11 +20,14 @@
 #define SHIFT_PER_WINDOW 0.05
 #define FIRST_LAG (DOCTOR_EARLY - 1) /* usual lags */
 #define LAST_LAG (DOCTOR_EARLY + DOCTOR_MOST_USUAL)
-#define FEEDBACK_LAG (DOCTOR_EARLY - 4) /* the input follows the motion by this or more */
-#define USUAL_S 0.15                    /* motion may lead by this: stamps */
+#define SHORT_LAG (DOCTOR_EARLY + 3) /* usual lags that fit finds in any log */
+#define FEEDBACK_FIRST (DOCTOR_EARLY - 10)
+#define FEEDBACK_LAST (DOCTOR_EARLY - 4) /* the input follows the motion by this or more */
+#define USUAL_S 0.15                     /* motion may lead by this: stamps */
+#define USUAL_LAG_S 0.1                  /* .. and follows its input by this */
+#define FOUND_EARLY_S 0.45               /* fit finds the delay of motion that leads by less .. */
+#define FOUND_LATE_S 0.85                /* .. or follows by less */
 #define EARLY_S (DOCTOR_EARLY * DOCTOR_CELL_S)
-#define TOO_EARLY_S 0.45 /* fit finds the delay of motion that leads by less .. */
-#define TOO_LATE_S 0.85  /* .. or follows by less */
 #define MIN_COUPLING 5.0 /* standard errors */
 #define QUIET 0.15       /* standard deviation of an input in a block, relative to the median */
 
@@ -59,7 +62,7 @@ static double sign_score(const doctor_t *d, const doctor_sums_t *s, int j, int *
     gain_t g;
     *which = 0;
     doctor_usual(s, j, &clean, &unused, &g);
-    double feedback = doctor_reversed(s, j, 0, FEEDBACK_LAG);
+    double feedback = doctor_reversed(s, j, FEEDBACK_FIRST, FEEDBACK_LAST);
     double against = doctor_reversed(s, j, d->lag[j] > DOCTOR_EARLY ? d->lag[j] - 1 : DOCTOR_EARLY,
                                      d->lag[j] > DOCTOR_EARLY ? d->lag[j] + 1 : DOCTOR_EARLY + 1);
     return doctor_gain_ratio(s, j, fmin(clean, feedback), against);
@@ -77,7 +80,7 @@ static double shift_score(const doctor_t *d, const doctor_sums_t *s, int unused,
             continue;
         }
         doctor_usual(s, j, &clean, &against, &g);
-        clean = fmin(clean, doctor_reversed(s, j, 0, FEEDBACK_LAG));
+        clean = fmin(clean, doctor_reversed(s, j, FEEDBACK_FIRST, FEEDBACK_LAST));
         for (int k = 0; k <= DOCTOR_EARLY + DOCTOR_LATE; ++k) {
             doctor_regress(s, j, s->own[j][k], &g);
             score[k] +=
@@ -160,7 +163,7 @@ void doctor_inputs_scan(doctor_t *d)
             continue;
         }
         doctor_usual(&all, j, &clean, &against, &g);
-        against = fmin(against, doctor_reversed(&all, j, 0, FEEDBACK_LAG));
+        against = fmin(against, doctor_reversed(&all, j, FEEDBACK_FIRST, FEEDBACK_LAST));
         /* also of a short log */
         double windows = all.count[j] / DOCTOR_WINDOW;
         d->answers[j] = clean > 0.0 && 0.5 * windows * log(against / clean) > MIN_EACH;
@@ -299,6 +302,21 @@ static double least_shift(const doctor_t *d, const doctor_range_t *range)
     return SHIFT_PER_WINDOW * windows;
 }
 
+/* Which velocities follow their shifted inputs? */
+static void shift_answers(doctor_t *d, const doctor_range_t *range)
+{
+    doctor_sums_t sum;
+    doctor_sum(d, range->first, range->last, &sum);
+    for (int j = 0; j < 6; ++j) {
+        gain_t g = {0};
+        if (has_pair(d, j)) {
+            doctor_regress(&sum, j, sum.own[j][range->which], &g);
+        }
+        d->answers[j] =
+            g.b > 0.0 && g.drag > 0.0 && doctor_gain_ratio(&sum, j, g.without, g.with) > MIN_EACH;
+    }
+}
+
 /* sign_llr: of all wrong signs together, which explain a shift as well, but less likely. */
 static bool find_shift(doctor_t *d, double sign_llr)
 {
@@ -308,20 +326,62 @@ static bool find_shift(doctor_t *d, double sign_llr)
     /* Between rows the input is not known. */
     double row_s = doctor_interval_quantile(d, 0.5), late_s = LAST_LAG * DOCTOR_CELL_S;
     bool usual = lag_s > -USUAL_S - row_s && lag_s < late_s - EARLY_S + row_s;
-    if (!(r.llr > fmax(MIN_SHIFT_LLR, least_shift(d, &r))) || r.llr < sign_llr || usual) {
+    bool stays = r.first == 0 || r.last == d->blocks - 1; /* a clock is set, but not set back */
+    bool likely = r.llr > fmax(MIN_SHIFT_LLR, least_shift(d, &r)) && !(r.llr < sign_llr);
+    if (!likely || !stays || usual) {
         return false;
     }
-    doctor_finding_t *f = doctor_add(
-        d, lag_s > -TOO_EARLY_S && lag_s < TOO_LATE_S ? DOCTOR_WARNING : DOCTOR_ERROR,
-        DOCTOR_INPUT_SHIFT, d->inputs, CSV_NU, &r,
-        "the velocities %s their inputs by %.1f s%s, %s: give all columns the time at "
-        "which they were measured",
-        lag_s < 0.0 ? "change before" : "follow", fabs(lag_s), doctor_where(d, &r, where),
-        lag_s < 0.0 ? "which no vehicle does" : "more than thrusters need");
+    bool whole = doctor_where(d, &r, where)[0] == '\0';
+    bool found = lag_s > -FOUND_EARLY_S && lag_s < FOUND_LATE_S;
+    doctor_finding_t *f =
+        doctor_add(d, whole || found ? DOCTOR_WARNING : DOCTOR_ERROR, DOCTOR_INPUT_SHIFT, d->inputs,
+                   CSV_NU, &r,
+                   "the velocities %s their inputs by %.1f s%s, %s%s: give all columns the time at "
+                   "which they were measured",
+                   lag_s < 0.0 ? "change before" : "follow", fabs(lag_s), where,
+                   lag_s < 0.0 ? "which no vehicle does" : "more than thrusters need",
+                   whole ? "; fit shifts the inputs by that" : "");
     if (f != NULL) {
         f->value = lag_s;
     }
+    if (whole) {
+        d->shift_s = lag_s - USUAL_LAG_S;
+        shift_answers(d, &r);
+    }
     return true;
+}
+
+/* A lag that is usual, but long: fit finds it only where the disturbances are small. */
+static void take_long_lag(doctor_t *d)
+{
+    doctor_range_t all = {.last = d->blocks - 1};
+    doctor_sums_t sum;
+    double score[LAST_LAG + 3] = {0};
+    int best = SHORT_LAG;
+    doctor_sum(d, all.first, all.last, &sum);
+    for (int j = 0; j < 6; ++j) {
+        double of_short = HUGE_VAL;
+        for (int k = FIRST_LAG; has_pair(d, j) && k <= LAST_LAG + 2; ++k) {
+            gain_t g;
+            doctor_regress(&sum, j, sum.own[j][k], &g);
+            double with = g.b > 0.0 && g.drag > 0.0 ? g.with : g.without;
+            of_short = k <= SHORT_LAG ? fmin(of_short, with) : of_short;
+            score[k] += k > SHORT_LAG ? doctor_gain_ratio(&sum, j, of_short, with) : 0.0;
+        }
+    }
+    for (int k = SHORT_LAG + 1; k <= LAST_LAG + 2; ++k) {
+        best = score[k] > score[best] ? k : best;
+    }
+    if (score[best] > fmax(MIN_SHIFT_LLR, least_shift(d, &all))) {
+        double lag_s = (best - DOCTOR_EARLY) * DOCTOR_CELL_S;
+        doctor_finding_t *f = doctor_add(
+            d, DOCTOR_NOTE, DOCTOR_INPUT_SHIFT, d->inputs, CSV_NU, &all,
+            "the velocities follow their inputs by %.1f s; fit shifts the inputs by that", lag_s);
+        if (f != NULL) {
+            f->value = lag_s;
+        }
+        d->shift_s = lag_s - USUAL_LAG_S;
+    }
 }
 
 /* Is the rate of DoF j known to be wrong from the attitude? */
@@ -343,6 +403,9 @@ void doctor_inputs(doctor_t *d)
     bool exchanged = find_exchange(d);
     bool frame = find_frame(d);
     bool shifted = !exchanged && find_shift(d, sign_llr);
+    if (!exchanged && !shifted && !frame && !(sign_llr > 0.0)) {
+        take_long_lag(d);
+    }
     for (int j = 0; j < 6; ++j) {
         bool pushed = d->pushed[j].llr > 0.0;
         if (has_pair(d, j) && pushed && !shifted && !rate_is_wrong(d, j) &&

@@ -16,7 +16,7 @@ enum {
     DOCTOR_HISTORY = 64,     /* past windows */
     DOCTOR_BLOCKS = 16,      /* even */
     DOCTOR_LAGS = 15,        /* of attitude against rates: each way, in cells */
-    DOCTOR_EARLY = 10,       /* of an input against acceleration: cells that motion may lead .. */
+    DOCTOR_EARLY = 20,       /* of an input against acceleration: cells that motion may lead .. */
     DOCTOR_LATE = 20,        /* .. or trail */
     DOCTOR_USUAL = 2,        /* cells by which motion usually trails .. */
     DOCTOR_MOST_USUAL = 6,   /* .. and at most */
@@ -120,7 +120,7 @@ typedef struct {
 typedef struct {
     units_speed_t speed;
     double last, last_s;
-    double least; /* smallest that is not 0 */
+    double least;             /* smallest that is not 0 */
     double jumps, jump, at_s; /* number, largest, time of the first */
 } doctor_velocity_t;
 
@@ -174,6 +174,8 @@ typedef struct {
     double usable_s[6], time_constant_s[6];
     /* results */
     bool usable;
+    unsigned left_out; /* bit j: the velocity of DoF j is too coarse, or stuck */
+    double shift_s;    /* the inputs act so much later than their rows say; negative: earlier */
     char verdict[360];
     doctor_finding_t finding[DOCTOR_FINDINGS];
     int findings;

@@ -217,15 +217,16 @@ int doctor_tell(const doctor_t *doctor, const char *path, report_findings_t *fin
     return status;
 }
 
-int doctor_warn(csv_log_t *log, const log_use_t *use, double dry_mass_kg,
-                report_findings_t *findings)
+int doctor_warn(log_t *log, const log_use_t *use, double dry_mass_kg, report_findings_t *findings)
 {
     doctor_t *doctor = malloc(sizeof *doctor);
     if (doctor == NULL) {
-        return report_error("%s: not enough memory", log->path);
+        return report_error("%s: not enough memory", log->csv.path);
     }
-    int status = examine(doctor, log, use, dry_mass_kg);
-    status = status != 0 ? status : doctor_tell(doctor, log->path, findings);
+    int status = examine(doctor, &log->csv, use, dry_mass_kg);
+    status = status != 0 ? status : doctor_tell(doctor, log->csv.path, findings);
+    log->shift_us = status == 0 ? (int64_t)(1e6 * doctor->shift_s) : 0;
+    log->left_out = status == 0 ? (uint8_t)doctor->left_out : 0u;
     free(doctor);
     return status;
 }

@@ -11,16 +11,19 @@
 #define MAX_DISCORD 0.3              /* of the rates of the position */
 #define SECOND (2.0 * DOCTOR_WINDOW) /* cells */
 
-/* Sum of squares of surge and sway that is left by their own inputs, whatever their signs, or by
- * each other's. */
+/* Sum of squares of surge and sway that is left by their own inputs, whatever their signs and
+ * lags, or by each other's. */
 static double best_as_logged(const doctor_sums_t *s)
 {
     double own = 0.0, crossed = 0.0;
     for (int j = 0; j < 2; ++j) {
-        double clean, against;
         doctor_gain_t g;
-        doctor_usual(s, j, &clean, &against, &g);
-        own += fmin(clean, against);
+        double best = HUGE_VAL;
+        for (int lag = 0; lag <= DOCTOR_EARLY + DOCTOR_LATE; ++lag) {
+            doctor_regress(s, j, s->own[j][lag], &g);
+            best = fmin(best, g.with);
+        }
+        own += best;
         doctor_regress(s, j, s->cross[j][1 - j], &g);
         crossed += g.with;
     }
@@ -72,7 +75,7 @@ void doctor_world(doctor_t *d)
 {
     doctor_sums_t all;
     doctor_sum(d, 0, d->blocks - 1, &all);
-    if (d->in_world) {
+    if (d->in_world && (d->left_out & 3u) == 0) {
         doctor_add(
             d, DOCTOR_ERROR, DOCTOR_WORLD_FRAME, CSV_NU, CSV_NU + 1, NULL,
             "u_mps and v_mps look like velocities to the north and east: %s: turn them into "

@@ -8,14 +8,14 @@
 #include <string.h>
 
 #include "../commands.h"
-#include "../doctor/doctor_report.h"
 #include "fit.h"
 #include "heldout.h"
 #include "../report/html.h"
 #include "../report/report.h"
 #include "../base/report_error.h"
 
-/* Exit statuses beside 0, at least one parameter is identifiable, and EXIT_REFUSED, bad usage. */
+/* Exit statuses beside 0, at least one parameter or drag force is identifiable, and EXIT_REFUSED,
+ * bad usage. */
 enum { EXIT_LOG_REFUSED = 1, EXIT_NOTHING = 3 };
 
 /* The first error of the logs, or NULL. */
@@ -36,6 +36,9 @@ static const char *why_nothing(const result_t *result, const auvid_identifier_t 
     if (error != NULL) {
         return error;
     }
+    if (result->left_out != 0 && result->estimate.identified == 0) {
+        return "the velocities are too coarse, or stuck";
+    }
     if (result->estimate.number == 0 || result->estimate.identified == 0) {
         return "no input varies enough in an unbroken part of the log";
     }
@@ -51,16 +54,21 @@ static const char *why_nothing(const result_t *result, const auvid_identifier_t 
 /* The first line: the exit status in words. Returns the status. */
 static int conclude(const job_t *job, const result_t *result, const auvid_identifier_t *id)
 {
-    int sure = result->estimate.not_converged ? 0 : report_identifiable(&result->estimate), all = 0;
+    char drag[64];
+    bool converged = !result->estimate.not_converged;
+    int sure = converged ? report_identifiable(&result->estimate) : 0, all = 0;
+    int drags = converged ? report_known_drag(result, drag, sizeof drag) : 0;
     for (int i = 0; i < result->vehicle->parameters; ++i) {
         all += (int)(result->free >> i & 1u);
     }
     if (!job->options->json && sure > 0) {
         printf("%d of %d parameters identified\n", sure, all);
+    } else if (!job->options->json && drags > 0) {
+        printf("no single parameter identified, but the drag force in %s\n", drag);
     } else if (!job->options->json) {
         printf("nothing identified: %s\n", why_nothing(result, id));
     }
-    return sure > 0 ? 0 : EXIT_NOTHING;
+    return sure + drags > 0 ? 0 : EXIT_NOTHING;
 }
 
 static const char *input_words(const job_t *job)
@@ -77,6 +85,13 @@ static void print_inputs(const job_t *job, const auvid_identifier_t *id)
     printf("  inputs   %s, %s\n", input_words(job),
            job->options->linear_input ? "interpolated linearly between rows"
                                       : "held until the next row");
+    for (int i = 0; i < job->train.logs + job->test.logs; ++i) {
+        if (fabs(job->shift_s[i]) > 0.0) {
+            printf("           %s: they act %.1f s %s than logged\n",
+                   (i < job->train.logs ? &job->log[i] : &job->test_log)->csv.path,
+                   fabs(job->shift_s[i]), job->shift_s[i] > 0.0 ? "later" : "earlier");
+        }
+    }
     if (fit_in_commands(job)) {
         printf("           Parameters are in units of command (cmd). Multiply them by the newtons\n"
                "           (yaw: newton metres) of one unit of command to get SI units.\n");
@@ -153,6 +168,7 @@ static void gather_logs(const job_t *job, result_t *result)
     const csv_log_t *test = &job->test_log.csv;
     result->log = (report_log_t){.path = job->options->train,
                                  .paths = job->options->trains,
+                                 .shift_s = job->shift_s,
                                  .rows = survey->rows,
                                  .duration_s = survey->span_s,
                                  .velocity_s = 1e-6 * survey_velocity_us(survey),
@@ -161,6 +177,7 @@ static void gather_logs(const job_t *job, result_t *result)
     if (job->options->validate != NULL) {
         result->held_out = (report_log_t){.path = &job->options->validate,
                                           .paths = 1,
+                                          .shift_s = job->shift_s + job->train.logs,
                                           .rows = test->rows,
                                           .duration_s = test->last_s - test->first_s};
     }
@@ -176,6 +193,7 @@ static void find_remedy(job_t *job, const auvid_identifier_t *id)
     const survey_t *survey = &job->survey;
     const auvid_estimate_t *e = auvid_identifier_estimate(id);
     bool empty = id->metric.sets.recorded == 0 && job->use.dofs != 0;
+    bool useless = job->use.dofs == 0 && job->left_out != 0;
     const char *words = "";
     if (empty && survey->gaps == 0 && survey->input_gaps > 0) {
         (void)snprintf(job->remedy, sizeof job->remedy,
@@ -184,7 +202,9 @@ static void find_remedy(job_t *job, const auvid_identifier_t *id)
                        survey->input_s, survey->gap_s);
         return;
     }
-    if (empty) {
+    if (useless) {
+        words = "the log: log the measured velocities, with all digits";
+    } else if (empty) {
         words = survey->gaps > 0 ? "the log: record a row every 0.2 s or more often, without gaps"
                                  : "the log: record for longer";
     } else if (first_error(&job->findings) != NULL && (e == NULL || report_identifiable(e) == 0)) {
@@ -198,6 +218,7 @@ static void gather(const job_t *job, const auvid_identifier_t *id, result_t *res
     report_gather(result, id, job->options->seed);
     gather_logs(job, result);
     result->in_commands = fit_in_commands(job);
+    result->left_out = job->left_out;
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
         bool excited = (id->estimate.excited >> j & 1u) != 0;
         result->why[j] = job->why[j];
@@ -218,10 +239,6 @@ static int run(job_t *job)
         return EXIT_REFUSED;
     }
     int refused = fit_read_logs(job);
-    for (int i = 0; i < options->trains && refused == 0; ++i) {
-        refused = doctor_warn(&job->log[i].csv, log_has_thrusters(&job->use) ? &job->use : NULL,
-                              fit_dry_mass_kg(job), &job->findings);
-    }
     refused = refused != 0 ? refused : fit_choose_map(job);
     fitted_t *fitted = refused == 0 ? fit_choose_model(job) : NULL;
     if (fitted == NULL) {

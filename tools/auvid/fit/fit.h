@@ -39,14 +39,16 @@ typedef struct {
     bool same_cells;                          /**< it is not changed, so that errors compare */
     uint32_t free;                            /**< bit i: parameter i is identified */
     auvid_real_t fixed[AUVID_MAX_PARAMETERS]; /**< values of the other parameters */
-    const char *why[AUVID_DOF_COUNT];         /**< why a DoF cannot be identified, or NULL */
-    bool known_force;                         /**< a force is known, of file or logs */
-    fitted_t *coupled, *decoupled;            /**< NULL: not fitted */
-    trace_t trace;                            /**< of the held-out log */
-    report_maps_t maps;                       /**< the comparison of --map auto */
-    report_findings_t findings;               /**< what is wrong with the training logs */
-    char remedy[160];                         /**< the only advice; empty: none */
-    double error[2];                          /**< cross-validation errors of the two; < 0: none */
+    double shift_s[OPTIONS_LOGS + 1]; /**< of the inputs of each log, the held-out one last */
+    uint8_t left_out; /**< bit j: the velocity of DoF j is useless in one of the logs */
+    const char *why[AUVID_DOF_COUNT]; /**< why a DoF cannot be identified, or NULL */
+    bool known_force;                 /**< a force is known, of file or logs */
+    fitted_t *coupled, *decoupled;    /**< NULL: not fitted */
+    trace_t trace;                    /**< of the held-out log */
+    report_maps_t maps;               /**< the comparison of --map auto */
+    report_findings_t findings;       /**< what is wrong with the training logs */
+    char remedy[160];                 /**< the only advice; empty: none */
+    double error[2];                  /**< cross-validation errors of the two; < 0: none */
 } job_t;
 
 /** Are the parameters in units of command? */

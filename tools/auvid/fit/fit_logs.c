@@ -7,6 +7,7 @@
 
 #include "fit.h"
 #include "../base/report_error.h"
+#include "../doctor/doctor_report.h"
 
 /* Relative to the largest of all inputs. An input that stays below this value is rounding noise of
  * zero and does not count as excited. */
@@ -288,6 +289,8 @@ static void find_excited(job_t *job)
         job->use.reference = job->use.reference || reference;
         if (job->options->model->columns[j] != 0 && !all) {
             job->why[j] = "no input column";
+        } else if (job->options->model->columns[j] != 0 && (job->left_out >> j & 1u)) {
+            job->why[j] = "velocity is too coarse, or stuck";
         } else if (job->options->model->columns[j] != 0 && !(largest[j] > NEGLIGIBLE * max_input)) {
             job->why[j] = "input is always zero";
         } else if (job->options->model->columns[j] != 0) {
@@ -314,6 +317,20 @@ static int survey_all(job_t *job)
     return status;
 }
 
+/* Looks for slips in the logs. */
+static int examine_logs(job_t *job)
+{
+    const log_use_t *thrusters = log_has_thrusters(&job->use) ? &job->use : NULL;
+    int refused = 0;
+    for (int i = 0; i < job->train.logs + job->test.logs && refused == 0; ++i) {
+        log_t *log = i < job->train.logs ? &job->log[i] : &job->test_log;
+        refused = doctor_warn(log, thrusters, fit_dry_mass_kg(job), &job->findings);
+        job->shift_s[i] = 1e-6 * (double)log->shift_us;
+        job->left_out |= i < job->train.logs ? log->left_out : 0u;
+    }
+    return refused;
+}
+
 int fit_read_logs(job_t *job)
 {
     const options_t *options = job->options;
@@ -333,6 +350,7 @@ int fit_read_logs(job_t *job)
     status = status != 0 ? status : fit_take_known_forces(job);
     status = status != 0 ? status : survey_all(job);
     status = status != 0 ? status : fit_check_known_forces(job);
+    status = status != 0 ? status : examine_logs(job);
     if (status == 0) {
         find_excited(job);
     }

@@ -1,5 +1,7 @@
 #include "replay.h"
 
+#include "../log/log_shift.h"
+
 /* Each DoF that is used as a thruster. */
 static void one_per_dof(const log_use_t *use, const auvid_identifier_t *id,
                         auvid_allocation_config_t *cfg)
@@ -42,26 +44,54 @@ auvid_status_t replay_attach(const log_use_t *use, replay_inputs_t *inputs, auvi
     return status;
 }
 
-/* Takes the samples of all logs in the order of time; the known force of each is in the model. */
+/* Who takes the samples. */
+typedef struct {
+    const log_set_t *logs;
+    const log_use_t *use;
+    void (*take)(void *context, const log_sample_t *now);
+    void *context;
+} taker_t;
+
+/* Passes on a sample; its known force is in the model. */
+static void pass(const taker_t *to, const log_sample_t *now)
+{
+    if (!log_set_has(to->logs, now->t_us)) {
+        return;
+    }
+    if (to->use->calibrated != NULL && now->has_known) {
+        (void)auvid_calibrated_force(to->use->calibrated, now->t_us, &now->known);
+    }
+    to->take(to->context, now);
+}
+
+/* Passes on the samples of a log in the order of time. */
+static int read_log(log_t *log, const taker_t *to)
+{
+    log_reader_t reader;
+    log_shift_t shift = {0};
+    log_sample_t now, late;
+    int status = log_reader_begin(&reader, log, to->use);
+    while (status == 0 && (status = log_reader_next(&reader, &now)) == 0) {
+        uint64_t t_us = log->shift_us < 0 ? now.input_us : now.t_us;
+        status = log->shift_us != 0 ? log_shift_split(&shift, log->shift_us, &now) : 0;
+        while (log_shift_due(&shift, t_us, &late)) {
+            pass(to, &late);
+        }
+        pass(to, &now);
+    }
+    log_shift_end(&shift);
+    return status == CSV_END ? 0 : status;
+}
+
+/* Takes the samples of all logs. */
 static int each_sample(const log_set_t *logs, const log_use_t *use,
                        void (*take)(void *context, const log_sample_t *now), void *context)
 {
+    const taker_t to = {logs, use, take, context};
     int status = 0;
     auvid_calibrated_clear(use->calibrated);
     for (int i = 0; i < logs->logs && status == 0; ++i) {
-        log_reader_t reader;
-        log_sample_t now;
-        status = log_reader_begin(&reader, &logs->log[i], use);
-        while (status == 0 && (status = log_reader_next(&reader, &now)) == 0) {
-            if (!log_set_has(logs, now.t_us)) {
-                continue;
-            }
-            if (use->calibrated != NULL) {
-                (void)auvid_calibrated_force(use->calibrated, now.t_us, &now.known);
-            }
-            take(context, &now);
-        }
-        status = status == CSV_END ? 0 : status;
+        status = read_log(&logs->log[i], &to);
     }
     return status;
 }

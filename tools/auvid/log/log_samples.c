@@ -214,7 +214,7 @@ static void take_inputs(log_reader_t *r, const csv_row_t *row, log_sample_t *out
     const log_use_t *use = r->use;
     double wrench[AUVID_DOF_COUNT];
     bool known = true;
-    out->input_us = out->t_us + (log_has_thrusters(use) ? use->delay_us : 0u);
+    out->input_us += log_has_thrusters(use) ? use->delay_us : 0u;
     (void)take(r, row, CSV_VOLTAGE, 1, &r->voltage_V);
     for (int k = 0; k < log_inputs(use); ++k) {
         int column = log_input(use, k);
@@ -236,6 +236,7 @@ static void take_known_force(log_reader_t *r, const csv_row_t *row, log_sample_t
     (void)take(r, row, CSV_WEIGHT, 1, &r->weight_N);
     out->known = vehicle_known_force(r->log->calibration, r->log->calibrations, row->value[CSV_T]);
     out->known.world[2] += (auvid_real_t)r->weight_N;
+    out->has_known = true;
 }
 
 int log_reader_next(log_reader_t *r, log_sample_t *out)
@@ -247,7 +248,10 @@ int log_reader_next(log_reader_t *r, log_sample_t *out)
     }
     *out = (log_sample_t){0};
     double since = row.value[CSV_T] - r->log->csv.first_s;
-    out->t_us = (uint64_t)(1e6 * since + 0.5) + r->log->start_us;
+    int64_t shift_us = r->log->shift_us; /* of what is early: no sample moves back in time */
+    uint64_t row_us = (uint64_t)(1e6 * since + 0.5) + r->log->start_us;
+    out->t_us = row_us + (uint64_t)(shift_us < 0 ? -shift_us : 0);
+    out->input_us = row_us + (uint64_t)(shift_us > 0 ? shift_us : 0);
     out->has_attitude = take_attitude(r, &row);
     out->velocity = take_velocity(r, &row, out->has_attitude);
     out->has_reference = r->use->reference && take(r, &row, CSV_REFERENCE, 6, r->reference);

@@ -38,6 +38,8 @@ typedef struct {
     csv_log_t csv;
     uint64_t start_us; /**< time of its first row in the replay */
     double held_s;     /**< time for which a velocity is held in the rows; 0: it is not held */
+    uint8_t left_out;  /**< bit j: the velocity of DoF j is too coarse, or stuck */
+    int64_t shift_us;  /**< inputs act so much later than their rows say; negative: earlier */
     vehicle_calibration_t calibration[VEHICLE_CALIBRATIONS]; /**< known forces of this log */
     int calibrations;
 } log_t;
@@ -59,7 +61,7 @@ static inline bool log_set_has(const log_set_t *set, uint64_t t_us)
 /** The samples of a row. */
 typedef struct {
     uint64_t t_us, input_us; /**< time of the row, and from which the inputs act */
-    bool has_attitude, has_input, has_reference;
+    bool has_attitude, has_input, has_reference, has_known;
     unsigned velocity; /**< bit i: u, v, w is a new sample */
     auvid_real_t attitude[3], nu[AUVID_DOF_COUNT], wrench[AUVID_DOF_COUNT];
     auvid_real_t reference[AUVID_DOF_COUNT];

@@ -373,7 +373,12 @@ static void json_log(FILE *out, const char *key, const report_log_t *log)
         fprintf(out, i == 0 ? "" : ", ");
         json_string(out, log->path[i]);
     }
-    fprintf(out, "], \"rows\": %zu, \"duration_s\": ", log->rows);
+    fprintf(out, "]");
+    for (int i = 0; i < log->paths && log->shift_s != NULL; ++i) {
+        fprintf(out, "%s%.1f%s", i == 0 ? ", \"input_shift_s\": [" : ", ", log->shift_s[i],
+                i == log->paths - 1 ? "]" : "");
+    }
+    fprintf(out, ", \"rows\": %zu, \"duration_s\": ", log->rows);
     json_number(out, log->duration_s);
     fprintf(out, ", \"velocity_s\": ");
     json_number(out, log->velocity_s > 0.0 ? log->velocity_s : NAN);

@@ -216,8 +216,31 @@ bool report_drag(const result_t *result, auvid_dof_t j, bool backward, int part,
 {
     double largest = (double)result->estimate.speed[j][backward] * (backward ? -1.0 : 1.0);
     auvid_real_t speed = (auvid_real_t)(report_drag_part[part] * largest);
-    return fabs(largest) > 0.0 &&
-           auvid_estimate_drag(&result->estimate, result->vehicle, j, speed, drag) == AUVID_OK;
+    bool known = fabs(largest) > 0.0 && auvid_estimate_drag(&result->estimate, result->vehicle, j,
+                                                            speed, drag) == AUVID_OK;
+    drag->identifiable = known && drag->identifiable && result->calibration != REPORT_CONTRADICTED;
+    return known;
+}
+
+int report_known_drag(const result_t *result, char *text, size_t size)
+{
+    int count = 0;
+    text[0] = '\0';
+    for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
+        bool known = false;
+        auvid_drag_t drag;
+        for (int i = 0; i < 2 * REPORT_DRAG_PARTS; ++i) {
+            known = known || (report_drag(result, (auvid_dof_t)j, i >= REPORT_DRAG_PARTS,
+                                          i % REPORT_DRAG_PARTS, &drag) &&
+                              drag.identifiable);
+        }
+        if (known) {
+            size_t used = strlen(text);
+            (void)snprintf(text + used, size - used, "%s%s", count++ > 0 ? ", " : "",
+                           report_dof_name[j]);
+        }
+    }
+    return count;
 }
 
 double report_true_drag(const result_t *result, auvid_dof_t j, double speed)
@@ -256,13 +279,15 @@ bool report_missing(const result_t *result, unsigned which, char *text, size_t s
         return which == 0;
     }
     auvid_vehicle_t vehicle = *result->vehicle;
+    uint32_t wanted = result->free;
     for (int i = 0; i < vehicle.parameters; ++i) {
         parameter[i] = result->vehicle->parameter[i];
         parameter[i].unit = report_unit(result, i);
+        wanted &= ~((uint32_t)(result->left_out >> parameter[i].dof & 1u) << i);
     }
     vehicle.parameter = parameter;
-    return auvid_confidence_missing(e->number > 0 ? &e->confidence : NULL, &vehicle, result->free,
-                                    which, text, size) == AUVID_OK;
+    return auvid_confidence_missing(e->number > 0 ? &e->confidence : NULL, &vehicle, wanted, which,
+                                    text, size) == AUVID_OK;
 }
 
 bool report_cause(const result_t *result, unsigned which, char *text, size_t size)

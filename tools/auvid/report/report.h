@@ -29,10 +29,11 @@ typedef struct {
 typedef struct {
     const char *const *path; /**< [paths] */
     int paths;               /**< 0: no log */
-    size_t rows;             /**< of a log of the bus: tick frames */
-    double duration_s;       /**< sum of the logs' lengths */
-    double velocity_s;       /**< time between velocities: the median */
-    size_t gaps;             /**< intervals of more than gap_s */
+    const double *shift_s; /**< [paths] inputs act so much later than logged; NULL: not examined */
+    size_t rows;           /**< of a log of the bus: tick frames */
+    double duration_s;     /**< sum of the logs' lengths */
+    double velocity_s;     /**< time between velocities: the median */
+    size_t gaps;           /**< intervals of more than gap_s */
     double gap_s;
 } report_log_t;
 
@@ -101,6 +102,7 @@ typedef struct {
     double r2_low[AUVID_DOF_COUNT], r2_high[AUVID_DOF_COUNT]; /**< 95 % interval */
     double r2_truth[AUVID_DOF_COUNT];                         /**< of the true parameters */
     const char *why[AUVID_DOF_COUNT]; /**< why the log does not identify DoF j, or NULL */
+    uint8_t left_out;                 /**< bit j: because of the log: no advice on motion */
     const char *remedy;               /**< NULL, or the only advice: the log has no data set */
     bool has_truth;                   /**< the vehicle is simulated */
     bool has_guard;                   /**< something was excited */
@@ -189,6 +191,10 @@ enum { REPORT_DRAG_PARTS = 3 };
 extern const double report_drag_part[REPORT_DRAG_PARTS];
 bool report_drag(const result_t *result, auvid_dof_t j, bool backward, int part,
                  auvid_drag_t *drag);
+
+/** Number of degrees of freedom in which a drag force is identifiable, and their names ("surge,
+ * yaw"). */
+int report_known_drag(const result_t *result, char *text, size_t size);
 
 /** True drag force, where the truth is known. */
 double report_true_drag(const result_t *result, auvid_dof_t j, double speed);
