@@ -369,6 +369,18 @@ static void test_gaps_are_counted_and_are_no_error(void)
     TEST_ASSERT_TRUE(doctor.usable);
 }
 
+static void test_gaps_everywhere_are_an_error(void)
+{
+    doctor_init(&doctor, has);
+    for (int k = 0; k < ROWS; ++k) {
+        if (k % 250 >= 40) {
+            doctor_feed(&doctor, &rows[k]);
+        }
+    }
+    doctor_finish(&doctor);
+    assert_error(DOCTOR_GAPS, CSV_T, "none is 6 s long");
+}
+
 static void test_slow_rows_are_an_error(void)
 {
     doctor_init(&doctor, has);
@@ -463,6 +475,7 @@ int main(void)
     RUN_TEST(test_a_sagging_voltage_is_told);
     RUN_TEST(test_time_that_goes_back_is_an_error_and_the_row_is_skipped);
     RUN_TEST(test_gaps_are_counted_and_are_no_error);
+    RUN_TEST(test_gaps_everywhere_are_an_error);
     RUN_TEST(test_slow_rows_are_an_error);
     RUN_TEST(test_a_short_log_is_an_error);
     RUN_TEST(test_a_log_without_inputs_is_an_error);

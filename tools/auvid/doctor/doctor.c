@@ -48,7 +48,9 @@ static void time_row(doctor_t *d, double t)
             d->longest_gap_s = interval;
             d->gap_at_s = d->last_s;
         }
+        d->record_s = t;
     }
+    d->longest_record_s = fmax(d->longest_record_s, t - d->record_s);
 }
 
 /* Watches for velocities that stand still together. */
@@ -91,7 +93,7 @@ void doctor_feed(doctor_t *d, const csv_row_t *row)
 {
     double t = row->value[CSV_T], value[CELL_SIGNALS], force_N[AUVID_MAX_THRUSTERS] = {0};
     if (d->rows < 1.0) {
-        d->start_s = d->last_s = d->still_since_s = t;
+        d->start_s = d->last_s = d->still_since_s = d->record_s = t;
     } else if (!(t > d->last_s)) {
         d->back_at_s = d->back < 1.0 ? d->last_s : d->back_at_s;
         d->back += 1.0;

@@ -33,6 +33,12 @@ static double ratio(const doctor_pair_t *p, double without, double with)
     return doctor_ratio(p->n / DOCTOR_WINDOW, without, fmax(with, BEST_DISCORD));
 }
 
+/* Of the better sign: a second slip must not hide the first. */
+static double of_either_sign(const doctor_pair_t *p, double gain)
+{
+    return fmin(doctor_discord(p, gain), doctor_discord(p, -gain));
+}
+
 static double sign_score(const doctor_t *d, const doctor_sums_t *s, int axis, int *which)
 {
     const doctor_pair_t *p = &s->turn[0][axis][axis];
@@ -57,13 +63,13 @@ static double reversed_score(const doctor_t *d, const doctor_sums_t *s, int axis
 static double unit_score(const doctor_t *d, const doctor_sums_t *s, int axis, int *which)
 {
     const doctor_pair_t *radians = &s->turn[0][axis][axis], *degrees = &s->turn[1][axis][axis];
-    double best = 0.0, clean = fmin(doctor_discord(radians, 1.0), 1.0);
+    double best = 0.0, clean = fmin(of_either_sign(radians, 1.0), 1.0);
     const doctor_pair_t *pair[3] = {degrees, radians, degrees};
     const double gain[3] = {1.0, 1.0 / DEGREES, 1.0 / DEGREES};
     const doctor_column_t *pitch = &d->column[CSV_ATTITUDE + 1];
     bool steep = pitch->beyond > STEEP * pitch->n;
     for (int k = 0; k < (steep ? 3 : 2); ++k) {
-        double discord = doctor_discord(pair[k], gain[k]);
+        double discord = of_either_sign(pair[k], gain[k]);
         double llr = ratio(pair[k], clean, discord);
         if (llr > best && discord < MAX_DISCORD) {
             best = llr;
@@ -83,8 +89,7 @@ static double exchange_score(const doctor_t *d, const doctor_sums_t *s, int axis
     for (int k = 0; k < 2; ++k) {
         const doctor_pair_t *own = &s->turn[0][k == 0 ? i : j][k == 0 ? i : j];
         const doctor_pair_t *other = &s->turn[0][k == 0 ? i : j][k == 0 ? j : i];
-        double clean = fmin(doctor_discord(own, 1.0), doctor_discord(own, -1.0));
-        double discord = fmin(doctor_discord(other, 1.0), doctor_discord(other, -1.0));
+        double clean = of_either_sign(own, 1.0), discord = of_either_sign(other, 1.0);
         each[k] = discord < MAX_EXCHANGED ? ratio(own, clean, discord) : 0.0;
     }
     return each[0] > MIN_EACH && each[1] > MIN_EACH ? each[0] + each[1] : 0.0;
@@ -117,18 +122,18 @@ static double shift_score(const doctor_t *d, const doctor_sums_t *s, int axis, i
     return best;
 }
 
-/* Are qw .. qz x, y, z, w? Of all axes together, and of the whole log. */
-static bool is_reordered(const doctor_t *d)
+/* Are qw .. qz x, y, z, w? Of all axes together, and of the whole log. gain: of the rates. */
+static bool is_reordered(const doctor_t *d, double gain)
 {
     doctor_sums_t all;
     double llr = 0.0;
     doctor_sum(d, 0, d->blocks - 1, &all);
     for (int i = 0; i < 3; ++i) {
         const doctor_pair_t *p = &all.turn[3][i][i];
-        double told = doctor_discord(&all.turn[0][i][i], 1.0);
-        llr += ratio(p, fmin(told, 1.0), doctor_discord(p, 1.0));
+        double told = of_either_sign(&all.turn[0][i][i], gain);
+        llr += ratio(p, fmin(told, 1.0), of_either_sign(p, gain));
     }
-    return llr > MIN_LLR && doctor_discord(&all.turn[3][2][2], 1.0) < MAX_DISCORD;
+    return llr > MIN_LLR && of_either_sign(&all.turn[3][2][2], gain) < MAX_DISCORD;
 }
 
 static bool has_pair(const doctor_t *d, int axis)
@@ -138,7 +143,8 @@ static bool has_pair(const doctor_t *d, int axis)
 
 void doctor_attitude_scan(doctor_t *d)
 {
-    d->reordered = d->has[CSV_QUATERNION] && has_pair(d, 2) && is_reordered(d);
+    d->reordered = d->has[CSV_QUATERNION] && has_pair(d, 2) &&
+                   (is_reordered(d, 1.0) || is_reordered(d, 1.0 / DEGREES));
     if (d->reordered) {
         return; /* there is no attitude */
     }

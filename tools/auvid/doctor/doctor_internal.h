@@ -141,6 +141,7 @@ typedef struct {
     double start_s, last_s;
     double rows, back, back_at_s;         /* rows; rows whose time does not advance */
     double gaps, longest_gap_s, gap_at_s; /* over half a second */
+    double record_s, longest_record_s;    /* start of the last one between gaps, longest length */
     double interval[DOCTOR_INTERVALS];    /* rows by interval, six classes an octave */
     double gap_total_s;
     double any_moves, all_move;     /* rows in which one, or each of u, v, w changes */

@@ -10,6 +10,7 @@
 
 #define GAP_S 0.5         /* as in fit */
 #define UNIT_S 5.0        /* rows further apart: t_s is in another unit */
+#define RECORD_S 6.0      /* fit needs a record between gaps that is as long */
 #define SLOW 0.6          /* interval of rows, relative to the time constant of a DoF */
 #define MIN_LENGTH_S 10.0 /* of a log: fit has too few sets below */
 #define MIN_MOTION_S 6.0  /* of a DoF, without the first seconds */
@@ -47,11 +48,16 @@ static void find_gaps(doctor_t *d)
                    : mean < 1e6 * UNIT_S ? "as if t_s were in microseconds: give seconds, or"
                                          : "as if t_s were in nanoseconds: give seconds, or");
     } else if (d->gaps > 0.0) {
-        doctor_add(d, d->gap_total_s > 0.2 * total ? DOCTOR_WARNING : DOCTOR_NOTE, DOCTOR_GAPS,
-                   CSV_T, -1, NULL,
+        bool parts = d->longest_record_s < RECORD_S;
+        doctor_add(d,
+                   parts                          ? DOCTOR_ERROR
+                   : d->gap_total_s > 0.2 * total ? DOCTOR_WARNING
+                                                  : DOCTOR_NOTE,
+                   DOCTOR_GAPS, CSV_T, -1, NULL,
                    "%.0f gap%s over 0.5 s, the longest of %.1f s after t_s %.1f: each one ends a "
-                   "record",
-                   d->gaps, d->gaps > 1.0 ? "s" : "", d->longest_gap_s, d->gap_at_s);
+                   "record%s",
+                   d->gaps, d->gaps > 1.0 ? "s" : "", d->longest_gap_s, d->gap_at_s,
+                   parts ? ", and none is 6 s long: log without gaps" : "");
     }
     for (int j = 0; j < 6 && median <= GAP_S; ++j) {
         double constant = d->time_constant_s[j];
