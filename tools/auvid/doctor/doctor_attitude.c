@@ -16,6 +16,7 @@
 #define BEST_DISCORD 0.02  /* sensors do not agree better; else a range never grows */
 #define MAX_EXCHANGED 0.95 /* of exchanged axes */
 #define MAX_DISCORD 0.6    /* of a slip, but of the sign of roll or pitch, which may hardly move */
+#define MAX_TWO_SLIPS 0.3  /* of a wrong sign beside another slip */
 #define STEEP 0.01         /* share of pitch beyond a right angle */
 
 static const char *angle_name(int axis)
@@ -69,9 +70,11 @@ static double unit_score(const doctor_t *d, const doctor_sums_t *s, int axis, in
     const doctor_column_t *pitch = &d->column[CSV_ATTITUDE + 1];
     bool steep = pitch->beyond > STEEP * pitch->n;
     for (int k = 0; k < (steep ? 3 : 2); ++k) {
-        double discord = of_either_sign(pair[k], gain[k]);
-        double llr = ratio(pair[k], clean, discord);
-        if (llr > best && discord < MAX_DISCORD) {
+        double usual = doctor_discord(pair[k], gain[k]);
+        double reversed = doctor_discord(pair[k], -gain[k]);
+        bool found = usual < MAX_DISCORD || reversed < MAX_TWO_SLIPS;
+        double llr = ratio(pair[k], clean, fmin(usual, reversed));
+        if (llr > best && found) {
             best = llr;
             *which = k;
         }
@@ -133,7 +136,8 @@ static bool is_reordered(const doctor_t *d, double gain)
         double told = of_either_sign(&all.turn[0][i][i], gain);
         llr += ratio(p, fmin(told, 1.0), of_either_sign(p, gain));
     }
-    return llr > MIN_LLR && of_either_sign(&all.turn[3][2][2], gain) < MAX_DISCORD;
+    double yaw = doctor_discord(&all.turn[3][2][2], gain);
+    return llr > MIN_LLR && (yaw < MAX_DISCORD || 2.0 - yaw < MAX_TWO_SLIPS);
 }
 
 static bool has_pair(const doctor_t *d, int axis)
