@@ -66,6 +66,36 @@ static void test_all_frames_must_have_identifiers_of_11_bits(void)
     TEST_ASSERT_FALSE(node.ready);
 }
 
+static void assert_refused(const char *part, const char *field, double value, double limit)
+{
+    const auvid_refusal_t *why = &node.id.refusal;
+    TEST_ASSERT_EQUAL_STRING(part, why->part);
+    TEST_ASSERT_EQUAL_STRING(field, why->field);
+    TEST_ASSERT_TRUE((double)why->value == value && (double)why->limit == limit);
+}
+
+static void test_a_refusal_names_the_identifier_and_its_limit(void)
+{
+    enum { LAST_FAST = 0x800 - AUVID_CAN_FAST_KINDS, LAST_SLOW = 0x800 - AUVID_CAN_SLOW_KINDS };
+    TEST_ASSERT_EQUAL(AUVID_ERR_RANGE, init_with_identifiers(LAST_FAST + 1, 0x400));
+    assert_refused("ids", "fast", LAST_FAST + 1, LAST_FAST);
+    TEST_ASSERT_EQUAL(AUVID_ERR_RANGE, init_with_identifiers(0x400, LAST_SLOW + 1));
+    assert_refused("ids", "slow", LAST_SLOW + 1, LAST_SLOW);
+    TEST_ASSERT_EQUAL(AUVID_ERR_RANGE, init_with_identifiers(0x400, 0x401));
+    assert_refused("ids", "slow", 0x401, 0x400 + AUVID_CAN_FAST_KINDS);
+}
+
+/* Thrusters, identifiers of the bus, the rest. */
+static void test_of_several_faults_the_first_is_named(void)
+{
+    identifier.metric.vehicle = NULL;
+    TEST_ASSERT_EQUAL(AUVID_ERR_RANGE, init_with_identifiers(0x400, 0x400));
+    assert_refused("ids", "slow", 0x400, 0x400 + AUVID_CAN_FAST_KINDS);
+    thrusters.thrusters = 0;
+    TEST_ASSERT_EQUAL(AUVID_ERR_SIZE, init_with_identifiers(0x400, 0x400));
+    assert_refused("allocation", "thrusters", 0, 1);
+}
+
 static void test_after_init_there_is_no_sample(void)
 {
     static const auvid_input_t none;
@@ -81,6 +111,8 @@ int main(void)
     RUN_TEST(test_one_to_eight_thrusters_are_accepted);
     RUN_TEST(test_null_and_overlapping_identifiers_are_refused);
     RUN_TEST(test_all_frames_must_have_identifiers_of_11_bits);
+    RUN_TEST(test_a_refusal_names_the_identifier_and_its_limit);
+    RUN_TEST(test_of_several_faults_the_first_is_named);
     RUN_TEST(test_after_init_there_is_no_sample);
     return UNITY_END();
 }
