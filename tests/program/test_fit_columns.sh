@@ -271,6 +271,12 @@ masses = [P[n]["estimate"] for n in list(P)[:6]]
 assert all(abs(x / y - 1) < 0.02 for x, y in zip(masses, [20, 21, 22, 2, 3, 4])), masses'
 
 # ---- several logs ----
+change 'for y in r: y[C["Y_N"]] = -y[C["Y_N"]]' <train.csv >sign.csv
+check "a log with an error beside one without" exits 0 fit sign.csv train.csv --plain --json
+check "  is left out" same_result plain.json
+check "  with a warning" grep -q 'warning: sign.csv: left out, because of its errors' err
+exits 0 fit sign.csv train.csv --plain >/dev/null
+check "  and a line in the heading" grep -q '^ *left out, because of errors: 1 more' out
 change 'r = [y for y in r if y[0] < 60]' <train.csv >first.csv
 change 'r = [y for y in r if y[0] >= 60]' <train.csv >second.csv
 change '

@@ -110,6 +110,9 @@ static void test_it_attaches_once(void)
     unchanged = storage;
     cfg.acting.guard.depth_max_m = 7;
     TEST_ASSERT_EQUAL(AUVID_ERR_ATTACHED, attach());
+    static const auvid_real_t none[AUVID_DOF_COUNT];
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_applied(&chain.id, 1000, none, NULL));
+    TEST_ASSERT_EQUAL(AUVID_ERR_ATTACHED, attach());
     TEST_ASSERT_EQUAL_MEMORY(&unchanged, &storage, sizeof storage);
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&chain.id, &cfg.id)); /* detaches it */
     TEST_ASSERT_NULL(chain.id.actuation);

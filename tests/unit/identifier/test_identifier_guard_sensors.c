@@ -278,7 +278,8 @@ static void test_an_abort_is_reported_once_however_often_it_is_called(void)
     begin_by_hand(0, 1000000);
     for (int k = 0; k < 3; ++k) {
         tick_by_hand();
-        TEST_ASSERT_EQUAL(k == 1, (out.events & AUVID_EVENT_ABORTED) != 0);
+        TEST_ASSERT_EQUAL_HEX32(k == 1 ? AUVID_EVENT_ABORTED : 0,
+                                out.events & (AUVID_EVENT_ABORTED | AUVID_EVENT_TIME));
         TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_abort(id));
     }
 }
@@ -317,6 +318,24 @@ static void test_bottom_lock_counts_where_a_water_lock_was_before(void)
     for (int k = 0; k < 100; ++k) {
         tick_by_hand();
         TEST_ASSERT_EQUAL(AUVID_GUARD_ARMED, out.guard);
+    }
+}
+
+static void test_a_surface_craft_needs_a_depth_only_to_excite_heave(void)
+{
+    const uint32_t kept =
+        AUVID_GUARD_BIT(AUVID_GUARD_DEPTH_STALE) | AUVID_GUARD_BIT(AUVID_GUARD_DEPTH_MAX);
+    for (int heave = 0; heave < 2; ++heave) {
+        const auvid_real_t amplitude[AUVID_DOF_COUNT] = {60, 0, (auvid_real_t)(60 * heave)};
+        begin_by_hand(kept, 1000000);
+        cfg.acting.guard.surface = true;
+        (void)auvid_excitation_plan(&cfg.acting.excitation, amplitude, CHAIN_SET_S, 2, 3);
+        TEST_ASSERT_EQUAL(AUVID_OK, chain_init(&chain, &cfg));
+        in.depth.present = false;
+        tick_by_hand();
+        TEST_ASSERT_EQUAL(heave ? AUVID_ERR_STALE : AUVID_OK, auvid_identifier_arm(id));
+        TEST_ASSERT_EQUAL(heave ? AUVID_GUARD_DEPTH_STALE : AUVID_GUARD_NO_CAUSE,
+                          id->actuation->guard.refused.cause);
     }
 }
 
@@ -453,6 +472,7 @@ int main(void)
     RUN_TEST(test_an_abort_is_reported_once_however_often_it_is_called);
     RUN_TEST(test_water_lock_may_be_the_only_lock_from_time_zero_on);
     RUN_TEST(test_bottom_lock_counts_where_a_water_lock_was_before);
+    RUN_TEST(test_a_surface_craft_needs_a_depth_only_to_excite_heave);
     RUN_TEST(test_roll_and_pitch_each_have_their_limit);
     RUN_TEST(test_a_vehicle_that_has_rolled_over_once_is_level_again);
     RUN_TEST(test_an_identifier_without_sensors_takes_nothing_from_another_one);

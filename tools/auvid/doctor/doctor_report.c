@@ -217,6 +217,18 @@ int doctor_tell(const doctor_t *doctor, const char *path, report_findings_t *fin
     return status;
 }
 
+/* Has it errors that further logs do not mend? */
+static bool is_wrong(const doctor_t *doctor)
+{
+    bool wrong = false;
+    for (int i = 0; i < doctor->findings; ++i) {
+        const doctor_finding_t *f = &doctor->finding[i];
+        bool few = f->code == DOCTOR_SHORT || f->code == DOCTOR_GAPS || f->code == DOCTOR_SLOW;
+        wrong = wrong || (f->severity == DOCTOR_ERROR && !few);
+    }
+    return wrong;
+}
+
 int doctor_warn(log_t *log, const log_use_t *use, double dry_mass_kg, report_findings_t *findings)
 {
     doctor_t *doctor = malloc(sizeof *doctor);
@@ -225,6 +237,7 @@ int doctor_warn(log_t *log, const log_use_t *use, double dry_mass_kg, report_fin
     }
     int status = examine(doctor, &log->csv, use, dry_mass_kg);
     status = status != 0 ? status : doctor_tell(doctor, log->csv.path, findings);
+    log->wrong = status == 0 && is_wrong(doctor);
     log->shift_us = status == 0 ? (int64_t)(1e6 * doctor->shift_s) : 0;
     log->left_out = status == 0 ? (uint8_t)doctor->left_out : 0u;
     free(doctor);

@@ -18,10 +18,11 @@
  * bad usage. */
 enum { EXIT_LOG_REFUSED = 1, EXIT_NOTHING = 3 };
 
-/* The first error of the logs, or NULL. */
-static const char *first_error(const report_findings_t *findings)
+/* The first error of the logs that are used, or NULL. */
+static const char *first_error(const job_t *job)
 {
-    for (int i = 0; i < findings->count; ++i) {
+    const report_findings_t *findings = &job->findings;
+    for (int i = 0; i < findings->count && job->logs_left_out == 0; ++i) {
         if (findings->at[i].error) {
             return findings->at[i].sentence;
         }
@@ -30,9 +31,10 @@ static const char *first_error(const report_findings_t *findings)
 }
 
 /* Why nothing can be trusted. */
-static const char *why_nothing(const result_t *result, const auvid_identifier_t *id)
+static const char *why_nothing(const job_t *job, const result_t *result,
+                               const auvid_identifier_t *id)
 {
-    const char *error = first_error(result->findings);
+    const char *error = first_error(job);
     if (error != NULL) {
         return error;
     }
@@ -66,7 +68,7 @@ static int conclude(const job_t *job, const result_t *result, const auvid_identi
     } else if (!job->options->json && drags > 0) {
         printf("no single parameter identified, but the drag force in %s\n", drag);
     } else if (!job->options->json) {
-        printf("nothing identified: %s\n", why_nothing(result, id));
+        printf("nothing identified: %s\n", why_nothing(job, result, id));
     }
     return sure + drags > 0 ? 0 : EXIT_NOTHING;
 }
@@ -132,6 +134,9 @@ static void print_heading(const job_t *job, const auvid_identifier_t *id, const 
     }
     printf("\n  log      %zu rows in %.0f s, %zu gap%s over %g s\n", survey->rows, survey->span_s,
            survey->gaps, survey->gaps == 1 ? "" : "s", survey->gap_s);
+    if (job->logs_left_out > 0) {
+        printf("           left out, because of errors: %d more\n", job->logs_left_out);
+    }
     print_inputs(job, id);
     printf("  metric   %s, %u set%s of at most %.0f s\n",
            job->options->literal ? "literal smoothing of the paper: smoothed states, raw wrench"
@@ -166,8 +171,8 @@ static void gather_logs(const job_t *job, result_t *result)
 {
     const survey_t *survey = &job->survey;
     const csv_log_t *test = &job->test_log.csv;
-    result->log = (report_log_t){.path = job->options->train,
-                                 .paths = job->options->trains,
+    result->log = (report_log_t){.path = job->path,
+                                 .paths = job->train.logs,
                                  .shift_s = job->shift_s,
                                  .rows = survey->rows,
                                  .duration_s = survey->span_s,
@@ -207,7 +212,7 @@ static void find_remedy(job_t *job, const auvid_identifier_t *id)
     } else if (empty) {
         words = survey->gaps > 0 ? "the log: record a row every 0.2 s or more often, without gaps"
                                  : "the log: record for longer";
-    } else if (first_error(&job->findings) != NULL && (e == NULL || report_identifiable(e) == 0)) {
+    } else if (first_error(job) != NULL && (e == NULL || report_identifiable(e) == 0)) {
         words = "the log: correct its errors first";
     }
     (void)snprintf(job->remedy, sizeof job->remedy, "%s", words);

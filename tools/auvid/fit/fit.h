@@ -39,6 +39,8 @@ typedef struct {
     bool same_cells;                          /**< it is not changed, so that errors compare */
     uint32_t free;                            /**< bit i: parameter i is identified */
     auvid_real_t fixed[AUVID_MAX_PARAMETERS]; /**< values of the other parameters */
+    const char *path[OPTIONS_LOGS];           /**< of the training logs */
+    int logs_left_out;                        /**< beside these: they have errors */
     double shift_s[OPTIONS_LOGS + 1]; /**< of the inputs of each log, the held-out one last */
     uint8_t left_out; /**< bit j: the velocity of DoF j is useless in one of the logs */
     const char *why[AUVID_DOF_COUNT]; /**< why a DoF cannot be identified, or NULL */

@@ -317,18 +317,44 @@ static int survey_all(job_t *job)
     return status;
 }
 
+/* Leaves out wrong training logs, if there are others. */
+static void keep_right_logs(job_t *job)
+{
+    int right = 0, kept = 0;
+    for (int i = 0; i < job->train.logs; ++i) {
+        right += !job->log[i].wrong;
+    }
+    for (int i = 0; i < job->train.logs; ++i) {
+        log_t log = job->log[i];
+        job->log[i] = (log_t){0};
+        if (log.wrong && right > 0) {
+            report_warning("%s: left out, because of its errors", log.csv.path);
+            csv_close(&log.csv);
+            continue;
+        }
+        job->path[kept] = log.csv.path;
+        job->shift_s[kept] = 1e-6 * (double)log.shift_us;
+        job->left_out |= log.left_out;
+        job->log[kept++] = log;
+    }
+    job->logs_left_out = job->train.logs - kept;
+    job->train.logs = kept;
+    job->shift_s[kept] = 1e-6 * (double)job->test_log.shift_us;
+}
+
 /* Looks for slips in the logs. */
 static int examine_logs(job_t *job)
 {
     const log_use_t *thrusters = log_has_thrusters(&job->use) ? &job->use : NULL;
-    int refused = 0;
-    for (int i = 0; i < job->train.logs + job->test.logs && refused == 0; ++i) {
+    int status = 0;
+    for (int i = 0; i < job->train.logs + job->test.logs && status == 0; ++i) {
         log_t *log = i < job->train.logs ? &job->log[i] : &job->test_log;
-        refused = doctor_warn(log, thrusters, fit_dry_mass_kg(job), &job->findings);
-        job->shift_s[i] = 1e-6 * (double)log->shift_us;
-        job->left_out |= i < job->train.logs ? log->left_out : 0u;
+        status = doctor_warn(log, thrusters, fit_dry_mass_kg(job), &job->findings);
     }
-    return refused;
+    if (status == 0) {
+        keep_right_logs(job);
+    }
+    return status;
 }
 
 int fit_read_logs(job_t *job)
@@ -351,6 +377,10 @@ int fit_read_logs(job_t *job)
     status = status != 0 ? status : survey_all(job);
     status = status != 0 ? status : fit_check_known_forces(job);
     status = status != 0 ? status : examine_logs(job);
+    if (status == 0 && job->logs_left_out > 0) {
+        survey_end(&job->survey);
+        status = survey_all(job);
+    }
     if (status == 0) {
         find_excited(job);
     }

@@ -38,6 +38,7 @@ typedef struct {
     csv_log_t csv;
     uint64_t start_us; /**< time of its first row in the replay */
     double held_s;     /**< time for which a velocity is held in the rows; 0: it is not held */
+    bool wrong;        /**< it contradicts itself, or the vehicle; not: it is too short or slow */
     uint8_t left_out;  /**< bit j: the velocity of DoF j is too coarse, or stuck */
     int64_t shift_us;  /**< inputs act so much later than their rows say; negative: earlier */
     vehicle_calibration_t calibration[VEHICLE_CALIBRATIONS]; /**< known forces of this log */
