@@ -88,7 +88,7 @@ static void test_a_refusal_names_the_identifier_and_its_limit(void)
 /* Thrusters, identifiers of the bus, the rest. */
 static void test_of_several_faults_the_first_is_named(void)
 {
-    identifier.metric.vehicle = NULL;
+    identifier.nav.sigma_dvl = -1;
     TEST_ASSERT_EQUAL(AUVID_ERR_RANGE, init_with_identifiers(0x400, 0x400));
     assert_refused("ids", "slow", 0x400, 0x400 + AUVID_CAN_FAST_KINDS);
     thrusters.thrusters = 0;
