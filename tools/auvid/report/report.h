@@ -102,8 +102,8 @@ typedef struct {
     double r2_low[AUVID_DOF_COUNT], r2_high[AUVID_DOF_COUNT]; /**< 95 % interval */
     double r2_truth[AUVID_DOF_COUNT];                         /**< of the true parameters */
     const char *why[AUVID_DOF_COUNT]; /**< why the log does not identify DoF j, or NULL */
-    uint8_t left_out;                 /**< bit j: because of the log: no advice on motion */
     const char *remedy;               /**< NULL, or the only advice: the log has no data set */
+    uint8_t left_out;                 /**< bit j: because of the log: no advice on motion */
     bool has_truth;                   /**< the vehicle is simulated */
     bool has_guard;                   /**< something was excited */
     bool inputs_estimated;            /**< errors of thrust and sensors, with the parameters */

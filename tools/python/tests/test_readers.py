@@ -174,13 +174,13 @@ def test_series_in_files_give_the_same_csv(short, tmp_path, convert, monkeypatch
 
 @pytest.mark.skipif(not LONG, reason="AUVID_TEST_LONG=1 runs it")
 def test_memory_does_not_grow_with_the_log(tmp_path):
-    """A log of 2 GB takes as much as one of 0.1 GB: 113 MB, with the libraries."""
+    """A log of 2 GB takes as much as one of 0.1 GB: 113 MB, with the libraries, which need 200 MB
+    of address space. That is limited: how much of it is resident depends on the kernel's pages."""
     seconds = big_log(tmp_path / "dive.BIN", 2 << 30)
-    # not ru_maxrss, which a process inherits from the one that starts it
-    code = "import sys; from auvid import cli; cli.main(sys.argv[1:]); " \
-           "print(*[line.split()[1] for line in open('/proc/self/status') if 'VmHWM' in line])"
-    done = subprocess.run([sys.executable, "-c", code, tmp_path / "dive.BIN", "-o",
-                           tmp_path / "dive.csv"], capture_output=True, text=True, check=True)
-    assert int(done.stdout.splitlines()[-1]) < 160 << 10, done.stdout  # KiB
+    code = "import resource, sys; resource.setrlimit(resource.RLIMIT_DATA, 2 * (230 << 20,)); " \
+           "from auvid import cli; sys.exit(cli.main(sys.argv[1:]))"
+    subprocess.run([sys.executable, "-c", code, tmp_path / "dive.BIN", "-o",
+                    tmp_path / "dive.csv"], capture_output=True, text=True, check=True,
+                   env=os.environ | {"OPENBLAS_NUM_THREADS": "1"})
     with (tmp_path / "dive.csv").open() as file:
         assert sum(1 for _ in file) == 1 + 10 * seconds
