@@ -355,15 +355,21 @@ static void test_time_that_goes_back_is_an_error_and_the_row_is_skipped(void)
     TEST_ASSERT_TRUE(doctor.column[CSV_NU].max < 10.0);
 }
 
-static void test_gaps_are_counted_and_are_no_error(void)
+/* A gap of 0.8 s after every so many rows. */
+static void examine_with_gaps(int every)
 {
     doctor_init(&doctor, has);
     for (int k = 0; k < ROWS; ++k) {
-        if (k % 1000 >= 40) {
+        if (k % every >= 40) {
             doctor_feed(&doctor, &rows[k]);
         }
     }
     doctor_finish(&doctor);
+}
+
+static void test_gaps_are_counted_and_are_no_error(void)
+{
+    examine_with_gaps(1000);
     TEST_ASSERT_NOT_NULL(finding(DOCTOR_GAPS));
     TEST_ASSERT_NOT_NULL(strstr(finding(DOCTOR_GAPS)->text, "5 gaps"));
     TEST_ASSERT_TRUE(doctor.usable);
@@ -371,13 +377,7 @@ static void test_gaps_are_counted_and_are_no_error(void)
 
 static void test_gaps_everywhere_are_an_error(void)
 {
-    doctor_init(&doctor, has);
-    for (int k = 0; k < ROWS; ++k) {
-        if (k % 250 >= 40) {
-            doctor_feed(&doctor, &rows[k]);
-        }
-    }
-    doctor_finish(&doctor);
+    examine_with_gaps(250);
     assert_error(DOCTOR_GAPS, CSV_T, "none is 6 s long");
 }
 

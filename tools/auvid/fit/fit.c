@@ -30,6 +30,12 @@ static const char *first_error(const job_t *job)
     return NULL;
 }
 
+/* Is nothing left to identify, because of velocities that are left out? */
+static bool has_no_velocity(const job_t *job)
+{
+    return job->use.dofs == 0 && job->left_out != 0;
+}
+
 /* Why nothing can be trusted. */
 static const char *why_nothing(const job_t *job, const result_t *result,
                                const auvid_identifier_t *id)
@@ -38,7 +44,7 @@ static const char *why_nothing(const job_t *job, const result_t *result,
     if (error != NULL) {
         return error;
     }
-    if (result->left_out != 0 && result->estimate.identified == 0) {
+    if (has_no_velocity(job)) {
         return "the velocities are too coarse, or stuck";
     }
     if (result->estimate.number == 0 || result->estimate.identified == 0) {
@@ -198,7 +204,6 @@ static void find_remedy(job_t *job, const auvid_identifier_t *id)
     const survey_t *survey = &job->survey;
     const auvid_estimate_t *e = auvid_identifier_estimate(id);
     bool empty = id->metric.sets.recorded == 0 && job->use.dofs != 0;
-    bool useless = job->use.dofs == 0 && job->left_out != 0;
     const char *words = "";
     if (empty && survey->gaps == 0 && survey->input_gaps > 0) {
         (void)snprintf(job->remedy, sizeof job->remedy,
@@ -207,7 +212,7 @@ static void find_remedy(job_t *job, const auvid_identifier_t *id)
                        survey->input_s, survey->gap_s);
         return;
     }
-    if (useless) {
+    if (has_no_velocity(job)) {
         words = "the log: log the measured velocities, with all digits";
     } else if (empty) {
         words = survey->gaps > 0 ? "the log: record a row every 0.2 s or more often, without gaps"
