@@ -208,7 +208,8 @@ typedef struct {
     auvid_real_t change[AUVID_DOF_COUNT]; /**< evidence for other parameters in this DoF: Chow's F
                             less 1, over its threshold, with the noise of the newest sets if they
                             are noisier. In the DoF with the most evidence, at least that of the sum
-                            over the sum's threshold. Above 1: the vehicle has changed. 0: none, or
+                            over the sum's threshold. Above 1: the vehicle has changed, or, if auvid
+                            has not excited the set, may have: the next set decides. 0: none, or
                             fewer than six sets, or an estimate of fewer than five */
     auvid_real_t r2_velocity[AUVID_DOF_COUNT]; /**< of the velocity simulated through the set, from
                             the time of the estimate on; see validation.h */

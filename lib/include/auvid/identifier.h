@@ -243,8 +243,12 @@ typedef struct {
     auvid_metric_change_t statistic;     /* of the newest sets */
     auvid_real_t noise[AUVID_DOF_COUNT]; /* largest effective noise of late */
     auvid_real_t predicted;              /* cost of the last estimate on the new set */
+    uint32_t passive_cells;              /* since the excitation, or since init */
     bool straddles_change;               /* the set before may be from before and after a change */
-    uint8_t reserved[sizeof(auvid_real_t) - 1];
+    uint8_t suspected;                   /* bit j: a set that is deleted was evidence for a change,
+                                            most clearly in this DoF; 0: none, or the next one has
+                                            been tested */
+    uint8_t reserved[AUVID_GAP(sizeof(uint64_t), (AUVID_DOF_COUNT + 1) * sizeof(auvid_real_t) + 6)];
 } auvid_change_detector_t;
 
 /** Phase of auvid_identifier_work. */
@@ -457,10 +461,12 @@ auvid_status_t auvid_identifier_attach_prediction(auvid_identifier_t *id,
 /** Test each completed set before it is used: compare how the last estimate and the last accepted
  * one predict it, and decide whether the vehicle has changed: change_test. An estimate that
  * predicts worse than the last accepted one is replaced by it (AUVID_EVENT_RESTORED). After a
- * change the older sets are dropped and the search starts cold (AUVID_EVENT_CHANGED). A slow change
- * shows in no set: each accepted estimate of at least five sets is also compared with the first one
- * since init or the last change (AUVID_EVENT_DRIFTED); a checkpoint keeps that one. Call it once,
- * between auvid_identifier_init and the first step. Without it every set is merged as it comes, no
+ * change the older sets are dropped and the search starts cold (AUVID_EVENT_CHANGED). If auvid has
+ * not excited a set with evidence, that set is deleted and the next one decides: the vehicle has
+ * changed if it is evidence, too, or does not excite the same DoF. A slow change shows in no set:
+ * each accepted estimate of at least five sets is also compared with the first one since init or
+ * the last change (AUVID_EVENT_DRIFTED); a checkpoint keeps that one. Call it once, between
+ * auvid_identifier_init and the first step. Without it every set is merged as it comes, no
  * estimate is `accepted`, and the program does not contain the test.
  * @param storage written; must outlive the identifier
  * @return AUVID_OK; AUVID_ERR_NULL; AUVID_ERR_STATE (not initialised); AUVID_ERR_ATTACHED (one is

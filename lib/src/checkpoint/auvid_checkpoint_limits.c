@@ -128,6 +128,7 @@ const auvid_checkpoint_limit_t auvid_checkpoint_limit[] = {
     UP_TO(change_detector, first.variance, first.variance, AUVID_LARGEST),
     BYTE(change_detector, statistic.rank, statistic.rank, AUVID_MAX_PARAMETERS),
     FLAG(change_detector, straddles_change, straddles_change),
+    DOF_BITS(change_detector, suspected, suspected),
     FINITE(prior, pi, variance_inflation),
     FINITE(change_test, variance_ratio, drift),
     DOF_BITS(change_test, excited, drifted),

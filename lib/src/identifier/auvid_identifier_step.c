@@ -28,8 +28,12 @@ static void identifier_pass_cell(auvid_identifier_t *id, const auvid_sample_t *c
 static void identifier_watch_cell(auvid_identifier_t *id, const auvid_sample_t *cell)
 {
     const auvid_estimate_t *e = &id->estimate;
-    bool watched = e->number > 0 && !auvid_actuation_excites(id);
+    auvid_change_detector_t *change = id->attached.change;
+    bool excites = auvid_actuation_excites(id), watched = e->number > 0 && !excites;
     auvid_metric_watch(&id->metric, cell, watched ? e->pi : NULL, e->excited);
+    if (change != NULL) {
+        change->passive_cells = excites ? 0 : change->passive_cells + 1;
+    }
 }
 
 /* Do a part of what the last cell has left to do. @return false: nothing was left */

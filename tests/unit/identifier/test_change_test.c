@@ -392,12 +392,78 @@ static void test_the_largest_noise_of_late_counts(void)
     }
 }
 
+/* A passive vehicle is pushed in one set, or loaded from this set on. */
+static void run_passive(chain_before_t before, chain_after_t after, uint64_t seed, uint32_t sets)
+{
+    static bool noisy = false;
+    memset(&story, 0, sizeof story);
+    chain_defaults(&cfg, seed, LYING_SET + 2, 1.0);
+    chain_set_driver(&cfg);
+    cfg.budget = 2000;
+    cfg.before = before;
+    cfg.after = after;
+    cfg.context = &noisy;
+    TEST_ASSERT_EQUAL(AUVID_OK, chain_run_sets(&chain, &cfg, sets));
+}
+
+static void test_in_motion_of_others_a_second_set_confirms_a_change(void)
+{
+    for (uint64_t seed = 81; seed < 81 + SEEDS; ++seed) {
+        run_passive(load, listen, seed, LYING_SET);
+        TEST_ASSERT_EQUAL_HEX8(0, chain.id.change_test.changed);
+        TEST_ASSERT_TRUE(chain.change.suspected != 0);
+        TEST_ASSERT_FALSE(chain.change.suspected & ~chain.id.change_test.excited);
+        TEST_ASSERT_EQUAL_UINT32(LYING_SET - 1, chain.id.estimate.confidence.sets);
+        run_passive(load, listen, seed, LYING_SET + 1);
+        TEST_ASSERT_FALSE(story.events[LYING_SET] & AUVID_EVENT_CHANGED);
+        TEST_ASSERT_TRUE(story.events[LYING_SET + 1] & AUVID_EVENT_CHANGED);
+        TEST_ASSERT_TRUE(chain.id.change_test.changed != 0);
+        TEST_ASSERT_EQUAL_HEX8(0, chain.change.suspected);
+        TEST_ASSERT_FALSE(chain.change.straddles_change); /* the set before that is deleted */
+        TEST_ASSERT_EQUAL(1, chain.id.estimate.confidence.sets);
+    }
+}
+
+static void test_in_motion_of_others_the_next_set_refutes_a_set_with_an_unmodelled_force(void)
+{
+    for (uint64_t seed = 21; seed < 21 + SEEDS; ++seed) {
+        run_passive(NULL, push, seed, LYING_SET);
+        TEST_ASSERT_EQUAL_HEX8(AUVID_DOF_BIT(AUVID_SURGE), chain.change.suspected);
+        run_passive(NULL, push, seed, LYING_SET + 2);
+        TEST_ASSERT_FALSE(chain.events & AUVID_EVENT_CHANGED);
+        TEST_ASSERT_EQUAL_HEX8(0, chain.change.suspected);
+        TEST_ASSERT_EQUAL(LYING_SET - 1, chain.id.estimate.confidence.sets);
+        TEST_ASSERT_TRUE(story.square[LYING_SET + 2] < 0.06 * 0.06);
+    }
+}
+
+/* From the end of the set that is pushed, the driver leaves surge alone. */
+static void rest_in_surge(chain_t *c, auvid_input_t *in)
+{
+    if (c->tick * 0.02 > CHAIN_SET_S * LYING_SET - 2.0) {
+        c->wrench[AUVID_SURGE] = in->applied.wrench[AUVID_SURGE] = 0;
+    }
+}
+
+static void test_in_motion_of_others_a_change_that_is_not_tested_again_stands(void)
+{
+    run_passive(rest_in_surge, push, 21, LYING_SET);
+    TEST_ASSERT_EQUAL_HEX8(AUVID_DOF_BIT(AUVID_SURGE), chain.change.suspected);
+    run_passive(rest_in_surge, push, 21, LYING_SET + 1);
+    TEST_ASSERT_EQUAL_HEX8(0, chain.id.change_test.excited & AUVID_DOF_BIT(AUVID_SURGE));
+    TEST_ASSERT_EQUAL_HEX8(AUVID_DOF_BIT(AUVID_SURGE), chain.id.change_test.changed);
+    TEST_ASSERT_EQUAL_HEX8(0, chain.change.suspected);
+}
+
 int main(void)
 {
     UNITY_BEGIN();
     RUN_TEST(test_the_next_set_corrects_a_set_with_an_unmodelled_force);
     RUN_TEST(test_a_noisier_set_is_not_a_change);
     RUN_TEST(test_the_largest_noise_of_late_counts);
+    RUN_TEST(test_in_motion_of_others_a_second_set_confirms_a_change);
+    RUN_TEST(test_in_motion_of_others_the_next_set_refutes_a_set_with_an_unmodelled_force);
+    RUN_TEST(test_in_motion_of_others_a_change_that_is_not_tested_again_stands);
     RUN_TEST(test_an_estimate_that_predicts_worse_than_the_one_before_is_withdrawn);
     RUN_TEST(test_a_restored_estimate_lacks_no_degree_of_freedom);
     RUN_TEST(test_a_confirmed_estimate_is_accepted_by_the_next_set);
