@@ -106,6 +106,9 @@ static const field_mismatch_t kinds[FIELD_KINDS] = {
                     ALONE(0, 2)},
     [FIELD_FOULING] = {"fouling", "", "relative increase of drag at the end of the run",
                        ALONE(-0.9, 5)},
+    [FIELD_THRUST_SHAPES] = {"thrust_shapes", "",
+                             "1: the mismatches of thrust have other shapes, see field_thrust.c",
+                             ALONE(0, 1)},
 };
 
 int field_mismatches(const field_mismatch_t **table)

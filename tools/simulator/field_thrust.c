@@ -6,6 +6,13 @@
  *   speed      n = sign(f) sqrt|f|: with limited slope, then first-order lag; force n |n|
  *   inflow     times 1 - a v, with v the speed of the water along the force
  * The reported thrust is c, or the value of the pulse, or this times the voltage squared.
+ *
+ * Other shapes of the same sizes, which auvid's columns do not have (FIELD_THRUST_SHAPES):
+ *   curve      a quadratic one, of the same rms deviation
+ *   dead band  soft: f becomes f^2 / (f + d)
+ *   backward   every third thruster is weaker forward instead
+ *   sag        with the square root of time
+ *   inflow     only where it weakens the thrust
  */
 #include "field_parts.h"
 
@@ -85,20 +92,42 @@ void field_thrust_command(field_t *field, double command_N[SIM_THRUSTERS])
     }
 }
 
+static bool has_other_shapes(const field_t *field)
+{
+    return field->cfg.size[FIELD_THRUST_SHAPES] > 0.0;
+}
+
+/* Force of a propeller for this part of the largest one, 0..1, with curve and dead band [N]. */
+static double propeller(const field_t *field, double part)
+{
+    const double *size = field->cfg.size;
+    double f_max = field_sheet(field->cfg.vehicle)->thruster_max_N;
+    double exponent = size[FIELD_THRUST_EXPONENT], dead = size[FIELD_THRUST_DEAD_BAND];
+    if (has_other_shapes(field)) { /* p ln p and 1.49 p (p - 1): rms 0.272 */
+        double force = f_max * part * fmax(1.0 - 1.49 * exponent * (1.0 - part), 0.0);
+        return force > 0.0 ? force * force / (force + dead) : 0.0;
+    }
+    return fmax(f_max * pow(part, 1.0 + exponent) - dead, 0.0);
+}
+
 /* Steady force of thruster j under a command, in still water [N]. */
 static double steady(const field_t *field, int j, double command_N, double by_voltage)
 {
-    const field_sheet_t *sheet = field_sheet(field->cfg.vehicle);
     const double *size = field->cfg.size;
-    double f_max = sheet->thruster_max_N, part = command_N / f_max, dead = size[FIELD_COMMAND_PWM];
+    double part = command_N / field_sheet(field->cfg.vehicle)->thruster_max_N;
+    double time = field_part_of_run(field), dead = size[FIELD_COMMAND_PWM];
+    bool weak = part < 0.0;
     if (dead > 0.0) {
         double s = fmax(fabs(pulse_us(part)) - dead, 0.0) / (PULSE_US - dead);
         part = copysign(s * s, part);
     }
-    double force = f_max * pow(fabs(part), 1.0 + size[FIELD_THRUST_EXPONENT]);
-    force = fmax(force - size[FIELD_THRUST_DEAD_BAND], 0.0);
-    force *= part < 0.0 ? 1.0 - size[FIELD_THRUST_BACKWARD] : 1.0;
-    force *= field->thrust.gain[j] * (1.0 - size[FIELD_THRUST_SAG] * field_part_of_run(field));
+    if (has_other_shapes(field)) {
+        weak = j % 3 == 2 ? part > 0.0 : weak;
+        time = sqrt(time);
+    }
+    double force = propeller(field, fabs(part));
+    force *= weak ? 1.0 - size[FIELD_THRUST_BACKWARD] : 1.0;
+    force *= field->thrust.gain[j] * (1.0 - size[FIELD_THRUST_SAG] * time);
     return copysign(force * by_voltage, part);
 }
 
@@ -129,7 +158,9 @@ static double inflow(const field_t *field, int j, double force)
     for (int i = 0; i < 6; ++i) {
         along += sheet->matrix[i][j] * field->truth.nu[i];
     }
-    double loss = field->cfg.size[FIELD_THRUST_ADVANCE] * (force < 0.0 ? -along : along);
+    along = force < 0.0 ? -along : along;
+    along = has_other_shapes(field) ? fmax(along, 0.0) : along;
+    double loss = field->cfg.size[FIELD_THRUST_ADVANCE] * along;
     return force * fmax(0.0, fmin(2.0, 1.0 - loss));
 }
 

@@ -151,6 +151,34 @@ static void test_advance_reduces_thrust_in_the_direction_of_motion(void)
     TEST_ASSERT_DOUBLE_WITHIN(1e-6, -100 * (1 + 0.3 * v), field.truth.delivered[Y]);
 }
 
+static void begin_with_other_shapes(const char *name, double size)
+{
+    begin_with(name, size);
+    set("thrust_shapes", 1);
+    begin();
+}
+
+static void test_thrust_has_other_shapes_of_the_same_sizes(void)
+{
+    begin_with_other_shapes("thrust_exponent", 0.1);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-9, F_MAX, side(F_MAX, 0.1));
+    TEST_ASSERT_DOUBLE_WITHIN(1e-9, -F_MAX / 4 * (1 - 0.149 * 0.75), side(-F_MAX / 4, 0.1));
+    TEST_ASSERT_DOUBLE_WITHIN(1e-9, 0, side(0, 0.1));
+    begin_with_other_shapes("thrust_dead_band", 3);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-9, 100.0 / 13, side(10, 0.1));
+    TEST_ASSERT_DOUBLE_WITHIN(1e-9, -4.0 / 5, side(-2, 0.1));
+    begin_with_other_shapes("thrust_sag", 0.1);
+    TEST_ASSERT_DOUBLE_WITHIN(2e-3, 19, side(20, 60));
+    begin_with_other_shapes("thrust_backward", 0.2);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-9, -40, side(-50, 0.1));
+    TEST_ASSERT_DOUBLE_WITHIN(1e-9, 50, side(50, 0.1));
+    TEST_ASSERT_DOUBLE_WITHIN(1e-9, 37.3058 * 0.9, field.truth.delivered[Z]); /* one of two */
+    begin_with_other_shapes("thrust_advance", 0.3);
+    double with = side(100, 10), v = field.truth.nu[Y] + 0.05 * field.truth.nu[K];
+    TEST_ASSERT_DOUBLE_WITHIN(1e-6, 100 * (1 - 0.3 * v), with);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-9, -100, side(-100, 0.02));
+}
+
 /* The timestamp of a wrench that is commanded at 1 s, and the time at which it acts. */
 static void when(double *stamp_s, double *acts_s)
 {
@@ -451,6 +479,7 @@ int main(void)
     RUN_TEST(test_force_lag_acts_on_the_force);
     RUN_TEST(test_slew_limits_the_rate_of_the_speed);
     RUN_TEST(test_advance_reduces_thrust_in_the_direction_of_motion);
+    RUN_TEST(test_thrust_has_other_shapes_of_the_same_sizes);
     RUN_TEST(test_late_timestamps_are_after_thrust_acts_and_early_ones_before);
     RUN_TEST(test_pwm_is_reported_in_whole_microseconds_without_the_dead_zone);
     RUN_TEST(test_commands_at_10_hz_are_reported_in_one_tick_of_five);
