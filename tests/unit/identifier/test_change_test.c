@@ -392,6 +392,39 @@ static void test_the_largest_noise_of_late_counts(void)
     }
 }
 
+/* From set 8 on, masses and drags are 2 % larger. */
+static void load_little(chain_t *c, auvid_input_t *in)
+{
+    bool *loaded = c->cfg.context;
+    (void)in;
+    if (c->id.metric.sets.recorded == LYING_SET - 1 && !*loaded) {
+        *loaded = true;
+        for (int i = 0; i < SIM_PARAMETERS; ++i) {
+            c->sim.cfg.parameter[i] *= i == SIM_WB ? 1.0 : 1.02;
+        }
+    }
+}
+
+/* With one set alone, two of these are noticed. */
+static void test_two_sets_notice_a_change_that_one_does_not(void)
+{
+    int noticed = 0;
+    for (uint64_t seed = 81; seed < 81 + 2 * SEEDS; ++seed) {
+        bool loaded = false;
+        memset(&story, 0, sizeof story);
+        chain_defaults(&cfg, seed, LYING_SET + 1, 1.0);
+        cfg.budget = 2000;
+        cfg.before = load_little;
+        cfg.after = listen;
+        cfg.context = &loaded;
+        TEST_ASSERT_EQUAL(AUVID_OK, chain_run_sets(&chain, &cfg, LYING_SET + 1));
+        TEST_ASSERT_FALSE(story.events[LYING_SET] & AUVID_EVENT_CHANGED);
+        noticed += (story.events[LYING_SET + 1] & AUVID_EVENT_CHANGED) != 0;
+    }
+    printf("  2 %% more mass and drag: %d of %d noticed\n", noticed, 2 * SEEDS);
+    TEST_ASSERT_TRUE(noticed >= 5);
+}
+
 /* A passive vehicle is pushed in one set, or loaded from this set on. */
 static void run_passive(chain_before_t before, chain_after_t after, uint64_t seed, uint32_t sets)
 {
@@ -421,6 +454,32 @@ static void test_in_motion_of_others_a_second_set_confirms_a_change(void)
         TEST_ASSERT_EQUAL_HEX8(0, chain.change.suspected);
         TEST_ASSERT_FALSE(chain.change.straddles_change); /* the set before that is deleted */
         TEST_ASSERT_EQUAL(1, chain.id.estimate.confidence.sets);
+    }
+}
+
+/* The excitation ends when this part of the set is over, fades out before, and the vehicle rests. */
+static void excite_part(double part, uint64_t seed)
+{
+    static bool noisy = false;
+    memset(&story, 0, sizeof story);
+    chain_defaults(&cfg, seed, LYING_SET, 1.0);
+    cfg.acting.excitation.duration_s = (auvid_real_t)(CHAIN_SET_S * (LYING_SET - 1 + part));
+    cfg.budget = 2000;
+    cfg.before = load;
+    cfg.after = listen;
+    cfg.context = &noisy;
+    TEST_ASSERT_EQUAL(AUVID_OK, chain_run_sets(&chain, &cfg, LYING_SET));
+    TEST_ASSERT_EQUAL_UINT32(LYING_SET, chain.id.change_test.set);
+}
+
+static void test_auvid_has_excited_a_set_if_it_excites_more_than_half_of_it(void)
+{
+    for (uint64_t seed = 81; seed < 81 + SEEDS; ++seed) {
+        excite_part(0.7, seed);
+        TEST_ASSERT_TRUE(story.events[LYING_SET] & AUVID_EVENT_CHANGED);
+        excite_part(0.5, seed);
+        TEST_ASSERT_FALSE(story.events[LYING_SET] & AUVID_EVENT_CHANGED);
+        TEST_ASSERT_TRUE(chain.change.suspected != 0);
     }
 }
 
@@ -461,7 +520,9 @@ int main(void)
     RUN_TEST(test_the_next_set_corrects_a_set_with_an_unmodelled_force);
     RUN_TEST(test_a_noisier_set_is_not_a_change);
     RUN_TEST(test_the_largest_noise_of_late_counts);
+    RUN_TEST(test_two_sets_notice_a_change_that_one_does_not);
     RUN_TEST(test_in_motion_of_others_a_second_set_confirms_a_change);
+    RUN_TEST(test_auvid_has_excited_a_set_if_it_excites_more_than_half_of_it);
     RUN_TEST(test_in_motion_of_others_the_next_set_refutes_a_set_with_an_unmodelled_force);
     RUN_TEST(test_in_motion_of_others_a_change_that_is_not_tested_again_stands);
     RUN_TEST(test_an_estimate_that_predicts_worse_than_the_one_before_is_withdrawn);
