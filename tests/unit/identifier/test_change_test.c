@@ -457,7 +457,7 @@ static void test_in_motion_of_others_a_second_set_confirms_a_change(void)
     }
 }
 
-/* The excitation ends when this part of the set is over, fades out before, and the vehicle rests. */
+/* The excitation fades out before this part of the set is over; then the vehicle rests. */
 static void excite_part(double part, uint64_t seed)
 {
     static bool noisy = false;
