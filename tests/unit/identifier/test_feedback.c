@@ -7,6 +7,7 @@
 
 #include "auvid/identifier.h"
 #include "auvid/prior.h"
+#include "chain.h"
 #include "simulator.h"
 #include "unity.h"
 
@@ -141,6 +142,29 @@ static void test_flags_return_after_the_controller(void)
     TEST_ASSERT_EQUAL(AUVID_NOTE_NONE, note(AUVID_G500_M_U));
 }
 
+/* Rows of the test after this many seconds. */
+static auvid_real_t watched_rows(bool passive, double seconds)
+{
+    static chain_t chain;
+    static chain_config_t cfg;
+    chain_defaults(&cfg, 7, 3, 1.0);
+    cfg.budget = 2000;
+    if (passive) {
+        chain_set_driver(&cfg);
+    }
+    TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &cfg));
+    chain_run(&chain, seconds);
+    return chain.id.metric.feedback.rows;
+}
+
+static void test_neither_auvids_excitation_nor_motion_before_an_estimate_is_watched(void)
+{
+    TEST_ASSERT_TRUE(watched_rows(false, 28.0) == AUVID_C(0.0));
+    TEST_ASSERT_TRUE(watched_rows(false, 80.0) == AUVID_C(0.0));
+    TEST_ASSERT_TRUE(watched_rows(true, 28.0) == AUVID_C(0.0));
+    TEST_ASSERT_TRUE(watched_rows(true, 80.0) > AUVID_C(200.0));
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -149,5 +173,6 @@ int main(void)
     RUN_TEST(test_the_sentence_names_the_closed_loop_once);
     RUN_TEST(test_a_record_of_feedback_gives_no_prior);
     RUN_TEST(test_flags_return_after_the_controller);
+    RUN_TEST(test_neither_auvids_excitation_nor_motion_before_an_estimate_is_watched);
     return UNITY_END();
 }
