@@ -63,7 +63,9 @@ check "  nothing to say of its name" sh -c '! grep calibration err'
 cp out both.json
 check "  the same of a column" exits 0 fit second.csv column.csv --vehicle girona500 --json
 check "  to the same bits" same_result both.json
-check "a weight that names no log" exits 0 fit second.csv strong1.csv --vehicle dive.ini --json
+check "a weight that names no log" exits 3 fit second.csv strong1.csv --vehicle dive.ini --json
+check "  contradicts the motion in the wrong one" is out '
+assert d["thrust"].startswith("the known force contradicts the motion"), d["thrust"]'
 check "  acts in the first one, and fit says so" grep -q \
     '^auvid: \[calibration\.1\] of the vehicle file acts in the first log, second.csv' err
 check "a weight of another log" exits 0 fit second.csv --vehicle named.ini --json
