@@ -254,7 +254,11 @@ auvid_status_t auvid_metric_drop(auvid_metric_t *metric, uint8_t age)
 
 const auvid_set_t *auvid_metric_newest(const auvid_metric_t *metric)
 {
-    return auvid_metric_set(metric, 0);
+    int age = 0;
+    while (age + 1 < auvid_metric_sets(metric) && auvid_metric_set(metric, age)->rows == 0) {
+        ++age;
+    }
+    return auvid_metric_set(metric, age);
 }
 
 int auvid_metric_excited_sets(const auvid_metric_t *metric, int j, int newest)

@@ -51,8 +51,7 @@ static auvid_real_t metric_time_constant(const auvid_metric_t *m, int j)
 void auvid_metric_judge_width(auvid_metric_t *m, int j)
 {
     auvid_metric_evaluator_t *ev = &m->evaluator;
-    bool deleted = auvid_metric_newest(m)->rows == 0; /* its speeds, too */
-    if (!deleted && auvid_metric_is_excited(m, j) && !auvid_metric_stores_rows(m) &&
+    if (auvid_metric_is_excited(m, j) && !auvid_metric_stores_rows(m) &&
         ev->band_sse[1][j] > ev->high_wrench[j]) {
         auvid_real_t cells_s =
             METRIC_TIME_CONSTANT * AUVID_C(2e-6) * (auvid_real_t)auvid_metric_cell_us(m);

@@ -202,6 +202,21 @@ static void test_a_dropped_set_is_deleted_and_cannot_be_dropped_again(void)
     TEST_ASSERT_EQUAL_MEMORY(&before, &metric, sizeof metric);
 }
 
+static void test_the_newest_set_is_not_a_deleted_one(void)
+{
+    world_t w = world_of(&cfg);
+    start();
+    feed(&metric, &w, 0, cells_of(&cfg, 60));
+    uint32_t first = auvid_metric_newest(&metric)->number;
+    auvid_metric_gap(&metric);
+    feed(&metric, &w, 100, cells_of(&cfg, 60));
+    TEST_ASSERT_EQUAL_UINT32(first + 1, auvid_metric_newest(&metric)->number);
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_metric_drop(&metric, 0));
+    TEST_ASSERT_EQUAL_UINT32(first, auvid_metric_newest(&metric)->number);
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_metric_drop(&metric, 1));
+    TEST_ASSERT_EQUAL_UINT16(0, auvid_metric_newest(&metric)->rows);
+}
+
 static void test_close_of_an_empty_set_is_refused(void)
 {
     start();
@@ -289,6 +304,7 @@ int main(void)
     RUN_TEST(test_ninth_set_drops_the_first);
     RUN_TEST(test_ring_of_one_set_keeps_the_last);
     RUN_TEST(test_a_dropped_set_is_deleted_and_cannot_be_dropped_again);
+    RUN_TEST(test_the_newest_set_is_not_a_deleted_one);
     RUN_TEST(test_close_of_an_empty_set_is_refused);
     RUN_TEST(test_set_closed_early_counts_its_rows);
     RUN_TEST(test_a_set_completes_with_its_last_row_and_not_before);

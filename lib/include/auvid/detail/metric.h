@@ -455,7 +455,8 @@ auvid_real_t auvid_metric_longest_delay(const auvid_metric_t *metric);
 auvid_status_t auvid_metric_measure(auvid_metric_t *metric, uint32_t *budget);
 
 #define auvid_metric_newest AUVID_SIZED(auvid_metric_newest)
-/** Returns the newest set that counts; never NULL. */
+/** Returns the newest set that counts and is not deleted; never NULL. If there is none it has no
+ * rows. */
 const auvid_set_t *auvid_metric_newest(const auvid_metric_t *metric);
 
 #define auvid_metric_excited_sets AUVID_SIZED(auvid_metric_excited_sets)
