@@ -76,7 +76,7 @@ POINTERS = PATHS | {
     r"(u->strong|row->prior)\(": NOTHING,
     r"node->report_causes\(": NOTHING,
     r"part->check\(": NOTHING,
-    r"uncertain(_functions)?->(add_cell|rotate|begin|solve|publish|estimate|judge)\(": NOTHING,
+    r"uncertain(_functions)?->(add_cell|rotate|begin|solve|publish|estimate|judge|sag)\(": NOTHING,
     r"m->add_rows\(": r"auvid_prior_rows\.c:auvid_prior_add_rows",
     r"m->prior_weight\(": r"auvid_prior_rows\.c:auvid_prior_weight",
     r"listener->command\(": r"auvid_thrusters\.c:thrusters_listen$",

@@ -248,7 +248,7 @@ typedef struct {
     uint8_t suspected;                   /* bit j: a set that is deleted was evidence for a change,
                                             most clearly in this DoF; 0: none, or the next one has
                                             been tested */
-    uint8_t reserved[AUVID_GAP(sizeof(uint64_t), (AUVID_DOF_COUNT + 1) * sizeof(auvid_real_t) + 6)];
+    uint8_t reserved[AUVID_GAP(sizeof(uint64_t), (AUVID_DOF_COUNT + 2) * sizeof(auvid_real_t) + 6)];
 } auvid_change_detector_t;
 
 /** Phase of auvid_identifier_work. */

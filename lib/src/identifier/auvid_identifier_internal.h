@@ -92,6 +92,8 @@ typedef struct auvid_uncertain_functions {
     const auvid_estimate_t *(*estimate)(const auvid_identifier_t *id);
     /** The estimate without them is accepted; or the vehicle has changed. */
     void (*judge)(auvid_identifier_t *id, bool changed);
+    /** Returns the share of the thrust that is lost from set to set; 0: none is certain. */
+    auvid_real_t (*sag)(const auvid_identifier_t *id);
 } auvid_uncertain_functions_t;
 
 static inline void identifier_judge_uncertain(auvid_identifier_t *id, bool changed)

@@ -71,10 +71,15 @@ static void identifier_begin_prediction(auvid_identifier_t *id, const auvid_esti
     id->work.phase = phase;
 }
 
+static void identifier_begin_statistic(auvid_identifier_t *id, auvid_real_t sag)
+{
+    auvid_metric_change_begin(&id->metric, &id->attached.change->statistic, sag);
+    id->work.phase = AUVID_WORK_CHANGE_TEST;
+}
+
 static void identifier_restart_change(auvid_identifier_t *id)
 {
-    auvid_metric_change_begin(&id->metric, &id->attached.change->statistic);
-    id->work.phase = AUVID_WORK_CHANGE_TEST;
+    identifier_begin_statistic(id, AUVID_C(0.0));
 }
 
 /* Cost of the prediction, over the DoF that both estimates identify. */
@@ -207,12 +212,31 @@ static uint8_t identifier_confirm(auvid_identifier_t *id, uint8_t found)
     return found;
 }
 
+/* Is there evidence, and a sag of the thrust that may explain it? Then begin the statistic again,
+ * with the sag. */
+static bool identifier_begin_with_sag(auvid_identifier_t *id)
+{
+    const auvid_uncertain_functions_t *uncertain = id->attached.uncertain_functions;
+    bool tried = !auvid_is_zero(id->attached.change->statistic.sag);
+    auvid_real_t dof[AUVID_DOF_COUNT];
+    if (uncertain == NULL || tried ||
+        !(identifier_weigh_evidence(id, 1, dof) > AUVID_C(1.0) ||
+          identifier_weigh_evidence(id, 2, dof) > AUVID_C(1.0))) {
+        return false;
+    }
+    auvid_real_t sag = uncertain->sag(id);
+    if (auvid_is_zero(sag)) {
+        return false;
+    }
+    identifier_begin_statistic(id, sag);
+    return true;
+}
+
 /* Decide whether the vehicle has changed. */
 static void identifier_conclude_test(auvid_identifier_t *id)
 {
     auvid_change_test_t *test = &id->change_test;
     auvid_real_t one[AUVID_DOF_COUNT], two[AUVID_DOF_COUNT];
-    identifier_remember_noise(id);
     auvid_real_t by_one = identifier_weigh_evidence(id, 1, one),
                  by_two = identifier_weigh_evidence(id, 2, two);
     const auvid_real_t *evidence = by_one > by_two ? one : two;
@@ -260,6 +284,7 @@ static void identifier_begin_predict(auvid_identifier_t *id)
 static void identifier_begin_change(auvid_identifier_t *id)
 {
     identifier_compare_estimates(id);
+    identifier_remember_noise(id);
     identifier_restart_change(id);
 }
 
@@ -280,9 +305,11 @@ static auvid_status_t identifier_change(auvid_identifier_t *id, uint32_t *budget
 
 static void identifier_end_test(auvid_identifier_t *id)
 {
-    identifier_conclude_test(id);
-    identifier_advance_set(id);
-    auvid_identifier_begin_tests(id);
+    if (!identifier_begin_with_sag(id)) {
+        identifier_conclude_test(id);
+        identifier_advance_set(id);
+        auvid_identifier_begin_tests(id);
+    }
 }
 
 static const auvid_change_functions_t identifier_change_functions = {

@@ -7,16 +7,21 @@
  * there are parameters. One chain of rotations, oldest set first, gives U of the old sets with and
  * without the set before the newest, and U of all. Then the newest set is rotated alone, and then
  * the two newest.
+ *
+ * Of thrust that sags by s in each set, an older set had more than the newest one: its wrench is
+ * taken 1 + s k times, k the number of sets since then.
  */
 #include "auvid_metric_evaluator_internal.h"
 
 #include <string.h>
 
-void auvid_metric_change_begin(auvid_metric_t *metric, auvid_metric_change_t *change)
+void auvid_metric_change_begin(auvid_metric_t *metric, auvid_metric_change_t *change,
+                               auvid_real_t sag)
 {
     if (metric != NULL && change != NULL) {
         auvid_metric_restart_pass(metric, PASS_LAST);
         memset(change, 0, sizeof *change);
+        change->sag = sag;
     }
 }
 
@@ -45,7 +50,7 @@ static void metric_record_change(auvid_metric_t *m, auvid_metric_change_t *to, i
 }
 
 /* Rotate in one row of set number `step` of DoF j's chain. @return true if it has no more rows */
-static bool metric_change_row(auvid_metric_t *m, int j, int step)
+static bool metric_change_row(auvid_metric_t *m, auvid_real_t sag, int j, int step)
 {
     auvid_metric_cursor_t *at = &m->evaluator.at;
     int sets = auvid_metric_sets(m), n = auvid_metric_order(m, j);
@@ -54,7 +59,8 @@ static bool metric_change_row(auvid_metric_t *m, int j, int step)
     if ((set->excited >> j & 1) == 0 || at->row >= AUVID_METRIC_BANDS * n) {
         return true;
     }
-    auvid_metric_rotate(m, set, at->row / n, j, at->row % n);
+    auvid_real_t later = (auvid_real_t)(auvid_metric_newest(m)->number - set->number);
+    auvid_metric_rotate(m, set, at->row / n, j, at->row % n, sag * later);
     ++at->row;
     return false;
 }
@@ -76,7 +82,7 @@ auvid_status_t auvid_metric_change(auvid_metric_t *metric, auvid_metric_change_t
                 return AUVID_PENDING;
             }
             if (auvid_metric_spend(at, budget, AUVID_METRIC_ROTATION) &&
-                metric_change_row(m, j, at->set)) {
+                metric_change_row(m, change->sag, j, at->set)) {
                 metric_record_change(m, change, j, at->set++);
                 at->row = 0;
             }

@@ -169,8 +169,10 @@ void auvid_metric_restart_pass(auvid_metric_t *m, uint8_t pass);
 /** Continue the pass begun by auvid_metric_restart_pass. @return true if it is complete */
 bool auvid_metric_for_each_row(auvid_metric_t *m, uint32_t *budget);
 
-/** Rotate row i of one band of a set's R factor, weighted, into DoF j's merged one. */
-void auvid_metric_rotate(auvid_metric_t *m, const auvid_set_t *set, int band, int j, int i);
+/** Rotate row i of one band of a set's R factor, weighted, into DoF j's merged one.
+ * @param more share by which the set's wrench is taken larger */
+void auvid_metric_rotate(auvid_metric_t *m, const auvid_set_t *set, int band, int j, int i,
+                         auvid_real_t more);
 
 /** After a pass: compute the delay, z and the least-squares candidate of DoF j, and add to
  * `constant`. */

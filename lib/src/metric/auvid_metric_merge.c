@@ -170,14 +170,18 @@ void auvid_metric_solve_dof(auvid_metric_t *m, int j)
     }
 }
 
-void auvid_metric_rotate(auvid_metric_t *m, const auvid_set_t *set, int band, int j, int i)
+void auvid_metric_rotate(auvid_metric_t *m, const auvid_set_t *set, int band, int j, int i,
+                         auvid_real_t more)
 {
-    int n = auvid_metric_order(m, j);
+    int n = auvid_metric_order(m, j), count = m->layout.count[j];
     auvid_real_t row[AUVID_MAX_PARAMETERS + AUVID_METRIC_DELAYS];
     auvid_real_t scale = auvid_sqrt(m->evaluator.band_weight[band][j]);
     int first = auvid_metric_read_row(m, set, band, j, i, row);
     for (int k = first; k < n; ++k) {
         row[k] *= scale;
+    }
+    for (int k = auvid_is_zero(more) ? n : first > count ? first : count; k < n; ++k) {
+        row[k] += more * row[k];
     }
     auvid_qr_update(m->evaluator.merged + m->layout.factor_at[j], n, first, row);
 }
@@ -235,7 +239,7 @@ bool auvid_metric_for_each_row(auvid_metric_t *m, uint32_t *budget)
                 return false;
             }
             if (rotates) {
-                auvid_metric_rotate(m, set, at->band, j, at->row++);
+                auvid_metric_rotate(m, set, at->band, j, at->row++, AUVID_C(0.0));
             } else {
                 metric_add_residual(m, set, at->band, j, at->row++);
             }

@@ -113,6 +113,19 @@ static void uncertain_judge(auvid_identifier_t *id, bool changed)
     }
 }
 
+/* Only a sag that is certain: noise must not hide a change of the vehicle. */
+static auvid_real_t uncertain_sag(const auvid_identifier_t *id)
+{
+    const auvid_cause_t *sag = &uncertain_of(id)->causes.cause[AUVID_CAUSE_SAG];
+    const auvid_metric_t *m = &id->metric;
+    uint32_t cells = (uint32_t)m->cfg.set_rows * m->cfg.row_cells;
+    auvid_real_t set_s =
+        AUVID_C(1e-6) * (auvid_real_t)cells * (auvid_real_t)auvid_metric_cell_us(m);
+    return auvid_abs(sag->value) > AUVID_CAUSE_SIGMAS * sag->sigma
+               ? set_s / AUVID_UNCERTAIN_SAG_S * sag->value
+               : AUVID_C(0.0);
+}
+
 /* Returns the parameter with which parameter p is strongly correlated, or NOWHERE. */
 static uint8_t uncertain_partner(const auvid_estimate_t *e, const auvid_vehicle_t *vehicle,
                                  const auvid_real_t *sigma, int p)
@@ -203,7 +216,7 @@ static void uncertain_publish(auvid_identifier_t *id)
 
 static const auvid_uncertain_functions_t uncertain_table = {
     uncertain_add_cell, uncertain_rotate,   uncertain_begin, uncertain_solve,
-    uncertain_publish,  uncertain_estimate, uncertain_judge};
+    uncertain_publish,  uncertain_estimate, uncertain_judge, uncertain_sag};
 
 auvid_status_t auvid_identifier_attach_uncertain(auvid_identifier_t *id, auvid_uncertain_t *storage,
                                                  const auvid_uncertain_config_t *cfg,

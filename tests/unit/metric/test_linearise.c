@@ -90,7 +90,7 @@ static void assess(const auvid_real_t *pi)
 static void change_test(void)
 {
     uint32_t budget = UINT32_MAX;
-    auvid_metric_change_begin(&metric, &change);
+    auvid_metric_change_begin(&metric, &change, 0);
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_metric_change(&metric, &change, &budget));
 }
 

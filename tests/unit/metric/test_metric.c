@@ -270,6 +270,50 @@ static void test_sets_of_one_row_use_pairs_across_their_borders(void)
     assert_least_squares_find_truth(cfg.free);
 }
 
+/* ---- change test ---- */
+
+static auvid_metric_change_t change;
+
+static void compute_change(double sag)
+{
+    uint32_t budget = UINT32_MAX;
+    auvid_metric_change_begin(&metric, &change, (auvid_real_t)sag);
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_metric_change(&metric, &change, &budget));
+}
+
+/* The vehicle gets 2 % less of the wrench in each set than in the one before, also in one without
+ * thrust. */
+static void test_thrust_that_sags_as_assumed_is_no_change(void)
+{
+    const double sag = 0.02;
+    world_t w = world_of(&cfg);
+    start();
+    for (int set = 0, k = 0; set < 5; ++k) {
+        auvid_sample_t s = cell_at(&w, k * w.cell_s);
+        for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
+            s.tau[j] *= (auvid_real_t)(set == 2 ? 0.0 : 1.0 / (1.0 + sag * (4 - set)));
+        }
+        if (auvid_metric_add(&metric, &s) == (set == 2 ? AUVID_SET_IDLE : AUVID_SET_COMPLETE)) {
+            auvid_metric_gap(&metric); /* no row is of two sets */
+            ++set;
+        }
+    }
+    merge_all(&metric); /* weights of the bands */
+    compute_change(0.0);
+    auvid_metric_change_t without = change;
+    compute_change(-sag);
+    auvid_metric_change_t contrary = change;
+    compute_change(sag);
+    for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
+        for (int newest = 0; newest < 2 && metric.layout.count[j] > 0; ++newest) {
+            double blind = (double)without.change[newest][j];
+            TEST_ASSERT_TRUE(blind > 1.0);
+            TEST_ASSERT_DOUBLE_WITHIN(0.001 * blind, 0.0, (double)change.change[newest][j]);
+            TEST_ASSERT_TRUE((double)contrary.change[newest][j] > 2.0 * blind);
+        }
+    }
+}
+
 /* ---- the smoother ---- */
 
 /* The kernel has the bits of smoother.h up to half-width 13, whose numerators are below 2^24. For
@@ -309,6 +353,7 @@ int main(void)
     RUN_TEST(test_set_closed_early_counts_its_rows);
     RUN_TEST(test_a_set_completes_with_its_last_row_and_not_before);
     RUN_TEST(test_sets_of_one_row_use_pairs_across_their_borders);
+    RUN_TEST(test_thrust_that_sags_as_assumed_is_no_change);
     RUN_TEST(test_one_pass_has_the_weights_of_savitzky_golay_of_order_2);
     return UNITY_END();
 }

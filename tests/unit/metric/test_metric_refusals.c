@@ -201,7 +201,7 @@ static void test_a_budget_of_one_unit_leaves_work(void)
     auvid_metric_measure_begin(&metric, truth, 0);
     TEST_ASSERT_EQUAL(AUVID_PENDING, auvid_metric_measure(&metric, &budget));
     budget = 1;
-    auvid_metric_change_begin(&metric, &change);
+    auvid_metric_change_begin(&metric, &change, 0);
     TEST_ASSERT_EQUAL(AUVID_PENDING, auvid_metric_change(&metric, &change, &budget));
     TEST_ASSERT_EQUAL(AUVID_ERR_NULL, auvid_metric_change(NULL, &change, &budget));
     TEST_ASSERT_EQUAL(AUVID_ERR_NULL, auvid_metric_change(&metric, &change, NULL));

@@ -47,6 +47,7 @@ static void test_each_class_is_named_with_sign_and_rough_size(void)
                     {"thrust_dead_band", 2.0, AUVID_CAUSE_CURVE, 2.0},
                     {"thrust_exponent", -0.1, AUVID_CAUSE_CURVE, -0.1},
                     {"thrust_advance", 0.3, AUVID_CAUSE_INFLOW, 0.3},
+                    {"thrust_sag", 0.1, AUVID_CAUSE_SAG, 0.1},
                     {"thrust_lag", 0.27, AUVID_CAUSE_TIMING, 0.12},
                     {"thrust_late", 0.1, AUVID_CAUSE_TIMING, -0.1}};
     for (int vehicle = 0; vehicle < FIELD_VEHICLES; ++vehicle) {
@@ -99,6 +100,25 @@ static void test_a_dvl_elsewhere_or_later_than_told_is_named(void)
         TEST_ASSERT_EQUAL(AUVID_OK,
                           auvid_causes_sentence(&causes, &auvid_girona500, 0, text, sizeof text));
         TEST_ASSERT_NOT_NULL_MESSAGE(strstr(text, mismatch[k].words), text);
+    }
+}
+
+/* A set of weaker thrust is evidence for another vehicle, but not if a sag explains it. */
+static void test_a_certain_sag_is_no_change_of_the_vehicle(void)
+{
+    for (int vehicle = 0; vehicle < FIELD_VEHICLES; ++vehicle) {
+        identify((field_vehicle_t)vehicle, "thrust_sag", 0.1);
+        TEST_ASSERT_EQUAL(0, record.changed);
+        TEST_ASSERT_TRUE(record.flagged[AUVID_G500_X_UU]);
+        field.sets = 12;
+        field.field.length_s = 360.0; /* six sets before the ballast */
+        field_set(&field.field, "ballast", vehicle == FIELD_ROV20 ? 2.0 : 30.0);
+        TEST_ASSERT_TRUE(field_run(&run, &field, &record));
+        TEST_ASSERT_TRUE(record.changed > 0);
+        identify((field_vehicle_t)vehicle, "thrust_sag", 0.1);
+        field.uncertain = false;
+        TEST_ASSERT_TRUE(field_run(&run, &field, &record));
+        TEST_ASSERT_TRUE(record.changed > 0); /* there is no sag to explain it */
     }
 }
 
@@ -232,6 +252,7 @@ int main(void)
     RUN_TEST(test_each_class_is_named_with_sign_and_rough_size);
     RUN_TEST(test_asymmetry_and_current_have_the_right_sign);
     RUN_TEST(test_a_dvl_elsewhere_or_later_than_told_is_named);
+    RUN_TEST(test_a_certain_sag_is_no_change_of_the_vehicle);
     RUN_TEST(test_nothing_is_named_in_a_perfect_world);
     RUN_TEST(test_the_scale_of_the_thrust_is_never_named);
     RUN_TEST(test_estimates_that_differ_are_listed);

@@ -255,6 +255,7 @@ typedef struct {
     auvid_real_t unexplained[2][AUVID_DOF_COUNT]; /**< sum of squared residuals of the newest set
                                                        [0], or the newest two [1], fitted without
                                                        the older ones [N^2, Nm^2] */
+    auvid_real_t sag;                             /* see auvid_metric_change_begin */
     uint8_t rank[AUVID_DOF_COUNT];                /**< number of parameters tested */
     uint8_t reserved[2];
 } auvid_metric_change_t;
@@ -404,8 +405,10 @@ auvid_real_t auvid_metric_predicted(const auvid_metric_t *metric, int j);
 /** Begin to test the newest sets against the others, before they are merged: does each DoF's
  * equation hold for both with the same parameters (Chow 1960)? Bands and delays are those of the
  * last merge. The test overwrites the merged sets: merge afterwards. NULL is a no-op.
- * @param change written */
-void auvid_metric_change_begin(auvid_metric_t *metric, auvid_metric_change_t *change);
+ * @param change written
+ * @param sag share of the thrust that each set has lost since the one before; 0: none */
+void auvid_metric_change_begin(auvid_metric_t *metric, auvid_metric_change_t *change,
+                               auvid_real_t sag);
 
 #define auvid_metric_change AUVID_SIZED(auvid_metric_change)
 /** Continue the change test started by auvid_metric_change_begin. `change` is U(all sets) -
