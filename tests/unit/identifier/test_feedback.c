@@ -8,6 +8,7 @@
 #include "auvid/identifier.h"
 #include "auvid/prior.h"
 #include "chain.h"
+#include "metric/auvid_metric_feedback_internal.h"
 #include "simulator.h"
 #include "unity.h"
 
@@ -142,6 +143,41 @@ static void test_flags_return_after_the_controller(void)
     TEST_ASSERT_EQUAL(AUVID_NOTE_NONE, note(AUVID_G500_M_U));
 }
 
+/* DoF j has this F statistic. */
+static void give(int j, double statistic, double rows)
+{
+    auvid_metric_feedback_t *f = &id.metric.feedback;
+    f->factor[j][8] = (auvid_real_t)sqrt(statistic / (rows - 3.0)); /* row 2, column 3 */
+    f->factor[j][9] = 1;
+    f->rows[j] = (auvid_real_t)rows;
+}
+
+static void test_the_sum_over_the_degrees_of_freedom_decides(void)
+{
+    TEST_ASSERT_FALSE(auvid_metric_has_feedback(&id.metric));
+    give(AUVID_SURGE, 5.9, 100);
+    TEST_ASSERT_FALSE(auvid_metric_has_feedback(&id.metric));
+    give(AUVID_SURGE, 6.1, 100);
+    TEST_ASSERT_TRUE(auvid_metric_has_feedback(&id.metric));
+    give(AUVID_YAW, 2.3, 50); /* the limit is 6 sqrt(2) = 8.49 */
+    TEST_ASSERT_FALSE(auvid_metric_has_feedback(&id.metric));
+    give(AUVID_YAW, 2.5, 50);
+    TEST_ASSERT_TRUE(auvid_metric_has_feedback(&id.metric));
+    give(AUVID_YAW, 1000, 39); /* too few rows: does not count */
+    TEST_ASSERT_TRUE(auvid_metric_has_feedback(&id.metric));
+    give(AUVID_SURGE, 5.9, 100);
+    TEST_ASSERT_FALSE(auvid_metric_has_feedback(&id.metric));
+    give(AUVID_YAW, 1000, 40);
+    TEST_ASSERT_TRUE(auvid_metric_has_feedback(&id.metric));
+    id.metric.sets.stored += id.metric.cfg.sets - 1u;
+    TEST_ASSERT_TRUE(auvid_metric_has_feedback(&id.metric));
+    ++id.metric.sets.stored; /* no set of the ring is watched */
+    TEST_ASSERT_FALSE(auvid_metric_has_feedback(&id.metric));
+    id.metric.sets.stored = 0;
+    id.metric.feedback.factor[AUVID_YAW][9] = 0; /* a wrench without change */
+    TEST_ASSERT_FALSE(auvid_metric_has_feedback(&id.metric));
+}
+
 /* Rows of the test after this many seconds. */
 static auvid_real_t watched_rows(bool passive, double seconds)
 {
@@ -154,7 +190,7 @@ static auvid_real_t watched_rows(bool passive, double seconds)
     }
     TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &cfg));
     chain_run(&chain, seconds);
-    return chain.id.metric.feedback.rows;
+    return chain.id.metric.feedback.rows[AUVID_SURGE];
 }
 
 static void test_neither_auvids_excitation_nor_motion_before_an_estimate_is_watched(void)
@@ -162,7 +198,7 @@ static void test_neither_auvids_excitation_nor_motion_before_an_estimate_is_watc
     TEST_ASSERT_TRUE(watched_rows(false, 28.0) == AUVID_C(0.0));
     TEST_ASSERT_TRUE(watched_rows(false, 80.0) == AUVID_C(0.0));
     TEST_ASSERT_TRUE(watched_rows(true, 28.0) == AUVID_C(0.0));
-    TEST_ASSERT_TRUE(watched_rows(true, 80.0) > AUVID_C(200.0));
+    TEST_ASSERT_TRUE(watched_rows(true, 80.0) > AUVID_C(50.0));
 }
 
 int main(void)
@@ -173,6 +209,7 @@ int main(void)
     RUN_TEST(test_the_sentence_names_the_closed_loop_once);
     RUN_TEST(test_a_record_of_feedback_gives_no_prior);
     RUN_TEST(test_flags_return_after_the_controller);
+    RUN_TEST(test_the_sum_over_the_degrees_of_freedom_decides);
     RUN_TEST(test_neither_auvids_excitation_nor_motion_before_an_estimate_is_watched);
     return UNITY_END();
 }

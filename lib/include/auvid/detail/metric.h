@@ -165,13 +165,13 @@ typedef struct {
     bool changed; /* a set has entered since it is held */
 } auvid_metric_sets_t;
 
-/** Columns of the test for feedback: three of the wrench's past, three residuals, the wrench. */
-#define AUVID_FEEDBACK_ORDER 7
+/** Columns of the test for feedback: two of the wrench's past, the residual, the wrench. */
+#define AUVID_FEEDBACK_ORDER 4
 
 /** Is the wrench feedback? Private: see auvid_metric_feedback.c. */
 typedef struct {
-    auvid_real_t factor[AUVID_FEEDBACK_ORDER * (AUVID_FEEDBACK_ORDER + 1) / 2];
-    auvid_real_t rows;                         /* in the factor; old ones count less */
+    auvid_real_t factor[AUVID_DOF_COUNT][AUVID_FEEDBACK_ORDER * (AUVID_FEEDBACK_ORDER + 1) / 2];
+    auvid_real_t rows[AUVID_DOF_COUNT];        /* in the factors; old ones count less */
     auvid_real_t sum[AUVID_DOF_COUNT];         /* of residuals, of the block under way */
     auvid_real_t residual[4][AUVID_DOF_COUNT]; /* means over blocks of cells, the newest first */
     auvid_real_t wrench[AUVID_DOF_COUNT];      /* the same, the last block, relative to tau_max */
