@@ -9,10 +9,11 @@
  *                          + b e + noise,
  *     e = e_1 + e_2 / 2 + e_3 / 4,
  *
- * tau_0 of the last cell before the block, e_k the mean residual of earlier blocks. Between e_1 and tau lies a gap, because velocity is
- * interpolated between its samples, and time stamps are late. The wrench's own past keeps an error
- * of the model, which also depends on it, from looking like feedback. Rows in which tau changes much
- * count less: they are changes of a reference. tau and e are relative to tau_max.
+ * tau_0 of the last cell before the block, e_k the mean residual of earlier blocks. Between e_1 and
+ * tau lies a gap, because velocity is interpolated between its samples, and time stamps are late.
+ * The wrench's own past keeps an error of the model, which also depends on it, from looking like
+ * feedback. Rows in which tau changes much count less: they are changes of a reference. tau and e
+ * are relative to tau_max.
  *
  * F_j is the F statistic of b = 0 in DoF j (Granger's test of causality, 1969). The wrench is
  * feedback if their sum over n DoF exceeds 6 sqrt(n). Simulated, 100 and more runs of 600 s in
