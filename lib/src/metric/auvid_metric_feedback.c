@@ -123,7 +123,7 @@ void auvid_metric_watch(auvid_metric_t *m, const auvid_sample_t *cell, const auv
         f->sum[j] += known ? e[j] / (auvid_real_t)block : AUVID_C(0.0);
     }
     uint32_t phase = f->cells++ % block;
-    if (phase == gap - 1u && f->cells > block) {
+    if (phase == gap - 1u) {
         feedback_fade(f, m);
         for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
             if ((dofs >> j & 1) != 0) {
