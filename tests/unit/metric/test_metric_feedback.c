@@ -83,8 +83,8 @@ static void fade(void)
     stored = metric.sets.stored;
 }
 
-/* Feeds CELLS cells with a random wrench; at some there is a gap, no estimate, or no velocity. Yaw is
- * known from cell 300 on. */
+/* Feeds CELLS cells with a random wrench; at some there is a gap, no estimate, or no velocity. Yaw
+ * is known from cell 300 on. */
 static void feed_cells(void)
 {
     sim_rng_t rng;

@@ -110,16 +110,46 @@ static void test_a_certain_sag_is_no_change_of_the_vehicle(void)
         identify((field_vehicle_t)vehicle, "thrust_sag", 0.1);
         TEST_ASSERT_EQUAL(0, record.changed);
         TEST_ASSERT_TRUE(record.flagged[AUVID_G500_X_UU]);
-        field.sets = 12;
-        field.field.length_s = 360.0; /* six sets before the ballast */
-        field_set(&field.field, "ballast", vehicle == FIELD_ROV20 ? 2.0 : 30.0);
+        field.uncertain = false; /* nothing explains it */
         TEST_ASSERT_TRUE(field_run(&run, &field, &record));
         TEST_ASSERT_TRUE(record.changed > 0);
-        identify((field_vehicle_t)vehicle, "thrust_sag", 0.1);
-        field.uncertain = false;
+        field.uncertain = true;
+        field.sets = 7; /* the last one is evidence */
+        field.field.length_s = 210.0;
         TEST_ASSERT_TRUE(field_run(&run, &field, &record));
-        TEST_ASSERT_TRUE(record.changed > 0); /* there is no sag to explain it */
+        TEST_ASSERT_EQUAL(0, record.changed);
+        double sag = (double)run.change.statistic.sag;
+        TEST_ASSERT_DOUBLE_WITHIN(0.2 * 0.1 / 7.0, 0.1 / 7.0, sag);
     }
+}
+
+static void test_a_change_of_the_vehicle_is_no_sag(void)
+{
+    static const double kg[] = {60.0, 6.0}, sag[] = {0.0, 0.1};
+    for (int k = 0; k < 2 * FIELD_VEHICLES; ++k) {
+        field_run_defaults(&field);
+        field_defaults(&field.field, (field_vehicle_t)(k / 2), FIELD_EXCITED, 3);
+        field.sets = 7;
+        field.field.length_s = 360.0; /* six sets before the ballast */
+        TEST_ASSERT_TRUE(field_set(&field.field, "ballast", kg[k / 2]));
+        TEST_ASSERT_TRUE(field_set(&field.field, "thrust_sag", sag[k % 2]));
+        TEST_ASSERT_TRUE(field_run(&run, &field, &record));
+        TEST_ASSERT_TRUE(record.changed > 0);
+        TEST_ASSERT_TRUE(k % 2 > 0 || run.change.statistic.sag == 0);
+    }
+}
+
+/* It only explains evidence, and does not make it. */
+static void test_a_sag_counts_only_where_there_is_evidence(void)
+{
+    field_run_defaults(&field);
+    field_defaults(&field.field, FIELD_GIRONA500, FIELD_EXCITED, 3);
+    TEST_ASSERT_TRUE(field_set(&field.field, "thrust_sag", 0.06));
+    TEST_ASSERT_TRUE(field_set(&field.field, "disturbance", 1.0));
+    TEST_ASSERT_TRUE(field_run(&run, &field, &record));
+    const auvid_cause_t *sag = &run.uncertain.causes.cause[AUVID_CAUSE_SAG];
+    TEST_ASSERT_TRUE(sag->value > AUVID_CAUSE_SIGMAS * sag->sigma); /* certain */
+    TEST_ASSERT_TRUE(run.change.statistic.sag == 0);
 }
 
 static void test_nothing_is_named_in_a_perfect_world(void)
@@ -253,6 +283,8 @@ int main(void)
     RUN_TEST(test_asymmetry_and_current_have_the_right_sign);
     RUN_TEST(test_a_dvl_elsewhere_or_later_than_told_is_named);
     RUN_TEST(test_a_certain_sag_is_no_change_of_the_vehicle);
+    RUN_TEST(test_a_change_of_the_vehicle_is_no_sag);
+    RUN_TEST(test_a_sag_counts_only_where_there_is_evidence);
     RUN_TEST(test_nothing_is_named_in_a_perfect_world);
     RUN_TEST(test_the_scale_of_the_thrust_is_never_named);
     RUN_TEST(test_estimates_that_differ_are_listed);
