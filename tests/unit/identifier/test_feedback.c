@@ -155,17 +155,17 @@ static void give(int j, double statistic, double rows)
 static void test_the_sum_over_the_degrees_of_freedom_decides(void)
 {
     TEST_ASSERT_FALSE(auvid_metric_has_feedback(&id.metric));
-    give(AUVID_SURGE, 5.9, 100);
+    give(AUVID_SURGE, 9.9, 100);
     TEST_ASSERT_FALSE(auvid_metric_has_feedback(&id.metric));
-    give(AUVID_SURGE, 6.1, 100);
+    give(AUVID_SURGE, 10.1, 100);
     TEST_ASSERT_TRUE(auvid_metric_has_feedback(&id.metric));
-    give(AUVID_YAW, 2.3, 50); /* the limit is 6 sqrt(2) = 8.49 */
+    give(AUVID_YAW, 4.0, 50); /* the limit is 10 sqrt(2) = 14.14 */
     TEST_ASSERT_FALSE(auvid_metric_has_feedback(&id.metric));
-    give(AUVID_YAW, 2.5, 50);
+    give(AUVID_YAW, 4.1, 50);
     TEST_ASSERT_TRUE(auvid_metric_has_feedback(&id.metric));
     give(AUVID_YAW, 1000, 39); /* too few rows: does not count */
     TEST_ASSERT_TRUE(auvid_metric_has_feedback(&id.metric));
-    give(AUVID_SURGE, 5.9, 100);
+    give(AUVID_SURGE, 9.9, 100);
     TEST_ASSERT_FALSE(auvid_metric_has_feedback(&id.metric));
     give(AUVID_YAW, 1000, 40);
     TEST_ASSERT_TRUE(auvid_metric_has_feedback(&id.metric));
