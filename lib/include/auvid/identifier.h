@@ -463,10 +463,11 @@ auvid_status_t auvid_identifier_attach_prediction(auvid_identifier_t *id,
  * predicts worse than the last accepted one is replaced by it (AUVID_EVENT_RESTORED). After a
  * change the older sets are dropped and the search starts cold (AUVID_EVENT_CHANGED). If auvid has
  * not excited a set with evidence, that set is deleted and the next one decides: the vehicle has
- * changed if it is evidence, too, or does not excite the same DoF. A slow change shows in no set:
- * each accepted estimate of at least five sets is also compared with the first one since init or
- * the last change (AUVID_EVENT_DRIFTED); a checkpoint keeps that one. Call it once, between
- * auvid_identifier_init and the first step. Without it every set is merged as it comes, no
+ * changed if it is evidence, too, or does not excite the same DoF. Evidence does not count if a sag
+ * of the thrust explains it, of which the uncertain inputs (uncertain.h) are certain. A slow change
+ * shows in no set: each accepted estimate of at least five sets is also compared with the first one
+ * since init or the last change (AUVID_EVENT_DRIFTED); a checkpoint keeps that one. Call it once,
+ * between auvid_identifier_init and the first step. Without it every set is merged as it comes, no
  * estimate is `accepted`, and the program does not contain the test.
  * @param storage written; must outlive the identifier
  * @return AUVID_OK; AUVID_ERR_NULL; AUVID_ERR_STATE (not initialised); AUVID_ERR_ATTACHED (one is

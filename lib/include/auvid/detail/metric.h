@@ -255,8 +255,8 @@ typedef struct {
     auvid_real_t unexplained[2][AUVID_DOF_COUNT]; /**< sum of squared residuals of the newest set
                                                        [0], or the newest two [1], fitted without
                                                        the older ones [N^2, Nm^2] */
-    auvid_real_t sag;                             /* see auvid_metric_change_begin */
-    uint8_t rank[AUVID_DOF_COUNT];                /**< number of parameters tested */
+    auvid_real_t sag; /* share of the thrust from set to set, see auvid_metric_change_begin */
+    uint8_t rank[AUVID_DOF_COUNT]; /**< number of parameters tested */
     uint8_t reserved[2];
 } auvid_metric_change_t;
 
