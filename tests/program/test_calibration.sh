@@ -109,8 +109,13 @@ assert error("W-B") < 0.08 and error("m_w") < 0.08, (error("W-B"), error("m_w"))
 
 # ---- what does not calibrate ----
 weight -1 1e6 always.ini
-check "a weight that never changes" exits 0 fit strong1.csv --vehicle always.ini
-check "  does not show the thrust" grep -q 'known force does not show the scale of the thrust' out
+for seed in 1 2 3 4; do
+    "$AUVID" demo --vehicle dive.ini --seed "$seed" --disturbance 1 --csv log.csv --json >demo.json
+    too_strong <log.csv >strong.csv
+    check "seed $seed: a weight that never changes" exits 0 fit strong.csv --vehicle always.ini
+    check "  does not show the thrust" \
+        grep -q 'known force does not show the scale of the thrust' out
+done
 check "a weight that pulls up" exits 3 fit strong1.csv --vehicle up.ini
 check "  contradicts the motion" grep -q 'contradicts the motion (k_tau -' out
 check "weight twice" rejects 'known twice: by weight_N and by \[calibration.1\]' \

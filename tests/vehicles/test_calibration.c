@@ -441,9 +441,22 @@ static void test_flags_follow_the_half_width_in_si(void)
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_calibrated_estimate(&model, &told, &si));
     TEST_ASSERT_EQUAL_HEX32(0, si.confidence.identifiable);
     c->unchecked = false;
-    *packed(&told, N, N) = AUVID_C(0.03); /* the data say less of k than the prior */
+}
+
+static void test_data_that_hardly_show_the_scale_do_not_convert(void)
+{
+    double p[3][3] = {{64.0, 0.0, 0.0}, {0.0, 25.0, 0.0}, {0.0, 0.0, 0.0891}};
+    const double pi[3] = {720.0, -80.0, 1.1};
+    auvid_estimate_t told;
+    make_estimate(&told, pi, p, 0.15);
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_calibrated_estimate(&model, &told, &si));
+    TEST_ASSERT_EQUAL_HEX32(0, si.confidence.identifiable >> N); /* the prior says more */
+    *packed(&told, N, N) = AUVID_C(0.0909);                      /* more than (2 * 0.15)^2 */
+    TEST_ASSERT_EQUAL(AUVID_UNUSED, auvid_calibrated_estimate(&model, &told, &si));
+    TEST_ASSERT_EQUAL_DOUBLE(1.0, (double)si.pi[N]);
+    TEST_ASSERT_TRUE(si.confidence.sigma[N] >= AUVID_LARGEST);
     TEST_ASSERT_EQUAL_HEX32(0, si.confidence.identifiable >> N);
+    TEST_ASSERT_EQUAL_DOUBLE((double)told.pi[AUVID_G500_M_W], (double)si.pi[AUVID_G500_M_W]);
 }
 
 static void test_without_a_known_force_the_estimate_stays(void)
@@ -454,6 +467,7 @@ static void test_without_a_known_force_the_estimate_stays(void)
     make_estimate(&told, pi, p, 0.05);
     expected = told;
     expected.pi[N] = 1;
+    expected.confidence.sigma[N] = AUVID_LARGEST;
     TEST_ASSERT_EQUAL(AUVID_UNUSED, auvid_calibrated_estimate(&model, &told, &si));
     TEST_ASSERT_EQUAL_MEMORY(&expected, &si, sizeof si);
 }
@@ -606,6 +620,7 @@ int main(int argc, char **argv)
     RUN_TEST(test_the_conversion_is_bayes_rule_and_the_delta_rule);
     RUN_TEST(test_a_prior_that_the_data_contradict_is_widened);
     RUN_TEST(test_flags_follow_the_half_width_in_si);
+    RUN_TEST(test_data_that_hardly_show_the_scale_do_not_convert);
     RUN_TEST(test_without_a_known_force_the_estimate_stays);
     RUN_TEST(test_estimates_that_cannot_be_converted_are_refused);
     RUN_TEST(test_a_weight_corrects_thrust_that_is_told_20_percent_too_strong);

@@ -415,11 +415,11 @@ void auvid_calibrated_clear(auvid_calibrated_t *c);
  * @param estimate the identifier's
  * @param si written if >= 0; may be `estimate`. pi[c->k] is k: above 1 the supplied thrust is too
  * strong. It is identifiable if the data say more of it than the prior
- * @return AUVID_OK; AUVID_UNUSED (the data do not show k: *si is *estimate with k = 1, and after
- * any change of the force no constant force is identifiable); AUVID_ERR_NULL (also `estimate`, if
- * there is none); AUVID_ERR_STATE (not initialised); AUVID_ERR_NO_DATA (no estimate yet);
- * AUVID_ERR_RANGE (k is not above 0.2: the force has another sign or size than it was given). Cost:
- * O(n^2). */
+ * @return AUVID_OK; AUVID_UNUSED (the data hardly show k, their standard error of it is more than
+ * twice the prior's: *si is *estimate with k = 1 of unknown error, and after any change of the
+ * force no constant force is identifiable); AUVID_ERR_NULL (also `estimate`, if there is none);
+ * AUVID_ERR_STATE (not initialised); AUVID_ERR_NO_DATA (no estimate yet); AUVID_ERR_RANGE (k is not
+ * above 0.2: the force has another sign or size than it was given). Cost: O(n^2). */
 auvid_status_t auvid_calibrated_estimate(const auvid_calibrated_t *c,
                                          const auvid_estimate_t *estimate, auvid_estimate_t *si);
 

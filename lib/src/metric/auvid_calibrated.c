@@ -29,6 +29,9 @@
 #define LARGEST_FORCE AUVID_C(1e5)
 #define LARGEST_ARM AUVID_C(100.0)
 #define LARGEST_MASS AUVID_C(1e4)
+/* Largest variance of k, relative to that of its prior: then its error is at least a tenth smaller
+ * than without the data. */
+#define LARGEST_VARIANCE AUVID_C(4.0)
 #define LEAST_K AUVID_C(0.2)
 
 /* Steps by which the acceleration includes that of the weight: an error of m / M each. */
@@ -342,6 +345,7 @@ static void calibrated_leave(const auvid_calibrated_t *c, auvid_estimate_t *si)
 {
     auvid_confidence_t *to = &si->confidence;
     si->pi[c->k] = AUVID_C(1.0);
+    to->sigma[c->k] = AUVID_LARGEST;
     for (int i = 0; i < c->vehicle.parameters && c->changes > 0; ++i) {
         if (c->parameter[i].kind == AUVID_PARAMETER_FORCE && (si->identified >> i & 1u) != 0) {
             to->identifiable &= ~(1u << i);
@@ -372,6 +376,7 @@ auvid_status_t auvid_calibrated_estimate(const auvid_calibrated_t *c,
                 estimate->confidence.sigma[k] < AUVID_LARGEST;
     if (seen) {
         calibrated_combine(&scale, estimate, k);
+        seen = scale.variance <= LARGEST_VARIANCE * scale.prior;
     }
     if (seen && !(scale.k >= LEAST_K)) {
         return AUVID_ERR_RANGE;
