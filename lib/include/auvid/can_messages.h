@@ -612,7 +612,7 @@ typedef struct {
 typedef struct {
     /** Number of the estimate, modulo 4; 0..3 */
     uint32_t number;
-    /** Place of the class among those named, the largest share first; 0..6 */
+    /** Place of the class among those named; the first moves masses and drag most; 0..6 */
     uint32_t rank;
     /** The class, and its most important input; 0..17 */
     uint32_t input;

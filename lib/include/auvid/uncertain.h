@@ -177,7 +177,9 @@ typedef struct {
     uint32_t differs; /**< bit i: the estimates of parameter i with and without uncertain inputs
                            differ by more than both half-widths */
     auvid_cause_t cause[AUVID_CAUSE_COUNT]; /**< by auvid_cause_class_t */
-    uint8_t order[AUVID_CAUSE_COUNT];       /**< the named classes, the largest share first */
+    uint8_t order[AUVID_CAUSE_COUNT];       /**< the named classes; the first moves masses and drag
+                                                 most: the largest share, where those of mounting,
+                                                 inflow and current count half */
     uint8_t named;                          /**< their number */
     bool contradicted;                      /**< see auvid_uncertain_t; then no class is named */
     bool thrust_differs;                    /**< likewise: the thrusters' forces (command) do not
