@@ -183,14 +183,13 @@ void auvid_confidence_revise(job_t *job, const auvid_real_t *pi)
 }
 
 void auvid_confidence_revise_parameter(job_t *job, const auvid_metric_t *metric, int i,
-                                       auvid_real_t sigma, uint8_t partner)
+                                       const auvid_finding_t *found)
 {
-    auvid_finding_t found = {.sigma = sigma, .partner = partner, .bound_partner = NOWHERE};
     job->metric = metric;
     job->delay_step[i] = AUVID_C(0.0);
-    if (sigma > AUVID_C(0.0)) {
+    if (found->sigma > AUVID_C(0.0)) {
         confidence_consider(job, job->parameter_of[i]);
-        auvid_confidence_conclude(job, i, &found);
+        auvid_confidence_conclude(job, i, found);
     } else {
         auvid_confidence_note_idle(job, job->parameter_of[i]);
     }

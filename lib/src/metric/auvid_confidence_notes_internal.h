@@ -42,14 +42,6 @@ void auvid_confidence_add_scores(auvid_confidence_job_t *c, int j);
 /** Set the note of parameter i for the case that nothing is known about it. */
 void auvid_confidence_note_idle(auvid_confidence_job_t *c, int i);
 
-/** Findings about a parameter. */
-typedef struct {
-    auvid_real_t sigma, bias; /**< bias >= 0 */
-    auvid_real_t bound_shift; /**< distance from where it would be without bounds */
-    uint8_t partner;          /**< the parameter with which it is correlated, or NOWHERE */
-    uint8_t bound_partner;    /**< the most correlated parameter at its bound, or NOWHERE */
-} auvid_finding_t;
-
 /** Correlation from which the other parameter is named. */
 #define AUVID_CORRELATED AUVID_C(0.95)
 

@@ -115,6 +115,9 @@ void auvid_uncertain_begin_search(auvid_uncertain_t *u);
 /** Evaluate a point. @return has the search ended? Then its result is kept. */
 bool auvid_uncertain_search(auvid_uncertain_t *u);
 
+/** Write the solution without bounds, of the last pass. */
+void auvid_uncertain_free(const auvid_uncertain_t *u, auvid_real_t pi[AUVID_MAX_PARAMETERS]);
+
 /** Consider input k of DoF j as a cause. */
 void auvid_uncertain_consider(auvid_uncertain_t *u, int j, int k);
 

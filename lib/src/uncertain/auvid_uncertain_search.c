@@ -84,6 +84,17 @@ void auvid_uncertain_begin_search(uncertain_t *u)
         auvid_identifier_begin_search(id, unit, NULL, &minimum, u->pi, AUVID_C(0.0)) == AUVID_OK;
 }
 
+void auvid_uncertain_free(const uncertain_t *u, auvid_real_t pi[AUVID_MAX_PARAMETERS])
+{
+    auvid_real_t x[JOINT_ORDER];
+    for (int i = PARAMETERS_AT; i < JOINT_ORDER - 1; ++i) {
+        x[i] = auvid_uncertain_joint_row(u, i)[JOINT_ORDER - 1];
+    }
+    (void)auvid_qr_solve_from(u->work.joint, JOINT_ORDER, PARAMETERS_AT, JOINT_ORDER - 1,
+                              AUVID_C(1e-6), x);
+    memcpy(pi, x + PARAMETERS_AT, AUVID_MAX_PARAMETERS * sizeof *pi);
+}
+
 /* Cost of a point: squares of the parameters' rows. */
 static auvid_real_t uncertain_cost(const uncertain_t *u, const auvid_real_t *pi)
 {

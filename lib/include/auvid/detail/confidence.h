@@ -131,6 +131,14 @@ void auvid_confidence_limits(auvid_confidence_job_t *job, const auvid_real_t *lo
 auvid_status_t auvid_confidence_work(auvid_confidence_job_t *job, const auvid_metric_t *metric,
                                      uint32_t *budget);
 
+/** Findings about a parameter. Its partner is one with which it is strongly correlated, that at a
+ * bound the most correlated one of those at their bound; 255: none. */
+typedef struct {
+    auvid_real_t sigma, bias; /**< bias >= 0 */
+    auvid_real_t bound_shift; /**< distance from where it would be without bounds */
+    uint8_t partner, bound_partner;
+} auvid_finding_t;
+
 #define auvid_confidence_revise AUVID_SIZED(auvid_confidence_revise)
 /** After the computation: begin to assess other values of the same parameters, from another
  * estimator. Call auvid_confidence_limits and auvid_confidence_revise_parameter for each column
@@ -140,10 +148,9 @@ void auvid_confidence_revise(auvid_confidence_job_t *job, const auvid_real_t *pi
 
 #define auvid_confidence_revise_parameter AUVID_SIZED(auvid_confidence_revise_parameter)
 /** Assess the next parameter, parameter_of[i], i = 0 .. n - 1.
- * @param sigma its standard error, given thrust and DVL scale; 0: not known
- * @param partner the parameter with which it is strongly correlated; 255: none */
+ * @param found its standard error, given thrust and DVL scale, 0: not known; bias 0 */
 void auvid_confidence_revise_parameter(auvid_confidence_job_t *job, const auvid_metric_t *metric,
-                                       int i, auvid_real_t sigma, uint8_t partner);
+                                       int i, const auvid_finding_t *found);
 
 #ifdef __cplusplus
 }
