@@ -125,7 +125,7 @@ check "seeds are consecutive: runs may be divided among processes" holds out '
 assert d["each"] == json.load(open("four"))["each"][2:]'
 
 # ---- after the excitation ----
-rov="demo --field 1 --vehicle rov20 --runs 4 --seed 21 --json"
+rov="demo --field 1 --vehicle rov20 --runs 12 --seed 21 --json"
 exits 0 $rov
 cp out alone
 for driver in station joystick; do

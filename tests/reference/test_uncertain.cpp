@@ -120,11 +120,11 @@ struct Reference {
             residual[b] = c[b].col(cols) - c[b].leftCols(cols) * theta;
             squares[b] = residual[b].squaredNorm();
         }
-        double ratio = std::sqrt(squares[1] / squares[0]), weight[2] = {ratio, 1.0 / ratio};
+        double ratio = squares[1] / squares[0], weight[2] = {ratio, 1.0 / ratio};
         double s2 = 2.6 * (weight[0] * squares[0] + weight[1] * squares[1]) / double(u.rows[j]);
         double zz =
             weight[0] * c[0].col(cols).squaredNorm() + weight[1] * c[1].col(cols).squaredNorm();
-        double lambda = j == AUVID_YAW ? 0.5 : 1.0, m_j = x(AUVID_UNCERTAIN_SHARED + mass(j));
+        double lambda = j == AUVID_YAW ? 0.4 : 0.7, m_j = x(AUVID_UNCERTAIN_SHARED + mass(j));
         MatrixXd jacobian[2] = {c[0].leftCols(cols), c[1].leftCols(cols)};
         for (int k = 0; k < cols; ++k) {
             bool thrust =

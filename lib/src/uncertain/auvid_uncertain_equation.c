@@ -6,8 +6,10 @@
 
 #include "auvid_uncertain_parts_internal.h"
 
-#define PROJECTED_NOISE AUVID_C(1.4)    /* of projected rows: disturbances are slow */
-#define LARGEST_BAND_RATIO AUVID_C(1e3) /* of the weights of the bands */
+#define PROJECTED_NOISE AUVID_C(1.4)     /* of projected rows: disturbances are slow */
+#define LARGEST_BAND_RATIO AUVID_C(30.0) /* of the residuals of the bands */
+#define MOVES_FORCES AUVID_C(0.7)        /* lambda, see auvid_uncertain_solve.c */
+#define MOVES_MOMENTS AUVID_C(0.4)
 
 typedef auvid_uncertain_t uncertain_t;
 
@@ -148,8 +150,8 @@ static void uncertain_prepare_slopes(uncertain_t *u, const auvid_metric_t *m, in
     const auvid_uncertain_equation_t *e = &u->equation[j];
     const uint8_t *index = auvid_metric_row_parameters(m, j);
     auvid_real_t mass = AUVID_C(0.0), lambda = u->work.strong != 0 ? AUVID_C(0.0)
-                                               : j < AUVID_ROLL    ? AUVID_C(1.0)
-                                                                   : AUVID_C(0.5);
+                                               : j < AUVID_ROLL    ? MOVES_FORCES
+                                                                   : MOVES_MOMENTS;
     auvid_real_t a[AUVID_MAX_PARAMETERS];
     auvid_real_t zz = uncertain_product(u, j, e->order - 1, e->order - 1, weight);
     auvid_confidence_acceleration_row(m->cfg.vehicle, j, &p->regressor, a);
@@ -177,6 +179,25 @@ static void uncertain_prepare_slopes(uncertain_t *u, const auvid_metric_t *m, in
             u->work.side[j][auvid_uncertain_joint_column(u, m, j, k)] = side;
         }
     }
+}
+
+/* Weights of the bands from their residuals' sums of squares. Let the residual be a first-order
+ * autoregression e_k = rho e_(k-1) + white noise. With s and d half the sum and half the difference
+ * of the two rows of a pair, the sum of squared innovations is, but for the ends,
+ *
+ *     sum (e_k - rho e_(k-1))^2 = sum (1 - rho)^2 s^2 + (1 + rho)^2 d^2,
+ *
+ * and sum s^2 / sum d^2 = (1 + rho) / (1 - rho). So the weights are as the squares of the other
+ * band's residual: generalised least squares (Cochrane and Orcutt 1949). The metric's own weights
+ * are as their first powers. Its residual contains the errors of the inputs, which are no noise. */
+static void uncertain_weigh_bands(const auvid_real_t squares[AUVID_METRIC_BANDS],
+                                  auvid_real_t weight[AUVID_METRIC_BANDS])
+{
+    bool known = squares[0] > AUVID_C(0.0) && squares[1] > AUVID_C(0.0);
+    weight[0] = known ? auvid_clamp(squares[1] / squares[0], AUVID_C(1.0) / LARGEST_BAND_RATIO,
+                                    LARGEST_BAND_RATIO)
+                      : AUVID_C(1.0);
+    weight[1] = AUVID_C(1.0) / weight[0];
 }
 
 /* The rows hold about as much as the ring: older ones fade. */
@@ -208,10 +229,7 @@ void auvid_uncertain_prepare(uncertain_t *u, const auvid_metric_t *m, int j)
             squares[band] += e * e;
         }
     }
-    auvid_real_t ratio = squares[0] > AUVID_C(0.0) ? squares[1] / squares[0] : AUVID_C(1.0);
-    ratio = auvid_clamp(ratio, AUVID_C(1.0) / LARGEST_BAND_RATIO, LARGEST_BAND_RATIO);
-    weight[0] = auvid_sqrt(ratio);
-    weight[1] = AUVID_C(1.0) / weight[0];
+    uncertain_weigh_bands(squares, weight);
     auvid_real_t noise = auvid_sqrt(AUVID_UNCERTAIN_SMOOTHED *
                                     (weight[0] * squares[0] + weight[1] * squares[1]) / u->rows[j]);
     auvid_real_t least = AUVID_C(1e-5) * m->cfg.tau_max[j];

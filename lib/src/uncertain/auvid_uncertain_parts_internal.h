@@ -131,7 +131,7 @@ bool auvid_uncertain_reads(const auvid_uncertain_t *u, int j);
 #define AUVID_UNCERTAIN_LEAST_ROWS AUVID_C(40.0)
 #define AUVID_UNCERTAIN_SMOOTHED AUVID_C(2.6)
 /** Factor of the covariance, see auvid_uncertain_solve.c. */
-#define AUVID_UNCERTAIN_COVARIANCE AUVID_C(2.0)
+#define AUVID_UNCERTAIN_COVARIANCE AUVID_C(1.9)
 
 /** Has DoF j enough rows for a solution? */
 static inline bool auvid_uncertain_has_rows(const auvid_uncertain_t *u, int j)
