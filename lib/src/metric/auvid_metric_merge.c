@@ -180,7 +180,8 @@ void auvid_metric_rotate(auvid_metric_t *m, const auvid_set_t *set, int band, in
     for (int k = first; k < n; ++k) {
         row[k] *= scale;
     }
-    for (int k = auvid_is_zero(more) ? n : first > count ? first : count; k < n; ++k) {
+    int wrench = first > count ? first : count;
+    for (int k = wrench; k < n && !auvid_is_zero(more); ++k) {
         row[k] += more * row[k];
     }
     auvid_qr_update(m->evaluator.merged + m->layout.factor_at[j], n, first, row);
