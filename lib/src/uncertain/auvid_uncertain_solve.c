@@ -9,10 +9,10 @@
  *
  * (Gauss-Newton.) lambda = 1: the noise moves the vehicle; 0: it is an error of the thrust. What
  * the inputs leave of their errors is of the second kind, disturbances are of the first. With 1
- * masses are 2 to 6 % too large in mixtures of usual errors (medians, six vehicles), and nearly all
- * wrong flags are such masses. It is 0.7 for forces, and 0.4 for moments, which are small
- * differences of the thrusters' forces: then most medians are within 2 %. It is 0 for rows that are
- * projected onto instruments (auvid_instruments.c): their motion is without noise.
+ * masses are 2 to 6 % too large in mixtures of usual errors (medians, six vehicles), and so is
+ * every mass that is wrongly identifiable. It is 0.7 for forces, and 0.4 for moments, which are
+ * small differences of the thrusters' forces: then most medians are within 2 %. It is 0 for rows
+ * that are projected onto instruments (auvid_instruments.c): their motion is without noise.
  *
  * Columns c of the hull's inputs become c - D a, a = (D'D)^-1 D'c, D the columns of the DoF's drag
  * in unweighted bands. So pi contains the best drag for the motion that was seen.
