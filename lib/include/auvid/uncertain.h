@@ -314,8 +314,8 @@ auvid_status_t auvid_identifier_attach_uncertain(auvid_identifier_t *id, auvid_u
 
 #define auvid_uncertain_causes AUVID_SIZED(auvid_uncertain_causes)
 /** Copy what is wrong with the inputs, by the last solution. It stays while the next one is under
- * way. Nothing is named if bounds move a parameter by more than its half-width: the inputs then
- * take a part of what the bounds forbid.
+ * way. Nothing is named if a parameter depends on one at its bound: the inputs then take a part of
+ * what the bound forbids.
  * @param causes written if AUVID_OK
  * @return AUVID_OK; AUVID_ERR_NO_DATA (no solution yet, or none since a change of the vehicle);
  * AUVID_ERR_NULL. Cost: O(1). */

@@ -163,35 +163,30 @@ static bool uncertain_is_exact(const auvid_uncertain_t *u)
     return exact;
 }
 
-/* Assess parameter i of the joint solution. free: what it would be without bounds.
- * @return do bounds move it by more than its half-width? */
-static bool uncertain_assess_parameter(auvid_identifier_t *id, int i, const auvid_real_t *sigma,
+/* Assess parameter i of the joint solution. free: what it would be without bounds. */
+static void uncertain_assess_parameter(auvid_identifier_t *id, int i, const auvid_real_t *sigma,
                                        const auvid_real_t *free)
 {
     const auvid_estimate_t *e = &uncertain_of(id)->estimate;
     const auvid_vehicle_t *vehicle = id->metric.cfg.vehicle;
     auvid_confidence_job_t *job = &id->confidence;
     int p = job->parameter_of[i];
-    uint32_t bound = job->at_bound;
     auvid_finding_t found = {
         .sigma = sigma[p],
         .bound_shift = free[p] - e->pi[p],
         .partner = uncertain_partner(e, vehicle, sigma, p, ~0u, AUVID_CORRELATED),
-        .bound_partner = uncertain_partner(e, vehicle, sigma, p, bound, AUVID_C(0.0))};
+        .bound_partner = uncertain_partner(e, vehicle, sigma, p, job->at_bound, AUVID_C(0.0))};
     auvid_confidence_revise_parameter(job, &id->metric, i, &found);
-    return bound != 0 && sigma[p] > AUVID_C(0.0) &&
-           auvid_abs(found.bound_shift) > AUVID_CONFIDENCE_HALF_WIDTH * sigma[p];
 }
 
-/* Assess the solution, and write the estimate. @return do bounds determine a parameter? */
-static bool uncertain_assess(auvid_identifier_t *id)
+/* Assess the solution, and write the estimate. */
+static void uncertain_assess(auvid_identifier_t *id)
 {
     auvid_uncertain_t *u = uncertain_of(id);
     auvid_confidence_job_t *job = &id->confidence;
     const auvid_vehicle_t *vehicle = id->metric.cfg.vehicle;
     auvid_estimate_t *e = &u->estimate;
     auvid_real_t sigma[AUVID_MAX_PARAMETERS] = {AUVID_C(0.0)}, free[AUVID_MAX_PARAMETERS];
-    bool bounded = false;
     *e = id->estimate;
     e->evaluations_crs = u->work.searched.crs;
     e->evaluations_line = u->work.searched.line_search;
@@ -208,14 +203,12 @@ static bool uncertain_assess(auvid_identifier_t *id)
     auvid_confidence_limits(job, id->search.lower, id->search.upper, e->not_converged);
     auvid_uncertain_free(u, free);
     for (int i = 0; i < job->n; ++i) {
-        bool moved = uncertain_assess_parameter(id, i, sigma, free);
-        bounded = bounded || moved;
+        uncertain_assess_parameter(id, i, sigma, free);
     }
     if (!u->excited) {
         auvid_confidence_close_loop(job, &id->metric, u->work.strong);
     }
     e->confidence = job->result;
-    return bounded;
 }
 
 static auvid_status_t uncertain_solve(auvid_identifier_t *id, uint32_t *budget)
@@ -232,13 +225,10 @@ static void uncertain_publish(auvid_identifier_t *id)
     u->work.solving = false;
     if (u->contradicted || auvid_uncertain_thrust_differs(u)) {
         u->estimate.number = 0;
-        auvid_uncertain_publish_causes(u);
-    } else if (!uncertain_assess(id)) {
-        auvid_uncertain_publish_causes(u);
     } else {
-        memset(&u->causes, 0, sizeof u->causes); /* inputs explain what the bounds forbid */
-        u->causes.number = id->estimate.number;
+        uncertain_assess(id);
     }
+    auvid_uncertain_publish_causes(u);
 }
 
 static const auvid_uncertain_functions_t uncertain_table = {

@@ -144,6 +144,16 @@ static bool causes_differ(const auvid_estimate_t *one, const auvid_estimate_t *o
            sigma < AUVID_LARGEST && auvid_abs(one->pi[i] - other->pi[i]) > AUVID_HALF_WIDTH * sigma;
 }
 
+/* Does a bound move a parameter? Then the inputs take a part of what it forbids. */
+static bool causes_are_bounded(const uncertain_t *u)
+{
+    bool bounded = false;
+    for (int i = 0; i < u->id->metric.cfg.vehicle->parameters; ++i) {
+        bounded = bounded || u->estimate.confidence.note[i] == AUVID_NOTE_BESIDE_BOUND;
+    }
+    return bounded;
+}
+
 void auvid_uncertain_consider(auvid_uncertain_t *u, int j, int k)
 {
     const auvid_uncertain_equation_t *e = &u->equation[j];
@@ -161,7 +171,7 @@ void auvid_uncertain_publish_causes(auvid_uncertain_t *u)
     if (differs || u->contradicted) {
         u->causes.thrust_differs = differs;
         u->causes.contradicted = !differs;
-    } else {
+    } else if (!causes_are_bounded(u)) {
         u->causes = u->work.causes;
         causes_sort(&u->causes);
         for (int i = 0; i < u->id->metric.cfg.vehicle->parameters; ++i) {
