@@ -134,10 +134,13 @@ static uint8_t uncertain_partner(const auvid_estimate_t *e, const auvid_vehicle_
 {
     auvid_real_t largest = least;
     uint8_t partner = NOWHERE;
-    for (int k = 0; k < vehicle->parameters; ++k) {
+    for (int k = 0; among >> k != 0 && k < vehicle->parameters; ++k) {
         auvid_real_t both = sigma[p] * sigma[k];
+        if (k == p || (among >> k & 1u) == 0 || !(both > AUVID_C(0.0))) {
+            continue;
+        }
         auvid_real_t size = auvid_abs(auvid_estimate_covariance(e, vehicle, p, k));
-        if (k != p && (among >> k & 1u) != 0 && both > AUVID_C(0.0) && size > largest * both) {
+        if (size > largest * both) {
             largest = size / both;
             partner = (uint8_t)k;
         }
@@ -201,7 +204,10 @@ static void uncertain_assess(auvid_identifier_t *id)
     job->result.unchecked = uncertain_is_exact(u) && !id->exact_inputs;
     auvid_confidence_revise(job, e->pi);
     auvid_confidence_limits(job, id->search.lower, id->search.upper, e->not_converged);
-    auvid_uncertain_free(u, free);
+    memcpy(free, e->pi, sizeof free);
+    if (job->at_bound != 0) {
+        auvid_uncertain_free(u, free);
+    }
     for (int i = 0; i < job->n; ++i) {
         uncertain_assess_parameter(id, i, sigma, free);
     }
