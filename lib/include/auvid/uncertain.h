@@ -43,7 +43,7 @@
  *
  * Regressor path only. Attach it once; a program without it does not contain it. A checkpoint
  * (checkpoint.h) contains its state. Cost: a tick of the example on a Cortex-M4F takes 22 thousand
- * instructions instead of 17 on average, 70 instead of 64 at most. Memory:
+ * instructions instead of 17 on average, 73 instead of 64 at most. Memory:
  * sizeof(auvid_uncertain_t), 26 KiB with default sizes; AUVID_MAX_UNCERTAIN chooses for how many
  * columns.
  *
@@ -281,7 +281,10 @@ typedef struct auvid_uncertain {
     auvid_uncertain_rows_t recorded;
     auvid_uncertain_solution_t work;
     auvid_real_t factor[AUVID_METRIC_BANDS][AUVID_UNCERTAIN_FACTOR];
-    auvid_real_t rows[AUVID_DOF_COUNT];          /* in the R factors */
+    auvid_real_t rows[AUVID_DOF_COUNT]; /* in the R factors */
+    /* products of linear, then of quadratic drag with own inputs, then with both drags of each DoF,
+       over rows from before the first solution */
+    auvid_real_t faded[2][AUVID_UNCERTAIN_OWN + 2 * AUVID_DOF_COUNT];
     auvid_real_t pi[AUVID_MAX_PARAMETERS];       /* last solution */
     auvid_real_t shared[AUVID_UNCERTAIN_SHARED]; /**< estimates by auvid_uncertain_input_t, valid
                                                       if estimate.number > 0; 0: no column */
@@ -289,6 +292,7 @@ typedef struct auvid_uncertain {
     auvid_real_t scale;    /**< of all priors: the one that fits best, limited to 0.5..2 */
     auvid_causes_t causes; /* read auvid_uncertain_causes */
     bool excited;          /* the rows are of the excitation, not of a passive vehicle */
+    bool informed;         /* the columns of motion are those of an estimate */
     bool contradicted;     /**< the best scale exceeds AUVID_UNCERTAIN_CONTRADICTED: no estimate */
 } auvid_uncertain_t;
 

@@ -235,6 +235,7 @@ static void uncertain_publish(auvid_identifier_t *id)
         uncertain_assess(id);
     }
     auvid_uncertain_publish_causes(u);
+    u->informed = true;
 }
 
 static const auvid_uncertain_functions_t uncertain_table = {

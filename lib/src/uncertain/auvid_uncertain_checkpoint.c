@@ -29,7 +29,7 @@ static const auvid_checkpoint_limit_t checkpoint_limit_uncertain[] = {
     VALUE(uncertain, work.part.factor, work.part.scale),
     VALUE(uncertain, factor, factor),
     UP_TO(uncertain, rows, rows, AUVID_C(1e9)),
-    VALUE(uncertain, pi, own),
+    VALUE(uncertain, faded, own),
     UP_TO(uncertain, scale, scale, 2),
     FLAG(uncertain, excited, contradicted),
     BYTE(uncertain, causes.order, causes.order, AUVID_CAUSE_COUNT - 1),

@@ -10,6 +10,7 @@
 #define LARGEST_BAND_RATIO AUVID_C(30.0) /* of the residuals of the bands */
 #define MOVES_FORCES AUVID_C(0.7)        /* lambda, see auvid_uncertain_solve.c */
 #define MOVES_MOMENTS AUVID_C(0.4)
+#define EARLY_ROW AUVID_C(0.0625) /* weight of a row from before the first solution */
 
 typedef auvid_uncertain_t uncertain_t;
 
@@ -48,17 +49,46 @@ auvid_real_t auvid_uncertain_product(const uncertain_t *u, int j, int k, int l)
     return uncertain_product(u, j, k, l, uncertain_both);
 }
 
+/* Find the columns of DoF j's linear and quadratic drag. */
+static void uncertain_find_drag(uncertain_t *u, const auvid_metric_t *m, int j)
+{
+    const auvid_uncertain_equation_t *e = &u->equation[j];
+    const uint8_t *index = auvid_metric_row_parameters(m, j);
+    u->work.part.drag_at[0] = u->work.part.drag_at[1] = e->order;
+    for (int k = e->inputs; k < e->order - 1; ++k) {
+        const auvid_parameter_t *parameter = &m->cfg.vehicle->parameter[index[k - e->inputs]];
+        bool linear = parameter->kind == AUVID_PARAMETER_LINEAR_DRAG;
+        if ((int)parameter->dof == j &&
+            (linear || parameter->kind == AUVID_PARAMETER_QUADRATIC_DRAG)) {
+            u->work.part.drag_at[!linear] = (uint8_t)k;
+        }
+    }
+}
+
+/* Where the product of drag d with an own input k, or with drag, of faded rows is. */
+static auvid_real_t *uncertain_faded(uncertain_t *u, int j, int d, int k)
+{
+    const auvid_uncertain_equation_t *e = &u->equation[j];
+    int drag = AUVID_UNCERTAIN_OWN + 2 * j + (k == u->work.part.drag_at[1]);
+    return &u->faded[d][k < e->own ? e->own_at + k : drag];
+}
+
+/* Product of drag d with an own input k, or with drag, over all rows. */
+static auvid_real_t uncertain_drag_product(uncertain_t *u, int j, int d, int k)
+{
+    return auvid_uncertain_product(u, j, u->work.part.drag_at[d], k) + *uncertain_faded(u, j, d, k);
+}
+
 /* Parts of column k that are linear and quadratic drag. */
 static void uncertain_project(uncertain_t *u, int j, int k)
 {
-    const auvid_real_t *both = uncertain_both;
     auvid_uncertain_part_t *p = &u->work.part;
     int l = p->drag_at[0], q = p->drag_at[1], none = u->equation[j].order;
-    auvid_real_t ll = l == none ? AUVID_C(1.0) : uncertain_product(u, j, l, l, both);
-    auvid_real_t qq = q == none ? AUVID_C(1.0) : uncertain_product(u, j, q, q, both);
-    auvid_real_t lq = l == none || q == none ? AUVID_C(0.0) : uncertain_product(u, j, l, q, both);
-    auvid_real_t lk = l == none ? AUVID_C(0.0) : uncertain_product(u, j, l, k, both);
-    auvid_real_t qk = q == none ? AUVID_C(0.0) : uncertain_product(u, j, q, k, both);
+    auvid_real_t ll = l == none ? AUVID_C(1.0) : uncertain_drag_product(u, j, 0, l);
+    auvid_real_t qq = q == none ? AUVID_C(1.0) : uncertain_drag_product(u, j, 1, q);
+    auvid_real_t lq = l == none || q == none ? AUVID_C(0.0) : uncertain_drag_product(u, j, 0, q);
+    auvid_real_t lk = l == none ? AUVID_C(0.0) : uncertain_drag_product(u, j, 0, k);
+    auvid_real_t qk = q == none ? AUVID_C(0.0) : uncertain_drag_product(u, j, 1, k);
     auvid_real_t determinant = ll * qq - lq * lq;
     if (determinant > AUVID_C(1e-4) * ll * qq) {
         p->drag[0][k] = (lk * qq - qk * lq) / determinant;
@@ -72,21 +102,12 @@ static void uncertain_prepare_values(uncertain_t *u, const auvid_metric_t *m, in
     auvid_uncertain_part_t *p = &u->work.part;
     const auvid_uncertain_equation_t *e = &u->equation[j];
     const uint8_t *index = auvid_metric_row_parameters(m, j);
-    p->drag_at[0] = p->drag_at[1] = e->order;
     for (int k = 0; k < e->order; ++k) {
         p->value[k] = k < e->own         ? u->own[e->own_at + k]
                       : k < e->inputs    ? u->shared[u->code[e->channel_at + k]]
                       : k < e->order - 1 ? u->pi[index[k - e->inputs]]
                                          : AUVID_C(-1.0);
         p->residual[k] = -p->value[k];
-        if (k >= e->inputs && k < e->order - 1) {
-            const auvid_parameter_t *parameter = &m->cfg.vehicle->parameter[index[k - e->inputs]];
-            bool linear = parameter->kind == AUVID_PARAMETER_LINEAR_DRAG;
-            if ((int)parameter->dof == j &&
-                (linear || parameter->kind == AUVID_PARAMETER_QUADRATIC_DRAG)) {
-                p->drag_at[!linear] = (uint8_t)k;
-            }
-        }
     }
     p->sag_at = e->order;
     for (int k = 0; k < e->inputs; ++k) {
@@ -200,18 +221,54 @@ static void uncertain_weigh_bands(const auvid_real_t squares[AUVID_METRIC_BANDS]
     weight[1] = AUVID_C(1.0) / weight[0];
 }
 
+/* Let DoF j's rows count as this many. */
+static void uncertain_keep_rows(uncertain_t *u, int j, auvid_real_t rows)
+{
+    const auvid_uncertain_equation_t *e = &u->equation[j];
+    auvid_real_t root = auvid_sqrt(rows / u->rows[j]);
+    for (int k = 0; k < 2 * AUVID_QR_FACTOR(e->order); ++k) {
+        u->factor[k % 2][e->factor_at + k / 2] *= root;
+    }
+    u->rows[j] = rows;
+}
+
+/* Keep this part of the products of DoF j's faded rows, and add one of those of the others. */
+static void uncertain_change_faded(uncertain_t *u, int j, auvid_real_t keep, auvid_real_t add)
+{
+    const auvid_uncertain_equation_t *e = &u->equation[j];
+    for (int k = 0; k < e->own + 2; ++k) {
+        int column = k < e->own ? k : u->work.part.drag_at[k - e->own];
+        for (int d = 0; d < 2 && column < e->order; ++d) {
+            int drag = u->work.part.drag_at[d];
+            auvid_real_t *product = uncertain_faded(u, j, d, column);
+            *product *= keep;
+            if (add > AUVID_C(0.0) && drag < e->order) {
+                *product += add * auvid_uncertain_product(u, j, drag, column);
+            }
+        }
+    }
+}
+
 /* The rows hold about as much as the ring: older ones fade. */
 static void uncertain_fade(uncertain_t *u, const auvid_metric_t *m, int j)
 {
     auvid_real_t full = (auvid_real_t)m->cfg.sets * (auvid_real_t)m->cfg.set_rows;
-    auvid_real_t keep = full / u->rows[j], root = auvid_sqrt(keep);
-    const auvid_uncertain_equation_t *e = &u->equation[j];
+    auvid_real_t keep = full / u->rows[j];
     if (keep < AUVID_C(1.0)) {
-        for (int k = 0; k < 2 * AUVID_QR_FACTOR(e->order); ++k) {
-            u->factor[k % 2][e->factor_at + k / 2] *= root;
-        }
-        u->rows[j] = full;
+        uncertain_change_faded(u, j, keep, AUVID_C(0.0));
+        uncertain_keep_rows(u, j, full);
     }
+}
+
+/* The columns of current, lever arm and late DVL are formed with the last estimate. Without one
+ * they are zero, and drag takes what these inputs do: with a current of 0.1 m/s, one such set of
+ * eight makes Y_v 33 % too large. The rows do not vanish, as other DoF may be excited later; and
+ * what drag takes of the hull's inputs is to be that of the whole motion. */
+void auvid_uncertain_fade_early(uncertain_t *u, const auvid_metric_t *m, int j)
+{
+    uncertain_find_drag(u, m, j);
+    uncertain_change_faded(u, j, AUVID_C(1.0), AUVID_C(1.0) - EARLY_ROW);
+    uncertain_keep_rows(u, j, EARLY_ROW * u->rows[j]);
 }
 
 void auvid_uncertain_prepare(uncertain_t *u, const auvid_metric_t *m, int j)
@@ -219,6 +276,7 @@ void auvid_uncertain_prepare(uncertain_t *u, const auvid_metric_t *m, int j)
     auvid_uncertain_part_t *p = &u->work.part;
     auvid_real_t squares[AUVID_METRIC_BANDS] = {AUVID_C(0.0)}, weight[AUVID_METRIC_BANDS];
     auvid_zero(p, sizeof *p);
+    uncertain_find_drag(u, m, j);
     if (u->work.pass == 0) {
         uncertain_fade(u, m, j);
     }

@@ -66,6 +66,10 @@ int auvid_uncertain_joint_column(const auvid_uncertain_t *u, const auvid_metric_
 /** Prepare DoF j's part of a pass: residual, weights of the bands, changes of the columns. */
 void auvid_uncertain_prepare(auvid_uncertain_t *u, const auvid_metric_t *m, int j);
 
+/** At the end of the first solution: DoF j's rows from before it count little from now on, because
+ * their columns of current, lever arm and late DVL are of no vehicle. */
+void auvid_uncertain_fade_early(auvid_uncertain_t *u, const auvid_metric_t *m, int j);
+
 /** Rotate row i of one band, with its changed columns, into the DoF's factor. */
 void auvid_uncertain_add_row(auvid_uncertain_t *u, int j, int band, int i);
 

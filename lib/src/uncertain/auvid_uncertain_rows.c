@@ -16,6 +16,7 @@
 void auvid_uncertain_restart(auvid_uncertain_t *u)
 {
     auvid_zero(u->factor, sizeof u->factor);
+    auvid_zero(u->faded, sizeof u->faded);
     memset(u->rows, 0, sizeof u->rows);
     u->begin_us = 0;
     u->recorded.pending = 0;

@@ -185,6 +185,14 @@ static uint32_t uncertain_rotation(int n)
     return (uint32_t)(n * (n + 8)) / 36u;
 }
 
+/* Is input i of DoF j the last to read its rows before the early ones fade? Those of a passive
+ * vehicle stay: a controller moves it so little that each set counts. */
+static bool uncertain_fades(const uncertain_t *u, int j, int i)
+{
+    bool moves = u->cfg.current + u->cfg.arm_m + u->cfg.dvl_late_s > AUVID_C(0.0);
+    return u->excited && moves && !u->informed && i == u->equation[j].inputs - 1;
+}
+
 /* Returns the cost of the present step [units]: about 230 instructions each on a Cortex-M4F. */
 static uint32_t uncertain_price(const uncertain_t *u)
 {
@@ -218,7 +226,7 @@ static uint32_t uncertain_price(const uncertain_t *u)
     case SOLVE_SIGMA:
         return joint / 15u;
     default: /* SOLVE_CAUSES */
-        return joint / 24u;
+        return joint / 24u + (uncertain_fades(u, j, i) ? (uint32_t)(e->order * e->order) / 7u : 0u);
     }
 }
 
@@ -311,8 +319,11 @@ static bool uncertain_step(uncertain_t *u, const auvid_metric_t *m)
     case SOLVE_SIGMA:
         uncertain_find_covariance(u, m, i);
         break;
-    default:
+    default: /* SOLVE_CAUSES */
         auvid_uncertain_consider(u, j, i);
+        if (uncertain_fades(u, j, i)) {
+            auvid_uncertain_fade_early(u, m, j);
+        }
         break;
     }
     return false;

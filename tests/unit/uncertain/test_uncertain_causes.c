@@ -145,7 +145,7 @@ static void test_a_sag_counts_only_where_there_is_evidence(void)
 {
     field_run_defaults(&field);
     field_defaults(&field.field, FIELD_GIRONA500, FIELD_EXCITED, 3);
-    TEST_ASSERT_TRUE(field_set(&field.field, "thrust_sag", 0.06));
+    TEST_ASSERT_TRUE(field_set(&field.field, "thrust_sag", 0.07));
     TEST_ASSERT_TRUE(field_set(&field.field, "disturbance", 1.0));
     TEST_ASSERT_TRUE(field_run(&run, &field, &record));
     const auvid_cause_t *sag = &run.uncertain.causes.cause[AUVID_CAUSE_SAG];
