@@ -18,7 +18,9 @@ auvid_real_t auvid_uncertain_sigma(const auvid_uncertain_t *u, const auvid_metri
 
 enum { INPUT_DELAY = AUVID_UNCERTAIN_SHARED, INPUT_ASYMMETRY, INPUT_LIFT = INPUT_DELAY + 4 };
 
+using Eigen::Matrix2d;
 using Eigen::MatrixXd;
+using Eigen::Vector2d;
 using Eigen::VectorXd;
 
 static field_run_t run;
@@ -81,7 +83,13 @@ struct Reference {
         return j == AUVID_YAW ? SIM_M_R : SIM_M_U + j;
     }
 
-    // Columns with the hull's inputs orthogonal to the drag of the DoF.
+    // Products of both drags with a column, of early rows that faded.
+    Vector2d faded(int at) const
+    {
+        return Vector2d(double(u.faded[0][at]), double(u.faded[1][at]));
+    }
+
+    // Columns with the hull's inputs orthogonal to the drag of the DoF, over all rows.
     MatrixXd columns(int j, const MatrixXd &r) const
     {
         const auvid_uncertain_equation_t &e = u.equation[j];
@@ -96,9 +104,14 @@ struct Reference {
                 chosen.col(p) = r.col(k);
             }
         }
+        Matrix2d dd = d.transpose() * d;
+        for (int p = 0; p < 2; ++p) {
+            dd.col(p) += faded(AUVID_UNCERTAIN_OWN + 2 * j + p);
+        }
         for (int k = 0; k < e.inputs; ++k) {
             if (code(j, k) >= INPUT_ASYMMETRY && code(j, k) <= INPUT_LIFT) {
-                out.col(k) -= chosen * d.colPivHouseholderQr().solve(all.col(k));
+                Vector2d dc = d.transpose() * all.col(k) + faded(e.own_at + k);
+                out.col(k) -= chosen * dd.ldlt().solve(dc);
             }
         }
         return out;
