@@ -12,8 +12,8 @@
  * z is the supplied thrust behind a nominal lag of the propellers' speed. The noise is in the
  * acceleration, not in the thrust: in the column of the mass, u' becomes u' + e / m (prediction
  * error, three Gauss-Newton steps; one if an excitation continues). Otherwise columns that contain
- * the thrust would shrink it. In the moments, which thrusters form as small differences, half of e
- * is ascribed to the thrust.
+ * the thrust would shrink it. What the inputs leave of their own errors is in the thrust, though:
+ * 0.3 of e is ascribed to it, and 0.6 in the moments, which thrusters form as small differences.
  * Columns of the hull are made orthogonal to its drag, so that X_u and X_uu remain the best drag of
  * the model for the motion that was seen.
  *
@@ -23,6 +23,9 @@
  * The priors may be wrong by a factor of two: they get a common scale, the one with the largest
  * likelihood of what was found. Above 1, the scales of thrust and DVL in auvid_uncertainty_t are
  * taken as less certain by the same factor: then few parameters are identifiable.
+ *
+ * The columns of current, lever arm and late DVL are formed with the last estimate. Rows of an
+ * excitation from before the first one have none, and count a sixteenth once there is one.
  *
  * A passive vehicle adds rows until the first excitation; from then on only the excitation does. In
  * closed loop nothing is identifiable from passive rows (AUVID_NOTE_FEEDBACK), unless the reference

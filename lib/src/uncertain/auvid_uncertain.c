@@ -134,7 +134,7 @@ static uint8_t uncertain_partner(const auvid_estimate_t *e, const auvid_vehicle_
 {
     auvid_real_t largest = least;
     uint8_t partner = NOWHERE;
-    for (int k = 0; among >> k != 0 && k < vehicle->parameters; ++k) {
+    for (int k = 0; k < vehicle->parameters && among >> k != 0; ++k) {
         auvid_real_t both = sigma[p] * sigma[k];
         if (k == p || (among >> k & 1u) == 0 || !(both > AUVID_C(0.0))) {
             continue;
