@@ -40,9 +40,12 @@ const auvid_checkpoint_limit_t auvid_checkpoint_limit[] = {
 
     FLAG(recorder_stream, valid, valid),
 
-    WITHIN(recorder, last, mean, AUVID_C(2e9)),
+    WITHIN(recorder, last, slope, AUVID_C(2e9)),
+    RANGE(recorder, spread, spread, AUVID_C(0.0005), AUVID_C(2e9)),
+    WITHIN(recorder, mean, mean, AUVID_C(2e9)),
     AXES(recorder, measured),
     WHOLE(recorder, uint32_t, gap_us, gap_us, 1000, 1000000000),
+    COUNT(recorder, uint32_t, before_us, before_us, 1000000000),
     COUNT(recorder, uint32_t, interval_us, interval_us, 1000000),
     FLAG(recorder, running, broken),
     BYTE(recorder, intervals, intervals, AUVID_RECORDER_INTERVALS - 1),

@@ -26,6 +26,15 @@ enum { MAX_LAG = AUVID_RECORDER_CELLS - 8 };
 /* Longest period of the velocity samples (metric_config.h). */
 enum { MAX_PERIOD_US = 1000000 };
 
+/* An outlier is this many spreads from its neighbours (Hampel 1974). The spread is a quantile that
+ * grows by one factor and shrinks by the other (Robbins and Monro 1951): 27 % of the deviations are
+ * larger. It begins with a large one [m/s], and is never below the resolution of a DVL. */
+#define OUTLIER_SPREADS AUVID_C(5.0)
+#define SPREAD_GROWS AUVID_C(1.15)
+#define SPREAD_SHRINKS AUVID_C(0.95)
+#define FIRST_SPREAD AUVID_C(0.1)
+#define LEAST_SPREAD AUVID_C(0.001)
+
 enum { PHI = 0, RATES = 3, VELOCITIES = 6, TAU = 9, COMMAND = 9 + AUVID_DOF_COUNT };
 
 void auvid_recorder_defaults(auvid_recorder_config_t *cfg)
@@ -68,6 +77,9 @@ void auvid_recorder_set_up(auvid_recorder_t *recorder, const auvid_recorder_conf
     recorder->cell_us = cfg->cell_us;
     recorder->velocity_us = cfg->velocity_us;
     recorder->gap_us = gap_us;
+    for (int i = 0; i < 3; ++i) {
+        recorder->spread[i] = FIRST_SPREAD;
+    }
 }
 
 auvid_status_t auvid_recorder_init(auvid_recorder_t *recorder, const auvid_recorder_config_t *cfg)
@@ -213,6 +225,66 @@ static void recorder_add(auvid_recorder_t *rec, int s, uint64_t t_us, const auvi
     st->valid = true;
 }
 
+/* By how much velocity i jumped to its last sample and came back with this one; zero or less: it
+ * did not. */
+static auvid_real_t recorder_jump(const auvid_recorder_t *rec, int i, auvid_real_t value)
+{
+    auvid_real_t last = rec->last[VELOCITIES + i];
+    auvid_real_t to = last - rec->before[i], back = last - value;
+    auvid_real_t bend = to - rec->slope[i] * (auvid_real_t)rec->before_us[i];
+    auvid_real_t sign = to < AUVID_C(0.0) ? AUVID_C(-1.0) : AUVID_C(1.0);
+    return auvid_min(sign * bend, auvid_min(sign * to, sign * back));
+}
+
+/* Move the last sample of velocity i. What it did to the stored cells since the sample before it
+ * changes in proportion. At most AUVID_RECORDER_CELLS passes. */
+static void recorder_move(auvid_recorder_t *rec, int i, auvid_real_t by)
+{
+    const auvid_recorder_stream_t *st = &rec->stream[VELOCITY + i];
+    auvid_real_t per_segment = AUVID_C(1.0) / (auvid_real_t)rec->before_us[i];
+    auvid_real_t per_cell = AUVID_C(1.0) / (auvid_real_t)rec->cell_us;
+    uint64_t from_us = st->t_us - rec->before_us[i];
+
+    for (uint32_t k = rec->next - 2; rec->running && k != rec->opened; ++k) {
+        uint64_t begin = rec->origin_us + (uint64_t)k * rec->cell_us, end = begin + rec->cell_us;
+        begin = begin > from_us ? begin : from_us;
+        end = end < st->t_us ? end : st->t_us;
+        if (begin < end) {
+            auvid_real_t weight = (auvid_real_t)(uint32_t)(end - begin) * per_cell;
+            auvid_real_t middle =
+                (auvid_real_t)(uint32_t)(begin - from_us + (end - from_us)) * AUVID_C(0.5);
+            rec->mean[k % AUVID_RECORDER_CELLS][VELOCITIES + i] +=
+                weight * middle * per_segment * by;
+        }
+    }
+    rec->last[VELOCITIES + i] += by;
+}
+
+/* If the last sample of velocity i is an outlier, now that the next one is there, put it on the
+ * line between its neighbours: as if it had not been measured. */
+static void recorder_correct(auvid_recorder_t *rec, int i, uint64_t t_us, auvid_real_t value)
+{
+    const auvid_recorder_stream_t *st = &rec->stream[VELOCITY + i];
+    bool follows = st->valid && t_us - st->t_us <= rec->gap_us;
+    uint32_t after_us = follows ? (uint32_t)(t_us - st->t_us) : 0;
+    auvid_real_t slope = AUVID_C(0.0);
+    if (follows && rec->before_us[i] > 0) {
+        auvid_real_t before = (auvid_real_t)rec->before_us[i], after = (auvid_real_t)after_us;
+        auvid_real_t line = (rec->before[i] * after + value * before) / (before + after);
+        auvid_real_t off = rec->last[VELOCITIES + i] - line;
+        if (recorder_jump(rec, i, value) > OUTLIER_SPREADS * rec->spread[i]) {
+            recorder_move(rec, i, -off);
+            ++rec->outliers;
+        }
+        rec->spread[i] *= auvid_abs(off) > rec->spread[i] ? SPREAD_GROWS : SPREAD_SHRINKS;
+        rec->spread[i] = auvid_clamp(rec->spread[i], LEAST_SPREAD, AUVID_RECORDER_LARGEST);
+        slope = (rec->last[VELOCITIES + i] - rec->before[i]) / before;
+    }
+    rec->before[i] = rec->last[VELOCITIES + i];
+    rec->slope[i] = slope;
+    rec->before_us[i] = after_us;
+}
+
 static auvid_status_t recorder_check_time(const auvid_recorder_stream_t *st, uint64_t t_us)
 {
     if (st->valid && t_us <= st->t_us) {
@@ -283,6 +355,7 @@ auvid_status_t auvid_recorder_velocity(auvid_recorder_t *recorder, uint64_t t_us
             rec->stream[VELOCITY + i].valid = false;
         }
         if (is_measured) {
+            recorder_correct(rec, i, t_us, velocity[i]);
             recorder_add(rec, VELOCITY + i, t_us, velocity + i);
         }
     }

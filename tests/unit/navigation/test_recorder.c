@@ -3,6 +3,7 @@
  * or held between its samples), integrated in double here.
  */
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "auvid/detail/recorder.h"
@@ -128,9 +129,21 @@ static uint32_t draw(uint32_t n)
     return (uint32_t)(((uint64_t)seed * n) >> 32);
 }
 
+/* Of random slope, but without an outlier: it only rises. */
+static double rising(uint64_t t_us)
+{
+    const track_t *t = &track[VELOCITY];
+    uint64_t since = t->samples == 0 ? T0 : t->t_us[t->samples - 1];
+    double x = t->samples == 0 ? 0 : t->value[t->samples - 1];
+    return x + draw(1000) * 2e-10 * (double)(t_us - since);
+}
+
 static double shape(int stream, uint64_t t_us)
 {
     double t = (double)(t_us - T0) * 1e-6;
+    if (stream == VELOCITY) {
+        return rising(t_us);
+    }
     return sin(3 * t + stream) + 0.7 * cos(11 * t) + (draw(1000) / 1000.0 - 0.5) * 0.3;
 }
 
@@ -208,6 +221,82 @@ static void test_samples_exactly_on_cell_borders_are_averaged_alike(void)
         }
     }
     TEST_ASSERT_EQUAL_INT(46, cells); /* 50 cells, less two at each end */
+}
+
+/* ---- outliers of the velocity ---- */
+
+/* The velocity, sampled with the period, is x(k), and `off` more at sample 40. All else is as in
+ * play(). The signal is on the line between the neighbours there: cells follow it, but for those
+ * that were popped before the next sample came. Returns how many do not. */
+static int popped_with_outlier(uint32_t period_us, double (*x)(int), double off)
+{
+    int popped = 0;
+    auvid_sample_t s;
+    memset(track, 0, sizeof track);
+    setUp();
+    for (int k = 0; k < 80; ++k) {
+        uint64_t t_us = T0 + (uint64_t)k * period_us;
+        TEST_ASSERT_EQUAL(AUVID_OK, feed_noted(ATTITUDE, t_us, 1));
+        TEST_ASSERT_EQUAL(AUVID_OK, feed_noted(INPUT, t_us, 1));
+        TEST_ASSERT_EQUAL(AUVID_OK, feed(VELOCITY, t_us, x(k) + (k == 40 ? off : 0)));
+        track[VELOCITY].t_us[k] = t_us;
+        track[VELOCITY].value[k] = (double)(auvid_real_t)x(k);
+        track[VELOCITY].samples = (size_t)k + 1;
+        while (auvid_recorder_pop(&recorder, &s) == AUVID_OK) {
+            bool waits = k == 40 && s.t_us + 5 * cfg.cell_us / 2 > t_us - period_us;
+            if (!waits) {
+                assert_cell(&s);
+            }
+            popped += waits;
+        }
+    }
+    TEST_ASSERT_EQUAL_UINT32(off != 0 ? 3 : 0, recorder.outliers);
+    return popped;
+}
+
+/* Noise of 0.01 m/s; straight from the sample before the outlier to the one after it. */
+static double noisy_line(int k)
+{
+    return k >= 39 && k <= 41 ? 0.01 * k : 0.01 * k + 0.01 * (k * 7 % 5 - 2) / 2;
+}
+
+static void test_a_velocity_that_jumps_and_comes_back_is_as_if_not_measured(void)
+{
+    for (int sign = -1; sign <= 1; sign += 2) {
+        TEST_ASSERT_EQUAL_INT(1, popped_with_outlier(50000, noisy_line, 0.3 * sign));
+        TEST_ASSERT_EQUAL_INT(1, popped_with_outlier(100000, noisy_line, 0.3 * sign));
+        TEST_ASSERT_EQUAL_INT(2, popped_with_outlier(200000, noisy_line, 0.3 * sign));
+        TEST_ASSERT_EQUAL_INT(3, popped_with_outlier(300000, noisy_line, 0.3 * sign));
+    }
+}
+
+static double step(int k)
+{
+    return k < 40 ? 0 : 0.8;
+}
+
+static double kink(int k)
+{
+    return 0.1 * abs(k - 40);
+}
+
+static double pulse(int k) /* two samples long */
+{
+    return k == 40 || k == 41 ? 0.5 : 0;
+}
+
+static double ripple(int k)
+{
+    return 0.05 * (k & 1);
+}
+
+static void test_steps_kinks_pulses_and_ripple_are_motion(void)
+{
+    static double (*const motion[])(int) = {step, kink, pulse, ripple};
+    for (size_t i = 0; i < sizeof motion / sizeof motion[0]; ++i) {
+        popped_with_outlier(100000, motion[i], 0);
+        popped_with_outlier(200000, motion[i], 0);
+    }
 }
 
 /* A cell's mean of nu_dot is (nu(end) - nu(begin)) / T; the difference of means is exact up to the
@@ -894,6 +983,8 @@ int main(void)
     RUN_TEST(test_input_can_be_interpolated_linearly);
     RUN_TEST(test_samples_rarer_than_cells_and_cells_of_other_lengths_are_averaged_alike);
     RUN_TEST(test_samples_exactly_on_cell_borders_are_averaged_alike);
+    RUN_TEST(test_a_velocity_that_jumps_and_comes_back_is_as_if_not_measured);
+    RUN_TEST(test_steps_kinks_pulses_and_ripple_are_motion);
     RUN_TEST(test_acceleration_is_exact_for_polynomials_of_fourth_degree);
     RUN_TEST(test_null_commands_are_zeros);
     RUN_TEST(test_order_in_which_the_streams_are_fed_does_not_change_a_bit);

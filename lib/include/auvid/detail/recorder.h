@@ -26,6 +26,12 @@
  * between its own samples. A component does not break the record if another one is measured: after
  * `gap_us`, or AUVID_RECORDER_CELLS - 8 cells, without it, cells are marked in sample.missing.
  *
+ * A velocity sample is an outlier if the component jumps to it and back, by more than five times
+ * what the samples usually deviate from the line between their neighbours. Two jumps are what tells
+ * it from motion: a kink does not jump to its sample, a step does not jump back. It is put on that
+ * line, as if it had not been measured; cells that were popped before the next sample came keep
+ * what it did to them, which is little.
+ *
  * The period of the velocity samples may be observed: the median of the intervals between the first
  * 8. Until then complete cells wait in the ring. If it overflows first (a slow DVL), the record
  * begins again. A rate that changes later is not noticed.
@@ -65,12 +71,17 @@ typedef struct {
     auvid_recorder_stream_t stream[5];
     uint64_t origin_us;                         /* start of cell 0 */
     auvid_real_t last[AUVID_RECORDER_CHANNELS]; /* last sample of each stream */
+    auvid_real_t before[3];                     /* the velocity's sample before it */
+    auvid_real_t slope[3];                      /* up to that one [m/s per us] */
+    auvid_real_t spread[3];                     /* 73 % of the samples deviate less */
     auvid_real_t mean[AUVID_RECORDER_CELLS][AUVID_RECORDER_CHANNELS];
     uint32_t opened;                                /* cells begun so far */
     uint32_t next;                                  /* next cell to pop */
     uint32_t cell_us;                               /* as configured, or as the metric chose */
     uint32_t velocity_us;                           /* as configured, or as observed */
     uint32_t gap_us;                                /* longest time between samples */
+    uint32_t before_us[3];                          /* from `before` to `last`; 0: no `before` */
+    uint32_t outliers;                              /* corrected so far, of u, v and w */
     uint32_t interval_us[AUVID_RECORDER_INTERVALS]; /* between velocity samples, ascending */
     uint8_t measured[AUVID_RECORDER_CELLS];         /* bit i: velocity[i] covers the whole cell */
     bool running, broken;
