@@ -22,6 +22,10 @@
  * the column is exact there, also where the force is curved. One from b = 0 would take current and
  * lever arm for linear drag, since the mean of |v + c| (v + c) is larger than v |v|.
  *
+ * Drag differs forward and backward: the column is the size of the drag, with the linear and the
+ * quadratic part of the last estimate. One of the square alone would leave what linear drag adds to
+ * a constant force.
+ *
  * The DVL is late by d: for the forces thrust and rates are too early, rates by -d omega', and for
  * the moments the velocities are too late, by d nu'.
  */
@@ -345,14 +349,22 @@ static void uncertain_motion_columns(const auvid_uncertain_t *u, const auvid_met
     }
 }
 
+/* Returns DoF j's drag, relative to that at 1 m/s or rad/s. */
+static auvid_real_t uncertain_drag(const auvid_uncertain_t *u, const auvid_sample_t *cell, int j)
+{
+    auvid_real_t speed = auvid_abs(cell->nu[j]);
+    auvid_real_t linear = auvid_uncertain_linear_part(u, &u->id->metric, j);
+    return speed * (linear + (AUVID_C(1.0) - linear) * speed);
+}
+
 /* Returns a column of DoF j that is formed from the motion. */
-static auvid_real_t uncertain_motion(const auvid_sample_t *cell, const auvid_real_t angle[2],
-                                     int code, int j)
+static auvid_real_t uncertain_motion(const auvid_uncertain_t *u, const auvid_sample_t *cell,
+                                     const auvid_real_t angle[2], int code, int j)
 {
     const auvid_real_t *nu = cell->nu;
     switch (code) {
     case INPUT_ASYMMETRY:
-        return nu[j] * nu[j];
+        return uncertain_drag(u, cell, j);
     case INPUT_FORCE:
         return AUVID_C(1.0);
     case INPUT_CROSS:
@@ -379,7 +391,7 @@ static void uncertain_write_channels(auvid_uncertain_t *u, const auvid_sample_t 
     auvid_real_t *channel = u->recorded.channel;
     for (; code < shared; ++code) {
         channel[*place++] =
-            *code == INPUT_DELAY ? sum[SUM_DELAY] : uncertain_motion(cell, angle, *code, j);
+            *code == INPUT_DELAY ? sum[SUM_DELAY] : uncertain_motion(u, cell, angle, *code, j);
     }
     for (; code < end && *code < (int)AUVID_UNCERTAIN_GAIN; ++code) {
         bool thrust = *code <= (int)AUVID_UNCERTAIN_LAG;

@@ -96,15 +96,19 @@ static auvid_real_t table_dead_band(const auvid_uncertain_t *u, const auvid_metr
     return deviation * max_N;
 }
 
-/* Of quadratic drag + linear drag at half the largest speed. */
+/* Of the drag at 1 m/s or rad/s. */
 static auvid_real_t table_asymmetry(const auvid_uncertain_t *u, const auvid_metric_t *m,
                                     auvid_real_t deviation, int j)
 {
-    auvid_real_t half = AUVID_C(0.5) * auvid_max(auvid_identifier_speed(m, 2 * j),
-                                                 auvid_identifier_speed(m, 2 * j + 1));
+    return deviation * (table_size(u, m, AUVID_PARAMETER_LINEAR_DRAG, j) +
+                        table_size(u, m, AUVID_PARAMETER_QUADRATIC_DRAG, j));
+}
+
+auvid_real_t auvid_uncertain_linear_part(const auvid_uncertain_t *u, const auvid_metric_t *m, int j)
+{
     auvid_real_t linear = table_size(u, m, AUVID_PARAMETER_LINEAR_DRAG, j);
-    return deviation * (table_size(u, m, AUVID_PARAMETER_QUADRATIC_DRAG, j) +
-                        (half > AUVID_C(0.0) ? linear / half : AUVID_C(0.0)));
+    auvid_real_t drag = linear + table_size(u, m, AUVID_PARAMETER_QUADRATIC_DRAG, j);
+    return u->estimate.number > 0 && drag > AUVID_C(0.0) ? linear / drag : AUVID_C(0.0);
 }
 
 /* Of the largest wrench. */

@@ -461,6 +461,23 @@ static void test_early_rows_count_in_the_projection(void)
     TEST_ASSERT_DOUBLE_WITHIN(0.05, 0.0, sqrt(squares / 8.0)); /* 0.10 without */
 }
 
+/* The asymmetry of linear drag is no constant force. */
+static void test_asymmetric_drag_leaves_the_constant_force_right(void)
+{
+    double squares = 0.0;
+    for (uint32_t seed = 1; seed <= 8; ++seed) {
+        field_run_defaults(&field);
+        field_defaults(&field.field, FIELD_ROV20, FIELD_EXCITED, seed);
+        TEST_ASSERT_TRUE(field_set(&field.field, "thrust_lag", 0.15));
+        TEST_ASSERT_TRUE(field_set(&field.field, "drag_asymmetry", 0.1));
+        TEST_ASSERT_TRUE(field_run(&run, &field, &record));
+        double newtons = record.pi[SIM_WB] - record.truth.si[SIM_WB];
+        squares += newtons * newtons / 8.0;
+    }
+    printf("W-B with asymmetric drag: %.3f N\n", sqrt(squares));
+    TEST_ASSERT_DOUBLE_WITHIN(0.1, 0.0, sqrt(squares)); /* 0.14 if the column is a square */
+}
+
 /* A lawnmower does not excite heave; its rows are taken nevertheless. */
 static void test_rows_of_a_dof_that_is_not_excited_belong_to_its_parameters(void)
 {
@@ -550,6 +567,7 @@ int main(void)
     RUN_TEST(test_a_passive_vehicle_in_open_loop_has_uncertain_inputs);
     RUN_TEST(test_a_current_does_not_bias_the_drag_through_early_rows);
     RUN_TEST(test_early_rows_count_in_the_projection);
+    RUN_TEST(test_asymmetric_drag_leaves_the_constant_force_right);
     RUN_TEST(test_rows_of_a_dof_that_is_not_excited_belong_to_its_parameters);
     return UNITY_END();
 }
