@@ -46,7 +46,7 @@
  *
  * Regressor path only. Attach it once; a program without it does not contain it. A checkpoint
  * (checkpoint.h) contains its state. Cost: a tick of the example on a Cortex-M4F takes 22 thousand
- * instructions instead of 17 on average, 74 instead of 64 at most. Memory:
+ * instructions instead of 17 on average, 70 instead of 64 at most. Memory:
  * sizeof(auvid_uncertain_t), 26 KiB with default sizes; AUVID_MAX_UNCERTAIN chooses for how many
  * columns.
  *
@@ -288,6 +288,7 @@ typedef struct auvid_uncertain {
     /* products of linear, then of quadratic drag with own inputs, then with both drags of each DoF,
        over rows from before the first solution */
     auvid_real_t faded[2][AUVID_UNCERTAIN_OWN + 2 * AUVID_DOF_COUNT];
+    auvid_real_t linear[AUVID_DOF_COUNT];        /* part of the drag at 1 m/s or rad/s */
     auvid_real_t pi[AUVID_MAX_PARAMETERS];       /* last solution */
     auvid_real_t shared[AUVID_UNCERTAIN_SHARED]; /**< estimates by auvid_uncertain_input_t, valid
                                                       if estimate.number > 0; 0: no column */

@@ -9,6 +9,10 @@
 #include "auvid_uncertain_parts_internal.h"
 #include "../base/auvid_refusal_internal.h"
 
+/* Linear part of the drag at 1 m/s or rad/s before the first solution: as large as the quadratic
+ * one at 0.33. */
+#define FIRST_LINEAR AUVID_C(0.25)
+
 void auvid_uncertain_defaults(auvid_uncertain_config_t *cfg)
 {
     if (cfg != NULL) {
@@ -133,14 +137,12 @@ static uint8_t uncertain_partner(const auvid_estimate_t *e, const auvid_vehicle_
                                  auvid_real_t least)
 {
     auvid_real_t largest = least;
+    const auvid_real_t *covariance = e->covariance + p; /* walks along column p, then row p */
     uint8_t partner = NOWHERE;
     for (int k = 0; k < vehicle->parameters && among >> k != 0; ++k) {
-        auvid_real_t both = sigma[p] * sigma[k];
-        if (k == p || (among >> k & 1u) == 0 || !(both > AUVID_C(0.0))) {
-            continue;
-        }
-        auvid_real_t size = auvid_abs(auvid_estimate_covariance(e, vehicle, p, k));
-        if (size > largest * both) {
+        auvid_real_t both = sigma[p] * sigma[k], size = auvid_abs(*covariance);
+        covariance += k < p ? vehicle->parameters - 1 - k : 1;
+        if (k != p && (among >> k & 1u) != 0 && both > AUVID_C(0.0) && size > largest * both) {
             largest = size / both;
             partner = (uint8_t)k;
         }
@@ -235,6 +237,9 @@ static void uncertain_publish(auvid_identifier_t *id)
         uncertain_assess(id);
     }
     auvid_uncertain_publish_causes(u);
+    for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
+        u->linear[j] = auvid_uncertain_linear_part(u, &id->metric, j);
+    }
     u->informed = true;
 }
 
@@ -270,6 +275,9 @@ auvid_status_t auvid_identifier_attach_uncertain(auvid_identifier_t *id, auvid_u
     storage->cfg = *cfg;
     storage->id = id;
     storage->allocation = allocation;
+    for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
+        storage->linear[j] = FIRST_LINEAR;
+    }
     storage->checkpoint = &auvid_uncertain_checkpoint;
     status = auvid_uncertain_lay_out(storage, &id->metric);
     if (status == AUVID_OK) {

@@ -23,7 +23,7 @@
  * lever arm for linear drag, since the mean of |v + c| (v + c) is larger than v |v|.
  *
  * Drag differs forward and backward: the column is the size of the drag, with the linear and the
- * quadratic part of the last estimate. One of the square alone would leave what linear drag adds to
+ * quadratic part of the last solution. One of the square alone would leave what linear drag adds to
  * a constant force.
  *
  * The DVL is late by d: for the forces thrust and rates are too early, rates by -d omega', and for
@@ -352,8 +352,7 @@ static void uncertain_motion_columns(const auvid_uncertain_t *u, const auvid_met
 /* Returns DoF j's drag, relative to that at 1 m/s or rad/s. */
 static auvid_real_t uncertain_drag(const auvid_uncertain_t *u, const auvid_sample_t *cell, int j)
 {
-    auvid_real_t speed = auvid_abs(cell->nu[j]);
-    auvid_real_t linear = auvid_uncertain_linear_part(u, &u->id->metric, j);
+    auvid_real_t speed = auvid_abs(cell->nu[j]), linear = u->linear[j];
     return speed * (linear + (AUVID_C(1.0) - linear) * speed);
 }
 

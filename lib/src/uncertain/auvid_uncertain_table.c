@@ -108,7 +108,7 @@ auvid_real_t auvid_uncertain_linear_part(const auvid_uncertain_t *u, const auvid
 {
     auvid_real_t linear = table_size(u, m, AUVID_PARAMETER_LINEAR_DRAG, j);
     auvid_real_t drag = linear + table_size(u, m, AUVID_PARAMETER_QUADRATIC_DRAG, j);
-    return u->estimate.number > 0 && drag > AUVID_C(0.0) ? linear / drag : AUVID_C(0.0);
+    return drag > AUVID_C(0.0) ? linear / drag : AUVID_C(0.0);
 }
 
 /* Of the largest wrench. */

@@ -135,7 +135,7 @@ static inline const auvid_uncertain_row_t *auvid_uncertain_row(int input)
 /** Returns the configured standard deviation of an input. */
 auvid_real_t auvid_uncertain_configured(const auvid_uncertain_t *u, int input);
 
-/** Returns the linear part of DoF j's drag at 1 m/s or rad/s, by the last estimate; 0: none yet. */
+/** Returns the linear part of DoF j's drag at 1 m/s or rad/s, by the last solution. */
 auvid_real_t auvid_uncertain_linear_part(const auvid_uncertain_t *u, const auvid_metric_t *m,
                                          int j);
 

@@ -270,6 +270,29 @@ static void test_a_velocity_that_jumps_and_comes_back_is_as_if_not_measured(void
     }
 }
 
+/* The velocity alternates by 0.01 m/s, which is how far samples are from the line between their
+ * neighbours. One of them jumps by this. */
+static uint32_t outliers_of(double jump)
+{
+    const int at = jump > 0 ? 60 : 61;
+    setUp();
+    for (int k = 0; k < 80; ++k) {
+        double x = k == at ? (k % 2 == 0 ? -0.005 : 0.005) + jump : k % 2 == 0 ? 0.005 : -0.005;
+        auvid_real_t velocity[3] = {(auvid_real_t)x};
+        TEST_ASSERT_EQUAL(AUVID_OK, auvid_recorder_velocity(&recorder, T0 + 100000ull * (uint64_t)k,
+                                                            velocity, 1u));
+    }
+    return recorder.outliers;
+}
+
+static void test_an_outlier_jumps_by_five_times_the_usual_deviation(void)
+{
+    TEST_ASSERT_EQUAL_UINT32(0, outliers_of(0.05));
+    TEST_ASSERT_EQUAL_UINT32(1, outliers_of(0.07));
+    TEST_ASSERT_EQUAL_UINT32(0, outliers_of(-0.05));
+    TEST_ASSERT_EQUAL_UINT32(1, outliers_of(-0.07));
+}
+
 static double step(int k)
 {
     return k < 40 ? 0 : 0.8;
@@ -984,6 +1007,7 @@ int main(void)
     RUN_TEST(test_samples_rarer_than_cells_and_cells_of_other_lengths_are_averaged_alike);
     RUN_TEST(test_samples_exactly_on_cell_borders_are_averaged_alike);
     RUN_TEST(test_a_velocity_that_jumps_and_comes_back_is_as_if_not_measured);
+    RUN_TEST(test_an_outlier_jumps_by_five_times_the_usual_deviation);
     RUN_TEST(test_steps_kinks_pulses_and_ripple_are_motion);
     RUN_TEST(test_acceleration_is_exact_for_polynomials_of_fourth_degree);
     RUN_TEST(test_null_commands_are_zeros);
