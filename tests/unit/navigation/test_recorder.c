@@ -1,19 +1,14 @@
 /*
- * The recorder by its contract. Cells are compared with the signal as the header defines it (linear
- * or held between its samples), integrated in double here.
+ * The recorder by its contract. Cells are compared with the signals as the header defines them.
  */
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "auvid/detail/recorder.h"
+#include "recorder_streams.h"
 #include "unity.h"
 
-enum { ATTITUDE, VELOCITY, INPUT, MOST = 4000 };
-#define T0 1000000000ull
-
-static auvid_recorder_t recorder, before;
-static auvid_recorder_config_t cfg;
+static auvid_recorder_t before;
 
 void setUp(void)
 {
@@ -23,102 +18,6 @@ void setUp(void)
 
 void tearDown(void)
 {
-}
-
-/* ---- signals and their means by definition ---- */
-
-typedef struct {
-    size_t samples;
-    uint64_t t_us[MOST];
-    double value[MOST];
-} track_t;
-
-static track_t track[3];
-
-static auvid_real_t scaled(double x, int channel)
-{
-    return (auvid_real_t)(x * (channel + 1));
-}
-
-/* Channel i of a stream has (i + 1) times the track's value. */
-static auvid_status_t feed(int stream, uint64_t t_us, double x)
-{
-    auvid_real_t a[6], b[AUVID_MAX_COMMANDS];
-    for (int i = 0; i < 6; ++i) {
-        a[i] = scaled(x, i);
-    }
-    for (int i = 0; i < AUVID_MAX_COMMANDS; ++i) {
-        b[i] = scaled(x, 6 + i);
-    }
-    switch (stream) {
-    case ATTITUDE:
-        return auvid_recorder_attitude(&recorder, t_us, a, a + 3);
-    case VELOCITY:
-        return auvid_recorder_velocity(&recorder, t_us, a, 7u);
-    default:
-        return auvid_recorder_input(&recorder, t_us, a, b);
-    }
-}
-
-static auvid_status_t feed_noted(int stream, uint64_t t_us, double x)
-{
-    track_t *t = &track[stream];
-    t->t_us[t->samples] = t_us;
-    t->value[t->samples++] = (double)(auvid_real_t)x;
-    return feed(stream, t_us, x);
-}
-
-/* Integral from `from` to `to`, segment by segment. */
-static double mean_of(const track_t *t, bool hold, uint64_t from, uint64_t to)
-{
-    double sum = 0;
-    for (size_t i = 0; i + 1 < t->samples; ++i) {
-        double a = (double)t->t_us[i] - (double)from, b = (double)t->t_us[i + 1] - (double)from;
-        double low = fmax(a, 0), high = fmin(b, (double)(to - from));
-        if (low < high) {
-            double at_low = t->value[i] + (t->value[i + 1] - t->value[i]) * (low - a) / (b - a);
-            double at_high = t->value[i] + (t->value[i + 1] - t->value[i]) * (high - a) / (b - a);
-            sum += (high - low) * (hold ? t->value[i] : 0.5 * (at_low + at_high));
-        }
-    }
-    return sum / (double)(to - from);
-}
-
-static double slope_of(const track_t *t, uint64_t middle)
-{
-    double m[5];
-    for (int k = -2; k <= 2; ++k) {
-        uint64_t at = middle + (uint64_t)(int64_t)(k * (int64_t)cfg.cell_us) - cfg.cell_us / 2;
-        m[k + 2] = mean_of(t, false, at, at + cfg.cell_us);
-    }
-    return (8 * (m[3] - m[1]) - (m[4] - m[0])) / (12 * cfg.cell_us * 1e-6);
-}
-
-/* 40 roundings of a value, each eps / 2; slopes carry 18 / 12 cell times that. */
-static void assert_cell(const auvid_sample_t *s)
-{
-    uint64_t from = s->t_us - cfg.cell_us / 2, to = from + cfg.cell_us;
-    double attitude = mean_of(&track[ATTITUDE], false, from, to);
-    double velocity = mean_of(&track[VELOCITY], false, from, to);
-    double input = mean_of(&track[INPUT], cfg.input == AUVID_INPUT_HOLD, from, to);
-    double slope[2] = {slope_of(&track[VELOCITY], s->t_us), slope_of(&track[ATTITUDE], s->t_us)};
-    double tiny = 20 * (double)AUVID_EPSILON * 14 * 2; /* values reach 2, the largest scale is 14 */
-    double per_s = 1.5 / (cfg.cell_us * 1e-6);
-    TEST_ASSERT_DOUBLE_WITHIN(tiny, attitude, (double)s->phi);
-    TEST_ASSERT_DOUBLE_WITHIN(tiny, 2 * attitude, (double)s->theta);
-    TEST_ASSERT_DOUBLE_WITHIN(tiny, 3 * attitude, (double)s->psi);
-    for (int j = 0; j < 3; ++j) {
-        TEST_ASSERT_DOUBLE_WITHIN(tiny, (j + 1) * velocity, (double)s->nu[j]);
-        TEST_ASSERT_DOUBLE_WITHIN(tiny, (j + 4) * attitude, (double)s->nu[3 + j]);
-        TEST_ASSERT_DOUBLE_WITHIN(tiny * per_s, (j + 1) * slope[0], (double)s->nu_dot[j]);
-        TEST_ASSERT_DOUBLE_WITHIN(tiny * per_s, (j + 4) * slope[1], (double)s->nu_dot[3 + j]);
-    }
-    for (int j = 0; j < 6; ++j) {
-        TEST_ASSERT_DOUBLE_WITHIN(tiny, (j + 1) * input, (double)s->tau[j]);
-    }
-    for (int i = 0; i < AUVID_MAX_COMMANDS; ++i) {
-        TEST_ASSERT_DOUBLE_WITHIN(tiny * (i > 7 ? i : 1), (i + 7) * input, (double)s->command[i]);
-    }
 }
 
 static uint32_t seed;
@@ -221,105 +120,6 @@ static void test_samples_exactly_on_cell_borders_are_averaged_alike(void)
         }
     }
     TEST_ASSERT_EQUAL_INT(46, cells); /* 50 cells, less two at each end */
-}
-
-/* ---- outliers of the velocity ---- */
-
-/* The velocity, sampled with the period, is x(k), and `off` more at sample 40. All else is as in
- * play(). The signal is on the line between the neighbours there: cells follow it, but for those
- * that were popped before the next sample came. Returns how many do not. */
-static int popped_with_outlier(uint32_t period_us, double (*x)(int), double off)
-{
-    int popped = 0;
-    auvid_sample_t s;
-    memset(track, 0, sizeof track);
-    setUp();
-    for (int k = 0; k < 80; ++k) {
-        uint64_t t_us = T0 + (uint64_t)k * period_us;
-        TEST_ASSERT_EQUAL(AUVID_OK, feed_noted(ATTITUDE, t_us, 1));
-        TEST_ASSERT_EQUAL(AUVID_OK, feed_noted(INPUT, t_us, 1));
-        TEST_ASSERT_EQUAL(AUVID_OK, feed(VELOCITY, t_us, x(k) + (k == 40 ? off : 0)));
-        track[VELOCITY].t_us[k] = t_us;
-        track[VELOCITY].value[k] = (double)(auvid_real_t)x(k);
-        track[VELOCITY].samples = (size_t)k + 1;
-        while (auvid_recorder_pop(&recorder, &s) == AUVID_OK) {
-            bool waits = k == 40 && s.t_us + 5 * cfg.cell_us / 2 > t_us - period_us;
-            if (!waits) {
-                assert_cell(&s);
-            }
-            popped += waits;
-        }
-    }
-    TEST_ASSERT_EQUAL_UINT32(off != 0 ? 3 : 0, recorder.outliers);
-    return popped;
-}
-
-/* Noise of 0.01 m/s; straight from the sample before the outlier to the one after it. */
-static double noisy_line(int k)
-{
-    return k >= 39 && k <= 41 ? 0.01 * k : 0.01 * k + 0.01 * (k * 7 % 5 - 2) / 2;
-}
-
-static void test_a_velocity_that_jumps_and_comes_back_is_as_if_not_measured(void)
-{
-    for (int sign = -1; sign <= 1; sign += 2) {
-        TEST_ASSERT_EQUAL_INT(1, popped_with_outlier(50000, noisy_line, 0.3 * sign));
-        TEST_ASSERT_EQUAL_INT(1, popped_with_outlier(100000, noisy_line, 0.3 * sign));
-        TEST_ASSERT_EQUAL_INT(2, popped_with_outlier(200000, noisy_line, 0.3 * sign));
-        TEST_ASSERT_EQUAL_INT(3, popped_with_outlier(300000, noisy_line, 0.3 * sign));
-    }
-}
-
-/* The velocity alternates by 0.01 m/s, which is how far samples are from the line between their
- * neighbours. One of them jumps by this. */
-static uint32_t outliers_of(double jump)
-{
-    const int at = jump > 0 ? 60 : 61;
-    setUp();
-    for (int k = 0; k < 80; ++k) {
-        double x = k == at ? (k % 2 == 0 ? -0.005 : 0.005) + jump : k % 2 == 0 ? 0.005 : -0.005;
-        auvid_real_t velocity[3] = {(auvid_real_t)x};
-        TEST_ASSERT_EQUAL(AUVID_OK, auvid_recorder_velocity(&recorder, T0 + 100000ull * (uint64_t)k,
-                                                            velocity, 1u));
-    }
-    return recorder.outliers;
-}
-
-static void test_an_outlier_jumps_by_five_times_the_usual_deviation(void)
-{
-    TEST_ASSERT_EQUAL_UINT32(0, outliers_of(0.05));
-    TEST_ASSERT_EQUAL_UINT32(1, outliers_of(0.07));
-    TEST_ASSERT_EQUAL_UINT32(0, outliers_of(-0.05));
-    TEST_ASSERT_EQUAL_UINT32(1, outliers_of(-0.07));
-}
-
-static double step(int k)
-{
-    return k < 40 ? 0 : 0.8;
-}
-
-static double kink(int k)
-{
-    return 0.1 * abs(k - 40);
-}
-
-static double pulse(int k) /* two samples long */
-{
-    return k == 40 || k == 41 ? 0.5 : 0;
-}
-
-static double ripple(int k)
-{
-    return 0.05 * (k & 1);
-}
-
-static void test_steps_kinks_pulses_and_ripple_are_motion(void)
-{
-    static double (*const motion[])(int) = {step, kink, pulse, ripple};
-    for (size_t i = 0; i < sizeof motion / sizeof motion[0]; ++i) {
-        popped_with_outlier(100000, motion[i], 0);
-        popped_with_outlier(200000, motion[i], 0);
-    }
 }
 
 /* A cell's mean of nu_dot is (nu(end) - nu(begin)) / T; the difference of means is exact up to the
@@ -1006,9 +806,6 @@ int main(void)
     RUN_TEST(test_input_can_be_interpolated_linearly);
     RUN_TEST(test_samples_rarer_than_cells_and_cells_of_other_lengths_are_averaged_alike);
     RUN_TEST(test_samples_exactly_on_cell_borders_are_averaged_alike);
-    RUN_TEST(test_a_velocity_that_jumps_and_comes_back_is_as_if_not_measured);
-    RUN_TEST(test_an_outlier_jumps_by_five_times_the_usual_deviation);
-    RUN_TEST(test_steps_kinks_pulses_and_ripple_are_motion);
     RUN_TEST(test_acceleration_is_exact_for_polynomials_of_fourth_degree);
     RUN_TEST(test_null_commands_are_zeros);
     RUN_TEST(test_order_in_which_the_streams_are_fed_does_not_change_a_bit);
