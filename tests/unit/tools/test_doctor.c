@@ -437,6 +437,32 @@ static void test_of_two_slips_both_are_named(void)
     TEST_ASSERT_NOT_NULL(finding(DOCTOR_INPUT_SIGN));
 }
 
+/* Ten hours with a dive of two minutes; else only noise of attitude and rates. */
+static void test_noise_in_hours_of_rest_is_no_slip(void)
+{
+    sim_rng_t rng;
+    csv_row_t row = {0};
+    for (uint32_t seed = 1; seed <= 2; ++seed) {
+        sim_rng_seed(&rng, seed, 1);
+        doctor_init(&doctor, has);
+        for (int k = 0; k < ROWS; ++k) {
+            doctor_feed(&doctor, &rows[k]);
+        }
+        for (int k = 0; k < 360000; ++k) {
+            row.value[CSV_T] = 100.0 + STEP_S * ROWS + 0.1 * k;
+            for (int i = 0; i < 3; ++i) {
+                row.value[CSV_ATTITUDE + i] = 0.003 * sim_rng_gauss(&rng);
+                row.value[CSV_NU + 3 + i] = 0.002 * sim_rng_gauss(&rng);
+            }
+            doctor_feed(&doctor, &row);
+        }
+        doctor_finish(&doctor);
+        TEST_ASSERT_NULL(finding(DOCTOR_ANGLE_SIGN));
+        TEST_ASSERT_NULL(finding(DOCTOR_ATTITUDE_SHIFT));
+        TEST_ASSERT_NULL(finding(DOCTOR_RATE_EXCHANGED));
+    }
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -481,5 +507,6 @@ int main(void)
     RUN_TEST(test_a_log_without_inputs_is_an_error);
     RUN_TEST(test_a_long_log_is_examined_at_constant_memory);
     RUN_TEST(test_of_two_slips_both_are_named);
+    RUN_TEST(test_noise_in_hours_of_rest_is_no_slip);
     return UNITY_END();
 }

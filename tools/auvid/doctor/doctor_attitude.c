@@ -13,7 +13,8 @@
 #define MIN_SHIFT_LLR 20.0
 #define MIN_EACH 5.0 /* of each of two exchanged axes */
 #define MIN_SHIFT_S 0.08
-#define BEST_DISCORD 0.02  /* sensors do not agree better; else a range never grows */
+#define MIN_AGREEMENT 4.0 /* of a slip, in standard deviations of chance: noise, in hours of rest */
+#define BEST_DISCORD 0.02 /* sensors do not agree better; else a range never grows */
 #define MAX_EXCHANGED 0.95 /* of exchanged axes */
 #define MAX_DISCORD 0.6    /* of a slip, but of the sign of roll or pitch, which may hardly move */
 #define MAX_TWO_SLIPS 0.3  /* of a wrong sign beside another slip */
@@ -29,9 +30,16 @@ static const char *rate_name(int axis)
     return csv_name[CSV_NU + 3 + axis];
 }
 
+/* Does an explanation explain more than chance? */
+static bool explains(const doctor_pair_t *p, double discord)
+{
+    return (1.0 - discord) * sqrt(p->n) > MIN_AGREEMENT;
+}
+
 static double ratio(const doctor_pair_t *p, double without, double with)
 {
-    return doctor_ratio(p->n / DOCTOR_WINDOW, without, fmax(with, BEST_DISCORD));
+    return explains(p, with) ? doctor_ratio(p->n / DOCTOR_WINDOW, without, fmax(with, BEST_DISCORD))
+                             : 0.0;
 }
 
 /* Of the better sign: a second slip must not hide the first. */
@@ -105,7 +113,9 @@ static double shift_at(const doctor_sums_t *s, int k)
     for (int i = 0; i < 3; ++i) {
         double without = doctor_discord(&s->lag[DOCTOR_LAGS][i], 1.0);
         double with = doctor_discord(&s->lag[k][i], 1.0);
-        sum += doctor_ratio(s->lag[k][i].n / DOCTOR_WINDOW, without, with);
+        if (explains(&s->lag[k][i], with)) {
+            sum += doctor_ratio(s->lag[k][i].n / DOCTOR_WINDOW, without, with);
+        }
     }
     return sum;
 }
