@@ -446,16 +446,21 @@ static void test_a_current_does_not_bias_the_drag_through_early_rows(void)
     TEST_ASSERT_DOUBLE_WITHIN(0.1, 0.0, quadratic);
 }
 
+static void identify_asymmetric(field_vehicle_t vehicle, uint32_t seed)
+{
+    field_run_defaults(&field);
+    field_defaults(&field.field, vehicle, FIELD_EXCITED, seed);
+    TEST_ASSERT_TRUE(field_set(&field.field, "thrust_lag", 0.15));
+    TEST_ASSERT_TRUE(field_set(&field.field, "drag_asymmetry", 0.1));
+    TEST_ASSERT_TRUE(field_run(&run, &field, &record));
+}
+
 /* Their products with drag are kept: what drag takes of an asymmetry is that of the whole run. */
 static void test_early_rows_count_in_the_projection(void)
 {
     double squares = 0.0;
     for (uint32_t seed = 1; seed <= 8; ++seed) {
-        field_run_defaults(&field);
-        field_defaults(&field.field, FIELD_GIRONA500, FIELD_EXCITED, seed);
-        TEST_ASSERT_TRUE(field_set(&field.field, "thrust_lag", 0.15));
-        TEST_ASSERT_TRUE(field_set(&field.field, "drag_asymmetry", 0.1));
-        TEST_ASSERT_TRUE(field_run(&run, &field, &record));
+        identify_asymmetric(FIELD_GIRONA500, seed);
         squares += error(SIM_X_UU) * error(SIM_X_UU);
     }
     TEST_ASSERT_DOUBLE_WITHIN(0.05, 0.0, sqrt(squares / 8.0)); /* 0.10 without */
@@ -466,11 +471,7 @@ static void test_asymmetric_drag_leaves_the_constant_force_right(void)
 {
     double squares = 0.0;
     for (uint32_t seed = 1; seed <= 8; ++seed) {
-        field_run_defaults(&field);
-        field_defaults(&field.field, FIELD_ROV20, FIELD_EXCITED, seed);
-        TEST_ASSERT_TRUE(field_set(&field.field, "thrust_lag", 0.15));
-        TEST_ASSERT_TRUE(field_set(&field.field, "drag_asymmetry", 0.1));
-        TEST_ASSERT_TRUE(field_run(&run, &field, &record));
+        identify_asymmetric(FIELD_ROV20, seed);
         double newtons = record.pi[SIM_WB] - record.truth.si[SIM_WB];
         squares += newtons * newtons / 8.0;
     }

@@ -36,8 +36,8 @@
  * 8. Until then complete cells wait in the ring. If it overflows first (a slow DVL), the record
  * begins again. A rate that changes later is not noticed.
  *
- * Cost: about 30 multiplications a sample; pop about 60. Memory: sizeof(auvid_recorder_t), 1.7 KiB
- * with default sizes.
+ * Cost: about 30 multiplications a sample, 45 of a velocity; pop about 60. Memory:
+ * sizeof(auvid_recorder_t), 1.8 KiB with default sizes.
  */
 #ifndef AUVID_RECORDER_H
 #define AUVID_RECORDER_H
@@ -64,16 +64,16 @@ typedef struct {
     uint8_t reserved[3];
 } auvid_recorder_stream_t;
 
-/** The recorder. All fields private. */
+/** The recorder. Private, but cell_us and outliers may be read. */
 typedef struct {
     auvid_recorder_config_t cfg;
     /* state: from here on, see checkpoint.h */
     auvid_recorder_stream_t stream[5];
     uint64_t origin_us;                         /* start of cell 0 */
     auvid_real_t last[AUVID_RECORDER_CHANNELS]; /* last sample of each stream */
-    auvid_real_t before[3];                     /* the velocity's sample before it */
+    auvid_real_t before[3];                     /* velocity before it [m/s] */
     auvid_real_t slope[3];                      /* up to that one [m/s per us] */
-    auvid_real_t spread[3];                     /* 73 % of the samples deviate less */
+    auvid_real_t spread[3];                     /* 73 % of the samples deviate less [m/s] */
     auvid_real_t mean[AUVID_RECORDER_CELLS][AUVID_RECORDER_CHANNELS];
     uint32_t opened;                                /* cells begun so far */
     uint32_t next;                                  /* next cell to pop */
@@ -81,7 +81,7 @@ typedef struct {
     uint32_t velocity_us;                           /* as configured, or as observed */
     uint32_t gap_us;                                /* longest time between samples */
     uint32_t before_us[3];                          /* from `before` to `last`; 0: no `before` */
-    uint32_t outliers;                              /* corrected so far, of u, v and w */
+    uint32_t outliers;                              /**< corrected so far, of u, v and w */
     uint32_t interval_us[AUVID_RECORDER_INTERVALS]; /* between velocity samples, ascending */
     uint8_t measured[AUVID_RECORDER_CELLS];         /* bit i: velocity[i] covers the whole cell */
     bool running, broken;
