@@ -22,10 +22,13 @@
  *
  * The priors may be wrong by a factor of two: they get a common scale, the one with the largest
  * likelihood of what was found. Above 1, the scales of thrust and DVL in auvid_uncertainty_t are
- * taken as less certain by the same factor: then few parameters are identifiable.
+ * taken as less certain by the same factor: then few parameters are identifiable. From 2 on they
+ * may be anything, and only what does not depend on them is identifiable.
  *
- * The columns of current, lever arm and late DVL are formed with the last estimate. Rows of an
- * excitation from before the first one have none, and count a sixteenth once there is one.
+ * The columns of current, lever arm and late DVL are formed with the last estimate, those of the
+ * parameters with its current and lever arm. Rows of an excitation from before the first one have
+ * none, and count a sixteenth once there is one; those from before the second one count less where
+ * there is a current.
  *
  * A passive vehicle adds rows until the first excitation; from then on only the excitation does. In
  * closed loop nothing is identifiable from passive rows (AUVID_NOTE_FEEDBACK), unless the reference
@@ -46,8 +49,8 @@
  *
  * Regressor path only. Attach it once; a program without it does not contain it. A checkpoint
  * (checkpoint.h) contains its state. Cost: a tick of the example on a Cortex-M4F takes 22 thousand
- * instructions instead of 17 on average, 70 instead of 64 at most. Memory:
- * sizeof(auvid_uncertain_t), 26 KiB with default sizes; AUVID_MAX_UNCERTAIN chooses for how many
+ * instructions instead of 17 on average, 68 instead of 64 at most. Memory:
+ * sizeof(auvid_uncertain_t), 27 KiB with default sizes; AUVID_MAX_UNCERTAIN chooses for how many
  * columns.
  *
  * Sources: Fuller 1987 (errors in variables); Ljung 1999, 7 (prediction error); Schmidt 1966
@@ -131,8 +134,8 @@ typedef struct {
 #ifndef AUVID_UNCERTAIN_ORDER
 #define AUVID_UNCERTAIN_ORDER (AUVID_MAX_THRUSTERS + AUVID_MAX_PARAMETERS / 2 + 15)
 #endif
-/** Inputs, and the thrust of each equation. */
-#define AUVID_UNCERTAIN_CHANNELS (AUVID_MAX_UNCERTAIN + 6)
+/** Inputs, the thrust of each equation, and the parameters of surge, sway and yaw. */
+#define AUVID_UNCERTAIN_CHANNELS (AUVID_MAX_UNCERTAIN + 26)
 /** Inputs that belong to one DoF, of all DoF together; their rows. */
 #define AUVID_UNCERTAIN_OWN 24
 #define AUVID_UNCERTAIN_OWN_ROWS (5 * AUVID_UNCERTAIN_COLUMNS)
@@ -210,7 +213,7 @@ typedef struct {
     uint8_t slot;         /* of the newest row under construction */
     uint8_t complete;     /* slot of the row that the cell completes */
     uint8_t dofs;         /* that have this row */
-    bool waits;           /* the last cell is to be added */
+    uint8_t waits;        /* is the last cell to be added? 1: yes, 2: its channels are formed */
     bool completes, counts;
     bool takes_rows;
     auvid_real_t accumulator[AUVID_MAX_OVERLAP][AUVID_UNCERTAIN_CHANNELS];
@@ -296,7 +299,8 @@ typedef struct auvid_uncertain {
     auvid_real_t scale;    /**< of all priors: the one that fits best, limited to 0.5..2 */
     auvid_causes_t causes; /* read auvid_uncertain_causes */
     bool excited;          /* the rows are of the excitation, not of a passive vehicle */
-    bool informed;         /* the columns of motion are those of an estimate */
+    uint8_t informed;      /* whose estimate the columns of motion are: 0: no solution's, 1: the
+                              first one's, 2: a later one's */
     bool contradicted;     /**< the best scale exceeds AUVID_UNCERTAIN_CONTRADICTED: no estimate */
 } auvid_uncertain_t;
 

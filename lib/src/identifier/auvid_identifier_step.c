@@ -82,17 +82,20 @@ static void identifier_take_cells(auvid_identifier_t *id, int max_cells)
     } while (max_cells-- > 0 && identifier_take_cell(id));
 }
 
-/* Cells that the recorder has open where none piles up, at a DVL of 5 Hz. */
-enum { MAX_OPEN_CELLS = 6 };
+/* Cells that the recorder has open where none piles up, at a DVL of 5 Hz; where ticks are short. */
+enum { MAX_OPEN_CELLS = 6, FEW_OPEN_CELLS = 4 };
 
-/* The same in a tick: one cell, or a part of what the last one has left to do, unless cells pile
- * up. */
+/* The same in a tick: one cell, or a part of what the last one has left to do, two if ticks are
+ * long, unless cells pile up. */
 static void identifier_take_cells_of_tick(auvid_identifier_t *id)
 {
     const auvid_uncertain_functions_t *uncertain = id->attached.uncertain_functions;
-    if (id->recorder.opened - id->recorder.next > MAX_OPEN_CELLS) {
+    uint32_t open = id->recorder.opened - id->recorder.next;
+    if (open > MAX_OPEN_CELLS) {
         identifier_take_cells(id, AUVID_CELLS_PER_STEP);
-    } else if (!identifier_continue_cell(id) && !identifier_take_cell(id) && uncertain != NULL) {
+    } else if (identifier_continue_cell(id)) {
+        (void)(open > FEW_OPEN_CELLS && identifier_continue_cell(id));
+    } else if (!identifier_take_cell(id) && uncertain != NULL) {
         uncertain->rotate(id);
     }
 }

@@ -150,10 +150,12 @@ static uint8_t uncertain_partner(const auvid_estimate_t *e, const auvid_vehicle_
     return partner;
 }
 
-/* Inputs less exact than configured make the scales that are not observable less certain. */
+/* Inputs less exact than configured make the scales that are not observable less certain. A factor
+ * at its limit may be any. */
 static void uncertain_widen_scales(auvid_uncertainty_t *scales, auvid_real_t factor)
 {
-    auvid_real_t by = auvid_max(factor, ONE);
+    bool limited = factor >= AUVID_UNCERTAIN_LARGEST_SCALE;
+    auvid_real_t by = limited ? AUVID_LARGEST : auvid_max(factor, ONE);
     scales->thrust_scale = auvid_min(by * scales->thrust_scale, ONE);
     scales->dvl_scale = auvid_min(by * scales->dvl_scale, ONE);
 }
@@ -240,7 +242,7 @@ static void uncertain_publish(auvid_identifier_t *id)
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
         u->linear[j] = auvid_uncertain_linear_part(u, &id->metric, j);
     }
-    u->informed = true;
+    u->informed = (uint8_t)(u->informed + (u->informed < 2));
 }
 
 static const auvid_uncertain_functions_t uncertain_table = {

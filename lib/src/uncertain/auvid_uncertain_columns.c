@@ -11,16 +11,18 @@
  *     lag         (f_n - f_m) / b, m behind the lag T + b
  *     delay       d f_n / dt
  *
+ * The difference of the lag is taken up to its last estimate b, where the column is exact.
+ *
  * Current and lever arm: the motion through the water is not the measured one. With c the current
  * in the body and a the arm,
  *
  *     nu -> nu - c - omega x a,   nu' -> nu' + omega x c - omega' x a.
  *
- * A column is the difference of the wrench that the last estimate predicts, per unit of the input.
- *
- * These differences, and that of the lag, are taken up to the last estimate b of the input: then
- * the column is exact there, also where the force is curved. One from b = 0 would take current and
- * lever arm for linear drag, since the mean of |v + c| (v + c) is larger than v |v|.
+ * The rows are linearised about the last estimates b of c and a: the parameters' columns Y are
+ * those of the motion through the water, and a column C of c or a is the derivative of the wrench
+ * that the last estimate predicts there. Y pi + C (c - b) = z becomes Y pi + C c = z + C b. About
+ * zero, current and arm would pass for linear drag, as the mean of |v + c| (v + c) is larger than
+ * v |v|; with columns of the first, wrong drag they would still do so many sets later.
  *
  * Drag differs forward and backward: the column is the size of the drag, with the linear and the
  * quadratic part of the last solution. One of the square alone would leave what linear drag adds to
@@ -40,8 +42,8 @@
  */
 #define DEAD_BAND_WIDTH AUVID_C(0.03)
 #define SMALLEST_CURVE AUVID_C(1e-4)
-/* Smallest step of current [m/s], lever arm [m] and times [s] for their differences; smallest lag
- * of the propellers [s]. */
+/* Step of current [m/s], lever arm [m] and times [s] for their differences, the smallest one of the
+ * lag; smallest lag of the propellers [s]. */
 #define LEAST_STEP AUVID_C(0.02)
 #define LEAST_LAG AUVID_C(0.01)
 
@@ -55,8 +57,10 @@ static void uncertain_place_channels(auvid_uncertain_t *u)
         for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
             const auvid_uncertain_equation_t *e = &u->equation[j];
             unsigned moment = j >= AUVID_ROLL;
-            for (int k = 0; e->order > 0 && k <= e->inputs; ++k) {
-                unsigned thrust = k == e->inputs || (e->of_thrust >> k & 1u) != 0;
+            int channels = auvid_uncertain_channels_of(u, j);
+            for (int k = 0; k < channels; ++k) {
+                unsigned thrust =
+                    k == e->inputs || (k < e->inputs && (e->of_thrust >> k & 1u) != 0);
                 if (section == 2u * moment + thrust) {
                     u->place[e->channel_at + k] = next++;
                 }
@@ -96,7 +100,7 @@ auvid_status_t auvid_uncertain_lay_out(auvid_uncertain_t *u, const auvid_metric_
         e->order = (uint8_t)(e->inputs + count + 1);
         factor += (uint32_t)AUVID_QR_FACTOR(e->order);
         row += e->order;
-        channel += e->inputs + 1u;
+        channel += (uint32_t)auvid_uncertain_channels_of(u, j);
         own += e->own;
         u->rows_at_once = (uint8_t)(u->rows_at_once + 2u);
         own_rows += (uint32_t)auvid_qr_row(e->order, e->own);
@@ -122,9 +126,8 @@ enum {
     SUMS = MOTION_AT + AUVID_UNCERTAIN_GAIN
 };
 
-/* Equations, a bit each: of the forces; with columns of current and lever arm. */
+/* Equations of the forces, a bit each. */
 #define OF_FORCES 7u
-#define OF_PLANAR (1u << AUVID_SURGE | 1u << AUVID_SWAY | 1u << AUVID_YAW)
 
 /* ln x for x > 0, error below 1e-6: x = m 2^e, ln m = 2 atanh((m - 1) / (m + 1)). */
 static auvid_real_t uncertain_ln(auvid_real_t x)
@@ -193,25 +196,19 @@ static void uncertain_compare(auvid_uncertain_t *u, const auvid_metric_t *m,
     }
 }
 
-/* Step of a difference: to the last estimate, but not too small. */
-static auvid_real_t uncertain_difference_step(const auvid_uncertain_t *u, int input)
-{
-    auvid_real_t step = u->shared[input];
-    return step < AUVID_C(0.0) ? auvid_min(step, -LEAST_STEP) : auvid_max(step, LEAST_STEP);
-}
-
-/* The same for the lag of the propellers, which stays above zero. */
+/* Step of the lag's difference: to the last estimate, but not too small, and the lag stays above
+ * zero. */
 static auvid_real_t uncertain_lag_step(const auvid_uncertain_t *u)
 {
-    auvid_real_t step = uncertain_difference_step(u, AUVID_UNCERTAIN_LAG);
-    auvid_real_t lowest = LEAST_LAG - u->cfg.nominal_lag_s;
+    auvid_real_t lowest = LEAST_LAG - u->cfg.nominal_lag_s, step = u->shared[AUVID_UNCERTAIN_LAG];
+    step = step < AUVID_C(0.0) ? auvid_min(step, -LEAST_STEP) : auvid_max(step, LEAST_STEP);
     return step > lowest ? step : lowest < -LEAST_STEP ? lowest : LEAST_STEP;
 }
 
 /* Sum the columns that are formed from the thrust over the thrusters. force_of[]: as supplied; on
  * return behind the nominal lag. */
 static void uncertain_thrust_columns(auvid_uncertain_t *u, const auvid_metric_t *m,
-                                     const auvid_sample_t *cell, bool first,
+                                     const auvid_sample_t *water, bool first,
                                      auvid_real_t sum[][SUMS], auvid_real_t *force_of)
 {
     auvid_real_t value[THRUST_SUMS], difference;
@@ -236,7 +233,7 @@ static void uncertain_thrust_columns(auvid_uncertain_t *u, const auvid_metric_t 
             continue;
         }
         for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
-            inflow += t->wrench[j] * cell->nu[j];
+            inflow += t->wrench[j] * water->nu[j];
         }
         force_of[i] = value[SUM_THRUST] = force;
         value[AUVID_UNCERTAIN_BACKWARD] = auvid_min(force, AUVID_C(0.0));
@@ -255,17 +252,20 @@ static void uncertain_thrust_columns(auvid_uncertain_t *u, const auvid_metric_t 
     }
 }
 
-/* Write Y(sample) pi of the equations of these DoF, a bit each. */
-static void uncertain_predict(const auvid_uncertain_t *u, const auvid_metric_t *m,
-                              const auvid_sample_t *sample, uint32_t dofs,
-                              auvid_real_t wrench[AUVID_DOF_COUNT])
+static void uncertain_evaluate(const auvid_metric_t *m, const auvid_sample_t *sample,
+                               auvid_regressor_t *y)
 {
-    const auvid_vehicle_t *vehicle = m->cfg.vehicle;
-    auvid_regressor_t y;
-    auvid_zero(&y, sizeof y);
-    vehicle->regressor(vehicle->context, sample, NULL, &y);
+    auvid_zero(y, sizeof *y);
+    m->cfg.vehicle->regressor(m->cfg.vehicle->context, sample, NULL, y);
+}
+
+/* Write Y pi of the equations of these DoF, a bit each. */
+static void uncertain_multiply(const auvid_uncertain_t *u, const auvid_metric_t *m,
+                               const auvid_regressor_t *y, uint32_t dofs,
+                               auvid_real_t wrench[AUVID_DOF_COUNT])
+{
     for (int j = 0; dofs >> j != 0; ++j) {
-        const auvid_real_t *row = y.row[j], *pi = u->pi;
+        const auvid_real_t *row = y->row[j], *pi = u->pi;
         const uint8_t *index = auvid_metric_row_parameters(m, j);
         auvid_real_t sum = AUVID_C(0.0);
         int k = (dofs >> j & 1u) != 0 ? u->equation[j].order - 1 - u->equation[j].inputs : 0;
@@ -276,6 +276,15 @@ static void uncertain_predict(const auvid_uncertain_t *u, const auvid_metric_t *
     }
 }
 
+static void uncertain_predict(const auvid_uncertain_t *u, const auvid_metric_t *m,
+                              const auvid_sample_t *sample, uint32_t dofs,
+                              auvid_real_t wrench[AUVID_DOF_COUNT])
+{
+    auvid_regressor_t y;
+    uncertain_evaluate(m, sample, &y);
+    uncertain_multiply(u, m, &y, dofs, wrench);
+}
+
 /* c = a x b */
 static void uncertain_cross(const auvid_real_t *a, const auvid_real_t *b, auvid_real_t *c)
 {
@@ -284,66 +293,97 @@ static void uncertain_cross(const auvid_real_t *a, const auvid_real_t *b, auvid_
     c[2] = a[0] * b[1] - a[1] * b[0];
 }
 
-/* Move a sample by `step` of a current, or of a lever arm. */
-static void uncertain_move(auvid_sample_t *moved, const auvid_sample_t *cell, auvid_real_t r[3][3],
-                           int input, auvid_real_t step)
+/* Change of velocity and acceleration, per unit of current or lever arm. */
+typedef struct {
+    auvid_real_t velocity[3], rate[3];
+} uncertain_shift_t;
+
+/* Inputs from the current on that have one. */
+enum { SHIFTS = AUVID_UNCERTAIN_ARM_Y - AUVID_UNCERTAIN_CURRENT_X + 1 };
+
+static void uncertain_shifts(const auvid_sample_t *cell, auvid_real_t r[3][3],
+                             uncertain_shift_t shift[SHIFTS])
 {
     static const auvid_real_t axis[2][3] = {{AUVID_C(1.0)}, {AUVID_C(0.0), AUVID_C(1.0)}};
-    auvid_real_t velocity[3], rate[3];
-    if (input < (int)AUVID_UNCERTAIN_ARM_X) {
-        const auvid_real_t *c = r[input - (int)AUVID_UNCERTAIN_CURRENT_X]; /* the world's axis */
-        memcpy(velocity, c, sizeof velocity);
-        uncertain_cross(c, cell->nu + AUVID_ROLL, rate);
-    } else {
-        const auvid_real_t *arm = axis[input - (int)AUVID_UNCERTAIN_ARM_X];
-        uncertain_cross(cell->nu + AUVID_ROLL, arm, velocity);
-        uncertain_cross(cell->nu_dot + AUVID_ROLL, arm, rate);
+    for (int k = 0; k < 2; ++k) {
+        uncertain_shift_t *current = &shift[k], *arm = &shift[2 + k];
+        memcpy(current->velocity, r[k], sizeof current->velocity); /* the world's axis */
+        uncertain_cross(r[k], cell->nu + AUVID_ROLL, current->rate);
+        uncertain_cross(cell->nu + AUVID_ROLL, axis[k], arm->velocity);
+        uncertain_cross(cell->nu_dot + AUVID_ROLL, axis[k], arm->rate);
     }
+}
+
+/* Write the motion of a sample, less `step` of a current or lever arm. */
+static void uncertain_move(auvid_sample_t *moved, const auvid_sample_t *sample,
+                           const uncertain_shift_t *shift, auvid_real_t step)
+{
     for (int i = 0; i < 3; ++i) {
-        moved->nu[i] -= step * velocity[i];
-        moved->nu_dot[i] -= step * rate[i];
+        moved->nu[i] = sample->nu[i] - step * shift->velocity[i];
+        moved->nu_dot[i] = sample->nu_dot[i] - step * shift->rate[i];
     }
 }
 
 /* The sum over the thrusters of d f / dt is part of the columns of the forces. */
 static void uncertain_late_columns(const auvid_uncertain_t *u, const auvid_metric_t *m,
-                                   const auvid_sample_t *cell, const auvid_real_t *measured,
+                                   const auvid_sample_t *water, const auvid_real_t *predicted,
                                    auvid_real_t sum[][SUMS])
 {
     for (int first = AUVID_SURGE; first <= AUVID_ROLL; first += AUVID_ROLL) {
         auvid_real_t wrench[AUVID_DOF_COUNT];
-        auvid_sample_t moved = *cell;
+        auvid_sample_t moved = *water;
         int other = AUVID_ROLL - first; /* moments, then forces */
         for (int i = first; i < first + 3; ++i) {
-            moved.nu[i] += (first == AUVID_SURGE ? LEAST_STEP : -LEAST_STEP) * cell->nu_dot[i];
+            moved.nu[i] += (first == AUVID_SURGE ? LEAST_STEP : -LEAST_STEP) * water->nu_dot[i];
         }
         uncertain_predict(u, m, &moved, OF_FORCES << other, wrench);
         for (int j = other; j < other + 3; ++j) {
             sum[j][MOTION_AT + AUVID_UNCERTAIN_DVL_LATE] =
                 (other == AUVID_SURGE ? sum[j][SUM_DELAY] : AUVID_C(0.0)) +
-                (wrench[j] - measured[j]) / LEAST_STEP;
+                (wrench[j] - predicted[j]) / LEAST_STEP;
         }
     }
 }
 
-static void uncertain_motion_columns(const auvid_uncertain_t *u, const auvid_metric_t *m,
-                                     const auvid_sample_t *cell, auvid_real_t r[3][3],
-                                     auvid_real_t sum[][SUMS])
+/* Write the channels by which the columns of DoF j's parameters change. */
+static void uncertain_move_parameters(auvid_uncertain_t *u, const auvid_metric_t *m, int j,
+                                      const auvid_regressor_t *measured,
+                                      const auvid_regressor_t *water)
 {
-    auvid_real_t before[AUVID_DOF_COUNT], after[AUVID_DOF_COUNT];
-    auvid_sample_t moved = *cell;
-    uncertain_predict(u, m, cell, OF_FORCES | OF_FORCES << AUVID_ROLL, before);
+    const auvid_uncertain_equation_t *e = &u->equation[j];
+    const uint8_t *index = auvid_metric_row_parameters(m, j);
+    const uint16_t *place = u->place + e->channel_at;
+    for (int k = e->inputs + 1; k < auvid_uncertain_channels_of(u, j); ++k, ++index) {
+        u->recorded.channel[place[k]] = water->row[j][*index] - measured->row[j][*index];
+    }
+}
+
+static void uncertain_motion_columns(auvid_uncertain_t *u, const auvid_metric_t *m,
+                                     const auvid_sample_t *cell, const auvid_sample_t *water,
+                                     const uncertain_shift_t *shift, auvid_real_t sum[][SUMS])
+{
+    auvid_real_t predicted[AUVID_DOF_COUNT], after[AUVID_DOF_COUNT];
+    auvid_regressor_t y, y_water;
+    auvid_sample_t moved = *water;
+    uncertain_evaluate(m, cell, &y);
+    uncertain_evaluate(m, water, &y_water);
+    uncertain_multiply(u, m, &y_water, OF_FORCES | OF_FORCES << AUVID_ROLL, predicted);
     if (u->cfg.dvl_late_s > AUVID_C(0.0)) {
-        uncertain_late_columns(u, m, cell, before, sum);
+        uncertain_late_columns(u, m, water, predicted, sum);
+    }
+    for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
+        uncertain_move_parameters(u, m, j, &y, &y_water);
     }
     for (int n = AUVID_UNCERTAIN_CURRENT_X; n <= (int)AUVID_UNCERTAIN_ARM_Y; ++n) {
-        auvid_real_t step = uncertain_difference_step(u, n);
         if (auvid_uncertain_configured(u, n) > AUVID_C(0.0)) {
-            uncertain_move(&moved, cell, r, n, step);
-            uncertain_predict(u, m, &moved, OF_PLANAR, after);
+            uncertain_move(&moved, water, &shift[n - (int)AUVID_UNCERTAIN_CURRENT_X], LEAST_STEP);
+            uncertain_predict(u, m, &moved, AUVID_UNCERTAIN_PLANAR, after);
             for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
-                sum[j][MOTION_AT + n] = (after[j] - before[j]) / step;
-                before[j] = after[j];
+                if ((AUVID_UNCERTAIN_PLANAR >> j & 1u) != 0) {
+                    auvid_real_t column = (after[j] - predicted[j]) / LEAST_STEP;
+                    sum[j][MOTION_AT + n] = column;
+                    sum[j][SUM_THRUST] += column * u->shared[n];
+                }
             }
         }
     }
@@ -407,6 +447,8 @@ void auvid_uncertain_channels(auvid_uncertain_t *u, const auvid_metric_t *m,
                               const auvid_sample_t *cell, bool first)
 {
     auvid_real_t r[3][3], sum[AUVID_DOF_COUNT][SUMS], force[AUVID_MAX_THRUSTERS];
+    uncertain_shift_t shift[SHIFTS];
+    auvid_sample_t water = *cell; /* the motion through the water, as last estimated */
     auvid_zero(sum, sizeof sum);
     auvid_clear(force, AUVID_MAX_THRUSTERS);
     auvid_rotation(cell->phi, cell->theta, cell->psi, r);
@@ -414,13 +456,17 @@ void auvid_uncertain_channels(auvid_uncertain_t *u, const auvid_metric_t *m,
         force[i] = uncertain_force(u, i, cell->command[i]);
     }
     uncertain_compare(u, m, cell, force);
-    uncertain_thrust_columns(u, m, cell, first, sum, force);
+    uncertain_shifts(cell, r, shift);
+    for (int k = 0; k < SHIFTS; ++k) {
+        uncertain_move(&water, &water, &shift[k], u->shared[AUVID_UNCERTAIN_CURRENT_X + k]);
+    }
+    uncertain_thrust_columns(u, m, &water, first, sum, force);
     if (u->cfg.current + u->cfg.arm_m + u->cfg.dvl_late_s > AUVID_C(0.0)) {
-        uncertain_motion_columns(u, m, cell, r, sum);
+        uncertain_motion_columns(u, m, cell, &water, shift, sum);
     }
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
         if (u->equation[j].order > 0) {
-            uncertain_write_channels(u, cell, (auvid_real_t[2]){r[2][1], -r[2][0]}, sum[j], force,
+            uncertain_write_channels(u, &water, (auvid_real_t[2]){r[2][1], -r[2][0]}, sum[j], force,
                                      j);
         }
     }

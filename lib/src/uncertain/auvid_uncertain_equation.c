@@ -10,7 +10,8 @@
 #define LARGEST_BAND_RATIO AUVID_C(30.0) /* of the residuals of the bands */
 #define MOVES_FORCES AUVID_C(0.7)        /* lambda, see auvid_uncertain_solve.c */
 #define MOVES_MOMENTS AUVID_C(0.4)
-#define EARLY_ROW AUVID_C(0.0625) /* weight of a row from before the first solution */
+#define EARLY_ROW AUVID_C(0.0625)   /* weight of a row from before the first solution */
+#define SMALL_CURRENT AUVID_C(0.03) /* [m/s]; a row from before the second one counts half */
 
 typedef auvid_uncertain_t uncertain_t;
 
@@ -262,13 +263,20 @@ static void uncertain_fade(uncertain_t *u, const auvid_metric_t *m, int j)
 
 /* The columns of current, lever arm and late DVL are formed with the last estimate. Without one
  * they are zero, and drag takes what these inputs do: with a current of 0.1 m/s, one such set of
- * eight makes Y_v 33 % too large. The rows do not vanish, as other DoF may be excited later; and
- * what drag takes of the hull's inputs is to be that of the whole motion. */
+ * eight makes Y_v 33 % too large. The second set knows the vehicle, but no current, and its rows
+ * lack the square of this. The rows do not vanish, as other DoF may be excited later; and what drag
+ * takes of the hull's inputs is to be that of the whole motion. */
 void auvid_uncertain_fade_early(uncertain_t *u, const auvid_metric_t *m, int j)
 {
+    auvid_real_t keep = EARLY_ROW;
+    if (u->informed > 0) {
+        auvid_real_t x = u->shared[AUVID_UNCERTAIN_CURRENT_X] / SMALL_CURRENT;
+        auvid_real_t y = u->shared[AUVID_UNCERTAIN_CURRENT_Y] / SMALL_CURRENT;
+        keep = auvid_max(keep, AUVID_C(1.0) / (AUVID_C(1.0) + x * x + y * y));
+    }
     uncertain_find_drag(u, m, j);
-    uncertain_change_faded(u, j, AUVID_C(1.0), AUVID_C(1.0) - EARLY_ROW);
-    uncertain_keep_rows(u, j, EARLY_ROW * u->rows[j]);
+    uncertain_change_faded(u, j, AUVID_C(1.0), AUVID_C(1.0) - keep);
+    uncertain_keep_rows(u, j, keep * u->rows[j]);
 }
 
 void auvid_uncertain_prepare(uncertain_t *u, const auvid_metric_t *m, int j)

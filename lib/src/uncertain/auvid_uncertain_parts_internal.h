@@ -39,7 +39,8 @@ auvid_status_t auvid_uncertain_lay_out(auvid_uncertain_t *u, const auvid_metric_
 void auvid_uncertain_channels(auvid_uncertain_t *u, const auvid_metric_t *m,
                               const auvid_sample_t *cell, bool first);
 
-/** Add the last cell to the rows, if it waits. @return false: the next one may come */
+/** Take the next step with the last cell: form its channels, or add them to the rows.
+ * @return false: there was none, the next cell may come */
 bool auvid_uncertain_add_cell(auvid_uncertain_t *u);
 
 /** Rotate one band of a complete row of a DoF into its factor, if one waits. */
@@ -66,8 +67,8 @@ int auvid_uncertain_joint_column(const auvid_uncertain_t *u, const auvid_metric_
 /** Prepare DoF j's part of a pass: residual, weights of the bands, changes of the columns. */
 void auvid_uncertain_prepare(auvid_uncertain_t *u, const auvid_metric_t *m, int j);
 
-/** At the end of the first solution: DoF j's rows from before it count little from now on, because
- * their columns of current, lever arm and late DVL are of no vehicle. */
+/** At the end of the first and second solution: DoF j's rows from before it count less from now on,
+ * because their columns of current, lever arm and late DVL are of no vehicle, or of no current. */
 void auvid_uncertain_fade_early(auvid_uncertain_t *u, const auvid_metric_t *m, int j);
 
 /** Rotate row i of one band, with its changed columns, into the DoF's factor. */
@@ -82,7 +83,20 @@ void auvid_uncertain_keep_own(auvid_uncertain_t *u, const auvid_metric_t *m, int
 /** Rotate row i of the DoF's factor, an own input's no more, into the joint factor. */
 void auvid_uncertain_transfer(auvid_uncertain_t *u, const auvid_metric_t *m, int j, int i);
 
-/** Channel of input k of an equation; of its thrust for k = inputs. */
+/** Equations that current and lever arm change, a bit each. */
+#define AUVID_UNCERTAIN_PLANAR (1u << AUVID_SURGE | 1u << AUVID_SWAY | 1u << AUVID_YAW)
+
+/** Channels of DoF j's equation: inputs, thrust, and what current and lever arm change in the
+ * columns of its parameters. */
+static inline int auvid_uncertain_channels_of(const auvid_uncertain_t *u, int j)
+{
+    const auvid_uncertain_equation_t *e = &u->equation[j];
+    bool moves =
+        (AUVID_UNCERTAIN_PLANAR >> j & 1u) != 0 && u->cfg.current + u->cfg.arm_m > AUVID_C(0.0);
+    return e->order == 0 || moves ? e->order : e->inputs + 1;
+}
+
+/** Channel k of an equation: of an input, for k = inputs of its thrust, then of a parameter. */
 static inline int auvid_uncertain_channel(const auvid_uncertain_t *u,
                                           const auvid_uncertain_equation_t *e, int k)
 {
@@ -136,6 +150,9 @@ bool auvid_uncertain_reads(const auvid_uncertain_t *u, int j);
 #define AUVID_UNCERTAIN_SMOOTHED AUVID_C(2.6)
 /** Factor of the covariance, see auvid_uncertain_solve.c. */
 #define AUVID_UNCERTAIN_COVARIANCE AUVID_C(1.9)
+
+/** Largest common scale of the priors; its inverse is the smallest. */
+#define AUVID_UNCERTAIN_LARGEST_SCALE AUVID_C(2.0)
 
 /** Has DoF j enough rows for a solution? */
 static inline bool auvid_uncertain_has_rows(const auvid_uncertain_t *u, int j)

@@ -2,16 +2,19 @@
  * Uncertain inputs: rows, from cells to two R factors for each DoF.
  *
  * The columns pass the metric's smoother. Sums and differences of successive rows are the low and
- * the high band, as in auvid_metric_regressor.c. The work of a tick stays small: a cell is stored,
- * and added to the rows in a later tick, before the next cell. A row is rotated in while the next
- * one is formed, one band of a DoF in each call that brings no cell. Where there are none, cells do
- * both.
+ * the high band, as in auvid_metric_regressor.c. The work of a tick stays small: a cell is stored;
+ * its channels are formed in a later tick, and added to the rows in another one, before the next
+ * cell. A row is rotated in while the next one is formed, one band of a DoF in each call that has
+ * nothing to do with a cell. Where there are none, cells do all of it.
  */
 #include <string.h>
 
 #include "../identifier/auvid_actuation_internal.h"
 #include "auvid_uncertain_parts_internal.h"
 #include "../metric/auvid_metric_rows_internal.h"
+
+/* How far is the last cell? auvid_uncertain_rows_t.waits */
+enum { UNCERTAIN_NONE, UNCERTAIN_CELL, UNCERTAIN_FORMED };
 
 void auvid_uncertain_restart(auvid_uncertain_t *u)
 {
@@ -20,7 +23,7 @@ void auvid_uncertain_restart(auvid_uncertain_t *u)
     memset(u->rows, 0, sizeof u->rows);
     u->begin_us = 0;
     u->recorded.pending = 0;
-    u->recorded.waits = false;
+    u->recorded.waits = UNCERTAIN_NONE;
     u->recorded.wrench = u->recorded.difference = AUVID_C(0.0);
     memset(u->recorded.successive, 0, sizeof u->recorded.successive);
 }
@@ -96,6 +99,9 @@ static void uncertain_take_row(auvid_uncertain_t *u, int j, const auvid_real_t *
         row[k] = channel[auvid_uncertain_channel(u, e, k)];
     }
     memcpy(row + e->inputs, regressor, (size_t)(e->order - 1 - e->inputs) * sizeof *row);
+    for (int k = e->inputs + 1; k < auvid_uncertain_channels_of(u, j); ++k) {
+        row[k - 1] += channel[auvid_uncertain_channel(u, e, k)];
+    }
     row[e->order - 1] = channel[auvid_uncertain_channel(u, e, e->inputs)];
     if (auvid_all_within(row, e->order, METRIC_LARGEST_ENTRY) != AUVID_OK) {
         r->successive[j] = 0;
@@ -117,16 +123,25 @@ static void uncertain_take_row(auvid_uncertain_t *u, int j, const auvid_real_t *
     r->successive[j] = (uint8_t)(r->successive[j] + (r->successive[j] < AUVID_METRIC_LAGS));
 }
 
+/* Form the channels of the last cell, if it waits. */
+static void uncertain_form_channels(auvid_uncertain_t *u, const auvid_metric_t *m)
+{
+    if (u->recorded.waits == UNCERTAIN_CELL) {
+        auvid_uncertain_channels(u, m, &u->cell, u->recorded.n == 0);
+        u->recorded.waits = UNCERTAIN_FORMED;
+    }
+}
+
 /* Add the last cell to the rows, and take the one that it completes. */
 static void uncertain_finish(void *context, const auvid_metric_t *m)
 {
     auvid_uncertain_t *u = context;
     auvid_uncertain_rows_t *r = &u->recorded;
-    if (!r->waits) {
+    if (r->waits == UNCERTAIN_NONE) {
         return;
     }
-    r->waits = false;
-    auvid_uncertain_channels(u, m, &u->cell, r->n == 0);
+    uncertain_form_channels(u, m);
+    r->waits = UNCERTAIN_NONE;
     auvid_metric_add_extra(m, &(auvid_metric_place_t){r->n, r->slot, r->spread},
                            uncertain_accumulate, u);
     for (int j = 0; j < AUVID_DOF_COUNT && r->completes; ++j) {
@@ -169,7 +184,7 @@ static void uncertain_cell(void *context, const auvid_metric_t *m, const auvid_s
     r->n = place->n;
     r->slot = (uint8_t)place->slot;
     r->spread = place->spread;
-    r->waits = true;
+    r->waits = UNCERTAIN_CELL;
     r->completes = false;
 }
 
@@ -186,9 +201,14 @@ static void uncertain_take(void *context, const auvid_metric_t *m, uint32_t slot
 
 bool auvid_uncertain_add_cell(auvid_uncertain_t *u)
 {
-    bool waits = u->recorded.waits;
-    u->id->metric.extra->finish(u->id->metric.extra_context, &u->id->metric);
-    return waits;
+    const auvid_metric_t *m = &u->id->metric;
+    int waits = u->recorded.waits;
+    if (waits == UNCERTAIN_CELL) {
+        uncertain_form_channels(u, m);
+    } else {
+        m->extra->finish(m->extra_context, m);
+    }
+    return waits != UNCERTAIN_NONE;
 }
 
 void auvid_uncertain_rotate(auvid_uncertain_t *u)

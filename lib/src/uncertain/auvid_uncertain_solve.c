@@ -42,9 +42,9 @@
 #include "../metric/auvid_metric_feedback_internal.h"
 
 #define SIDE_VARIANCE AUVID_C(0.05)
-#define LONGEST_SAG AUVID_C(15.0)  /* an hour, over AUVID_UNCERTAIN_SAG_S */
-#define SEEN_RIGHT AUVID_C(3.0)    /* prior of the scale, as a number of inputs */
-#define LARGEST_SCALE AUVID_C(2.0) /* and its inverse the smallest */
+#define LONGEST_SAG AUVID_C(15.0) /* an hour, over AUVID_UNCERTAIN_SAG_S */
+#define SEEN_RIGHT AUVID_C(3.0)   /* prior of the scale, as a number of inputs */
+#define LARGEST_SCALE AUVID_UNCERTAIN_LARGEST_SCALE
 
 typedef auvid_uncertain_t uncertain_t;
 
@@ -190,7 +190,7 @@ static uint32_t uncertain_rotation(int n)
 static bool uncertain_fades(const uncertain_t *u, int j, int i)
 {
     bool moves = u->cfg.current + u->cfg.arm_m + u->cfg.dvl_late_s > AUVID_C(0.0);
-    return u->excited && moves && !u->informed && i == u->equation[j].inputs - 1;
+    return u->excited && moves && u->informed < 2 && i == u->equation[j].inputs - 1;
 }
 
 /* Returns the cost of the present step [units]: about 230 instructions each on a Cortex-M4F. */

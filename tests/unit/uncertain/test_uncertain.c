@@ -252,7 +252,9 @@ static void test_with_inputs_less_exact_than_told_little_is_identifiable(void)
         }
         identify_mixture(seed, 3.0);
         TEST_ASSERT_TRUE(run.uncertain.scale > (auvid_real_t)1.3);
-        TEST_ASSERT_EQUAL_FLOAT(run.uncertain.scale * run.id.uncertainty.thrust_scale,
+        bool limited = run.uncertain.scale >= (auvid_real_t)2.0;
+        TEST_ASSERT_EQUAL_FLOAT(limited ? (auvid_real_t)1.0
+                                        : run.uncertain.scale * run.id.uncertainty.thrust_scale,
                                 run.uncertain.estimate.confidence.uncertainty.thrust_scale);
         for (int i = 0; i < SIM_PARAMETERS; ++i) {
             large += record.flagged[i];
@@ -442,8 +444,10 @@ static void test_a_current_does_not_bias_the_drag_through_early_rows(void)
         quadratic += error(SIM_Y_VV) / 8.0;
     }
     printf("mean errors of sway's drag in a current: %.3f, %.3f\n", linear, quadratic);
-    TEST_ASSERT_DOUBLE_WITHIN(0.2, 0.0, linear); /* they were 0.33 and -0.16 */
-    TEST_ASSERT_DOUBLE_WITHIN(0.1, 0.0, quadratic);
+    /* 0.33 and -0.16 if early rows count in full, 0.15 and -0.08 if the columns of drag are those
+       of the motion over ground */
+    TEST_ASSERT_DOUBLE_WITHIN(0.06, 0.0, linear);
+    TEST_ASSERT_DOUBLE_WITHIN(0.06, 0.0, quadratic);
 }
 
 static void identify_asymmetric(field_vehicle_t vehicle, uint32_t seed)
@@ -482,17 +486,17 @@ static void test_asymmetric_drag_leaves_the_constant_force_right(void)
 /* A lawnmower does not excite heave; its rows are taken nevertheless. */
 static void test_rows_of_a_dof_that_is_not_excited_belong_to_its_parameters(void)
 {
-    double mass = 0.0, drag = 0.0; /* mean square errors */
-    for (uint32_t seed = 5; seed < 15; ++seed) {
+    double mass = 0.0, drag = 0.0; /* sums of square errors */
+    for (uint32_t seed = 5; seed < 35; ++seed) {
         field_run_defaults(&field);
         field_defaults(&field.field, FIELD_ROV20, FIELD_LAWNMOWER, seed);
         field_draw(&field.field, 0.0);
         TEST_ASSERT_TRUE(field_run(&run, &field, &record));
-        mass += 0.1 * error(SIM_M_U) * error(SIM_M_U);
-        drag += 0.1 * error(SIM_X_UU) * error(SIM_X_UU);
+        mass += error(SIM_M_U) * error(SIM_M_U);
+        drag += error(SIM_X_UU) * error(SIM_X_UU);
     }
-    TEST_ASSERT_DOUBLE_WITHIN(0.3, 0.0, sqrt(mass)); /* it was 13 */
-    TEST_ASSERT_DOUBLE_WITHIN(0.3, 0.0, sqrt(drag));
+    TEST_ASSERT_DOUBLE_WITHIN(0.3, 0.0, sqrt(mass / 30.0)); /* it was 13 */
+    TEST_ASSERT_DOUBLE_WITHIN(0.3, 0.0, sqrt(drag / 30.0));
 }
 
 /* Moves for 100 s, with a tick of this length and a DVL of 5 Hz. Returns the sets; *first_us: when
