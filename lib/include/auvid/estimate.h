@@ -77,7 +77,8 @@ typedef enum {
                               Then no parameter is identifiable, except by the reference of the
                               controller (auvid_instruments_t) */
     AUVID_NOTE_UNCHECKED, /**< identifiable if thrust and sensors are exact. They were not examined
-                               for errors: see auvid_confidence_t.unchecked */
+                               for errors, or have too large ones: see auvid_confidence_t.unchecked
+                             */
     AUVID_NOTE_COUNT
 } auvid_note_t;
 
@@ -138,8 +139,9 @@ typedef struct {
                                         velocity that the DoF's equation reads [%]; 0 for DoF that
                                         are not excited */
     bool unchecked; /**< thrust and sensors were taken as exact, but for `uncertainty`, without
-                         auvid_identifier_config_t.exact_inputs, or beside uncertain inputs. Then no
-                         parameter and no drag force is identifiable */
+                         auvid_identifier_config_t.exact_inputs, or beside uncertain inputs; or
+                         these have errors of more than twice their priors. Then no parameter and no
+                         drag force is identifiable */
     uint8_t reserved[AUVID_GAP(sizeof(auvid_real_t), 2 * AUVID_MAX_PARAMETERS + 8)];
 } auvid_confidence_t;
 

@@ -150,24 +150,23 @@ static uint8_t uncertain_partner(const auvid_estimate_t *e, const auvid_vehicle_
     return partner;
 }
 
-/* Inputs less exact than configured make the scales that are not observable less certain. A factor
- * at its limit may be any. */
+/* Inputs less exact than configured make the scales that are not observable less certain. */
 static void uncertain_widen_scales(auvid_uncertainty_t *scales, auvid_real_t factor)
 {
-    bool limited = factor >= AUVID_UNCERTAIN_LARGEST_SCALE;
-    auvid_real_t by = limited ? AUVID_LARGEST : auvid_max(factor, ONE);
+    auvid_real_t by = auvid_max(factor, ONE);
     scales->thrust_scale = auvid_min(by * scales->thrust_scale, ONE);
     scales->dvl_scale = auvid_min(by * scales->dvl_scale, ONE);
 }
 
-/* Is no input uncertain? Then none was checked. */
-static bool uncertain_is_exact(const auvid_uncertain_t *u)
+/* Are the inputs not checked? None is uncertain, or more was found than their priors allow. */
+static bool uncertain_is_unchecked(const auvid_identifier_t *id)
 {
+    const auvid_uncertain_t *u = uncertain_of(id);
     bool exact = true;
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
         exact = exact && u->equation[j].inputs == 0;
     }
-    return exact;
+    return (exact && !id->exact_inputs) || u->scale >= AUVID_UNCERTAIN_LARGEST_SCALE;
 }
 
 /* Assess parameter i of the joint solution. free: what it would be without bounds. */
@@ -205,7 +204,7 @@ static void uncertain_assess(auvid_identifier_t *id)
         e->pi[i] = sigma[i] > AUVID_C(0.0) ? u->pi[i] : e->pi[i];
     }
     uncertain_widen_scales(&job->result.uncertainty, u->scale);
-    job->result.unchecked = uncertain_is_exact(u) && !id->exact_inputs;
+    job->result.unchecked = uncertain_is_unchecked(id);
     auvid_confidence_revise(job, e->pi);
     auvid_confidence_limits(job, id->search.lower, id->search.upper, e->not_converged);
     memcpy(free, e->pi, sizeof free);

@@ -252,10 +252,10 @@ static void test_with_inputs_less_exact_than_told_little_is_identifiable(void)
         }
         identify_mixture(seed, 3.0);
         TEST_ASSERT_TRUE(run.uncertain.scale > (auvid_real_t)1.3);
-        bool limited = run.uncertain.scale >= (auvid_real_t)2.0;
-        TEST_ASSERT_EQUAL_FLOAT(limited ? (auvid_real_t)1.0
-                                        : run.uncertain.scale * run.id.uncertainty.thrust_scale,
+        TEST_ASSERT_EQUAL_FLOAT(run.uncertain.scale * run.id.uncertainty.thrust_scale,
                                 run.uncertain.estimate.confidence.uncertainty.thrust_scale);
+        TEST_ASSERT_EQUAL(run.uncertain.scale >= (auvid_real_t)2.0,
+                          run.uncertain.estimate.confidence.unchecked);
         for (int i = 0; i < SIM_PARAMETERS; ++i) {
             large += record.flagged[i];
         }
