@@ -1,4 +1,7 @@
-/* The prior record, from one dive to the next, and known parameters from other sources. */
+/*
+ * The prior record, from one dive to the next: what it holds, and records that are refused, damaged
+ * and forged ones among them.
+ */
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
@@ -8,19 +11,14 @@
 #include "base/auvid_math_internal.h"
 #include "binomial.h"
 #include "by_residual.h"
-#include "chain.h"
-#include "identifier/auvid_prior_rows_internal.h"
+#include "prior_dives.h"
 #include "unity.h"
 
-enum { N = 13, SETS = 8, LATER = 4 };
-
-static chain_config_t cfg;
-static chain_t chain;
 static uint8_t record[AUVID_PRIOR_BYTES];
 
 void setUp(void)
 {
-    chain_defaults(&cfg, 1, 2, 1.0);
+    prior_dives_defaults();
 }
 
 void tearDown(void)
@@ -304,49 +302,6 @@ static void test_memory_is_attached_once_before_the_first_step(void)
     TEST_ASSERT_EQUAL(AUVID_ERR_STARTED, auvid_identifier_attach_prior(&chain.id, &memory));
 }
 
-/* ---- the residual path ---- */
-
-/* Without X_uu: the model contains the true one. */
-static void blind_residual(const void *context, const auvid_sample_t *s, const auvid_real_t *pi,
-                           auvid_real_t *residual)
-{
-    auvid_real_t other[AUVID_MAX_PARAMETERS];
-    memcpy(other, pi, sizeof other);
-    other[AUVID_G500_X_UU] = auvid_girona500_paper[AUVID_G500_X_UU];
-    by_residual_predict(context, s, other, residual);
-}
-
-static void test_on_the_residual_path_a_prior_is_all_there_is_of_what_the_data_do_not_show(void)
-{
-    static auvid_row_t rows[3 * 60];
-    static auvid_vehicle_t vehicle;
-    auvid_real_t pi[AUVID_MAX_PARAMETERS], sigma[AUVID_MAX_PARAMETERS];
-    const double mean = -150, error = 10;
-    by_residual_surge(&cfg.id, &vehicle, rows, 2);
-    vehicle.residual = blind_residual;
-    memset(&cfg.id.uncertainty, 0, sizeof cfg.id.uncertainty);
-    cfg.budget = 0;
-    memcpy(pi, auvid_girona500_paper, sizeof auvid_girona500_paper);
-    for (int i = 0; i < AUVID_MAX_PARAMETERS; ++i) {
-        sigma[i] = AUVID_C(1e6); /* a guess */
-    }
-    pi[AUVID_G500_X_UU] = (auvid_real_t)mean;
-    sigma[AUVID_G500_X_UU] = (auvid_real_t)error;
-    TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &cfg));
-    TEST_ASSERT_EQUAL(AUVID_OK, auvid_prior_set(&chain.id, pi, sigma));
-    chain.id.estimate.number = 0; /* the search does not begin at the means */
-    while (chain.id.metric.sets.recorded < 2) {
-        chain_tick(&chain);
-    }
-    (void)chain_finish(&chain, 100000, 100000);
-    const auvid_estimate_t *e = &chain.id.estimate;
-    TEST_ASSERT_TRUE(e->number > 0);
-    TEST_ASSERT_DOUBLE_WITHIN(0.5, mean, (double)e->pi[AUVID_G500_X_UU]);
-    double found = (double)e->confidence.sigma[AUVID_G500_X_UU];
-    TEST_ASSERT_TRUE(found > 0.5 * error && found < 2.0 * error);
-    TEST_ASSERT_DOUBLE_WITHIN(0.1 * 248.8, 248.8, (double)e->pi[AUVID_G500_M_U]);
-}
-
 /* ---- a record with wrong content and a correct checksum ---- */
 
 enum { KNOWN = 8, COLOUR = 12, VALUE = 36, SIGMA = 164, CHECK = 232 };
@@ -468,219 +423,6 @@ static void test_a_forged_record_is_refused_or_harmless(void)
     TEST_ASSERT_TRUE(taken > forgeries / 20 && run_through > 0);
 }
 
-/* The paper's vehicle, as measured in a towing tank. */
-static void tank(auvid_real_t *pi, auvid_real_t *sigma)
-{
-    for (int i = 0; i < AUVID_MAX_PARAMETERS; ++i) {
-        pi[i] = i < N ? auvid_girona500_paper[i] : (auvid_real_t)NAN; /* fixed ones: not read */
-        sigma[i] = i < N ? (auvid_real_t)(0.05 * fabs((double)pi[i])) : 0;
-    }
-}
-
-static void check_unknown(auvid_status_t status, const auvid_real_t *pi, const auvid_real_t *sigma)
-{
-    static auvid_identifier_t before;
-    before = chain.id;
-    TEST_ASSERT_EQUAL(status, auvid_prior_set(&chain.id, pi, sigma));
-    TEST_ASSERT_EQUAL_MEMORY(&before, &chain.id, sizeof before);
-}
-
-static void test_known_parameters_are_the_first_estimate(void)
-{
-    auvid_real_t pi[AUVID_MAX_PARAMETERS], sigma[AUVID_MAX_PARAMETERS];
-    tank(pi, sigma);
-    TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &cfg));
-    TEST_ASSERT_EQUAL(AUVID_OK, auvid_prior_set(&chain.id, pi, sigma));
-    TEST_ASSERT_EQUAL_UINT32(1, chain.id.estimate.number);
-    TEST_ASSERT_EQUAL_HEX32(AUVID_G500_FREE, chain.id.estimate.identified);
-    TEST_ASSERT_EQUAL_HEX32(0, chain.id.estimate.confidence.identifiable);
-    TEST_ASSERT_EQUAL_MEMORY(pi, chain.id.estimate.pi, N * sizeof pi[0]);
-    TEST_ASSERT_EQUAL_MEMORY(sigma, chain.id.estimate.confidence.sigma, N * sizeof sigma[0]);
-    for (int i = 0; i < N; ++i) {
-        for (int k = 0; k < N; ++k) {
-            auvid_real_t covariance =
-                auvid_estimate_covariance(&chain.id.estimate, &auvid_girona500, i, k);
-            TEST_ASSERT_TRUE(covariance == (i == k ? sigma[i] * sigma[i] : 0));
-        }
-    }
-    check_unknown(AUVID_ERR_STATE, pi, sigma);
-}
-
-static void test_impossible_known_parameters_are_refused(void)
-{
-    auvid_real_t pi[AUVID_MAX_PARAMETERS], sigma[AUVID_MAX_PARAMETERS];
-    TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &cfg));
-    TEST_ASSERT_EQUAL(AUVID_ERR_NULL, auvid_prior_set(NULL, pi, sigma));
-    check_unknown(AUVID_ERR_NULL, NULL, sigma);
-    check_unknown(AUVID_ERR_NULL, pi, NULL);
-    tank(pi, sigma);
-    pi[3] = (auvid_real_t)NAN;
-    check_unknown(AUVID_ERR_NOT_FINITE, pi, sigma);
-    tank(pi, sigma);
-    sigma[3] = (auvid_real_t)INFINITY;
-    check_unknown(AUVID_ERR_NOT_FINITE, pi, sigma);
-    sigma[3] = 0;
-    check_unknown(AUVID_ERR_RANGE, pi, sigma);
-    sigma[3] = (auvid_real_t)1e31;
-    check_unknown(AUVID_ERR_RANGE, pi, sigma);
-    memset(&chain.id, 0, sizeof chain.id);
-    check_unknown(AUVID_ERR_STATE, pi, sigma);
-}
-
-static void test_a_fixed_parameter_keeps_its_value_beside_known_ones(void)
-{
-    auvid_real_t pi[AUVID_MAX_PARAMETERS], sigma[AUVID_MAX_PARAMETERS];
-    tank(pi, sigma);
-    cfg.id.metric.free = AUVID_G500_FREE & ~(1u << AUVID_G500_M_R);
-    cfg.id.metric.fixed[AUVID_G500_M_R] = 80;
-    TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &cfg));
-    TEST_ASSERT_EQUAL(AUVID_OK, auvid_prior_set(&chain.id, pi, sigma));
-    TEST_ASSERT_EQUAL_DOUBLE(80, (double)chain.id.estimate.pi[AUVID_G500_M_R]);
-}
-
-static void check_limit(auvid_status_t status, auvid_real_t value, auvid_real_t error)
-{
-    auvid_real_t pi[AUVID_MAX_PARAMETERS], sigma[AUVID_MAX_PARAMETERS];
-    tank(pi, sigma);
-    pi[3] = value;
-    sigma[3] = error;
-    TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &cfg));
-    TEST_ASSERT_EQUAL(status, auvid_prior_set(&chain.id, pi, sigma));
-}
-
-static void test_known_parameters_are_accepted_up_to_the_limits_of_the_header(void)
-{
-    const auvid_real_t value = 300, error = 10;
-    check_limit(AUVID_OK, AUVID_C(1e18), error);
-    check_limit(AUVID_OK, AUVID_C(-1e18), error);
-    check_limit(AUVID_ERR_RANGE, AUVID_C(1.01e18), error);
-    check_limit(AUVID_ERR_RANGE, AUVID_C(-1.01e18), error);
-    check_limit(AUVID_OK, value, AUVID_C(5.1e-31));
-    check_limit(AUVID_ERR_RANGE, value, AUVID_C(4.9e-31));
-    check_limit(AUVID_ERR_RANGE, value, -error);
-    check_limit(AUVID_OK, value, AUVID_C(9.9e29));
-    check_limit(AUVID_ERR_RANGE, value, AUVID_C(1e30));
-}
-
-static void test_an_impossible_prior_is_refused(void)
-{
-    auvid_prior_t prior = {.known = 1};
-    TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &cfg));
-    auvid_metric_t *metric = &chain.id.metric;
-    prior.sigma[0] = prior.variance_inflation[AUVID_SURGE] = 1;
-    TEST_ASSERT_EQUAL(AUVID_OK, auvid_prior_check(metric, &prior));
-    prior.sigma[0] = 0;
-    TEST_ASSERT_EQUAL(AUVID_ERR_RANGE, auvid_prior_check(metric, &prior));
-    prior.sigma[0] = 1;
-    prior.variance_inflation[AUVID_SURGE] = 0;
-    TEST_ASSERT_EQUAL(AUVID_ERR_RANGE, auvid_prior_check(metric, &prior));
-    prior.variance_inflation[AUVID_SURGE] = (auvid_real_t)NAN;
-    TEST_ASSERT_EQUAL(AUVID_ERR_NOT_FINITE, auvid_prior_check(metric, &prior));
-}
-
-/* ---- benefit ---- */
-
-typedef struct {
-    double square;  /* of the error after the first set, summed over parameters and dives */
-    double seconds; /* until all parameters are identifiable, at most the dive's */
-    uint32_t kept;  /* dives in which the record was kept */
-} worth_t;
-
-/* The prior of a dive. */
-typedef enum { COLD, RECORD, TANK } start_t;
-
-/* A dive of four sets; the vehicle is `heavier` times as heavy as the known one. */
-static void dive_again(uint32_t seed, start_t start, double heavier, worth_t *worth)
-{
-    auvid_real_t pi[AUVID_MAX_PARAMETERS], sigma[AUVID_MAX_PARAMETERS];
-    uint32_t seen = start == COLD ? 0 : 1;
-    bool all = false;
-    chain_defaults(&cfg, 1000 + seed, LATER, 1.0);
-    for (int i = 0; i < SIM_PARAMETERS; ++i) {
-        cfg.sim.parameter[i] *= i == SIM_WB ? 1.0 : heavier;
-    }
-    tank(pi, sigma);
-    TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &cfg));
-    if (start == RECORD) {
-        TEST_ASSERT_EQUAL(AUVID_OK, auvid_prior_load(&chain.id, record, sizeof record));
-    } else if (start == TANK) {
-        TEST_ASSERT_EQUAL(AUVID_OK, auvid_prior_set(&chain.id, pi, sigma));
-    }
-    const auvid_estimate_t *e = &chain.id.estimate;
-    while (chain.id.metric.sets.recorded < LATER || chain.work == AUVID_PENDING) {
-        chain_tick(&chain);
-        for (int i = 0; i < N && e->sets == 1 && e->number == seen + 1; ++i) {
-            worth->square += pow((double)e->pi[i] / cfg.sim.parameter[i] - 1.0, 2);
-        }
-        seen = e->number;
-        all = all || e->confidence.identifiable == (1u << N) - 1u;
-        worth->seconds += all ? 0.0 : 0.02;
-    }
-    worth->kept += chain.prior.known != 0;
-}
-
-/* @return number of dives */
-static uint32_t compare(start_t start, double heavier, worth_t *cold, worth_t *warm)
-{
-    uint32_t dives = campaign_is_long() ? 100 : campaign_runs(8);
-    memset(cold, 0, sizeof *cold);
-    memset(warm, 0, sizeof *warm);
-    for (uint32_t seed = 1; seed <= dives; ++seed) {
-        if (start == RECORD) {
-            chain_defaults(&cfg, seed, SETS, 1.0);
-            TEST_ASSERT_EQUAL(AUVID_OK, chain_run_sets(&chain, &cfg, SETS));
-            TEST_ASSERT_EQUAL(AUVID_OK, auvid_prior_save(&chain.id, record));
-        }
-        dive_again(seed, COLD, heavier, cold);
-        dive_again(seed, start, heavier, warm);
-    }
-    printf("%u dives, %s, the vehicle %g times as heavy as known: first set cold %.2f %%, warm "
-           "%.2f %%; all identifiable after %.1f s, %.1f s; kept in %u\n",
-           (unsigned)dives, start == RECORD ? "a record" : "known parameters", heavier,
-           100 * sqrt(cold->square / N / dives), 100 * sqrt(warm->square / N / dives),
-           cold->seconds / dives, warm->seconds / dives, (unsigned)warm->kept);
-    return dives;
-}
-
-static void test_the_same_vehicle_is_identified_in_half_the_time(void)
-{
-    worth_t cold, warm;
-    uint32_t dives = compare(RECORD, 1.0, &cold, &warm);
-    TEST_ASSERT_TRUE(warm.seconds < 0.5 * cold.seconds);
-    TEST_ASSERT_TRUE(warm.square < 0.25 * cold.square);
-    TEST_ASSERT_TRUE(warm.kept >= dives - dives / 8);
-}
-
-/* Parameters known to the tank's 5 % also help. */
-static void test_known_parameters_help(void)
-{
-    worth_t cold, warm;
-    uint32_t dives = compare(TANK, 1.0, &cold, &warm);
-    TEST_ASSERT_TRUE(warm.seconds < 0.5 * cold.seconds);
-    TEST_ASSERT_TRUE(warm.square < 0.25 * cold.square);
-    TEST_ASSERT_TRUE(warm.kept >= dives - dives / 8);
-}
-
-static void test_a_record_of_another_vehicle_does_no_harm(void)
-{
-    static const double heavier[] = {1.03, 1.1}; /* one close enough to be confounded, one not */
-    for (size_t k = 0; k < sizeof heavier / sizeof heavier[0]; ++k) {
-        worth_t cold, warm;
-        uint32_t dives = compare(RECORD, heavier[k], &cold, &warm);
-        TEST_ASSERT_TRUE(warm.square <= 1.1 * 1.1 * cold.square);
-        TEST_ASSERT_TRUE(warm.seconds <= 1.1 * cold.seconds);
-        TEST_ASSERT_TRUE(warm.kept <= dives / 4);
-    }
-}
-
-static void test_wrong_known_parameters_do_no_harm(void)
-{
-    worth_t cold, warm;
-    (void)compare(TANK, 1.3, &cold, &warm);
-    TEST_ASSERT_TRUE(warm.square <= 1.1 * 1.1 * cold.square);
-    TEST_ASSERT_TRUE(warm.seconds <= 1.1 * cold.seconds);
-}
-
 int main(void)
 {
     UNITY_BEGIN();
@@ -693,21 +435,11 @@ int main(void)
     RUN_TEST(test_a_record_saved_again_is_the_same);
     RUN_TEST(test_a_prior_by_itself_is_not_saved_again);
     RUN_TEST(test_every_damaged_byte_is_detected);
-    RUN_TEST(test_on_the_residual_path_a_prior_is_all_there_is_of_what_the_data_do_not_show);
     RUN_TEST(test_a_record_of_another_model_is_refused);
     RUN_TEST(test_a_model_without_a_name_is_another_model);
     RUN_TEST(test_calls_out_of_order_are_refused);
     RUN_TEST(test_memory_is_attached_once_before_the_first_step);
     RUN_TEST(test_a_record_of_impossible_numbers_is_refused_with_and_without_regressor);
     RUN_TEST(test_a_forged_record_is_refused_or_harmless);
-    RUN_TEST(test_known_parameters_are_the_first_estimate);
-    RUN_TEST(test_impossible_known_parameters_are_refused);
-    RUN_TEST(test_a_fixed_parameter_keeps_its_value_beside_known_ones);
-    RUN_TEST(test_known_parameters_are_accepted_up_to_the_limits_of_the_header);
-    RUN_TEST(test_an_impossible_prior_is_refused);
-    RUN_TEST(test_the_same_vehicle_is_identified_in_half_the_time);
-    RUN_TEST(test_known_parameters_help);
-    RUN_TEST(test_a_record_of_another_vehicle_does_no_harm);
-    RUN_TEST(test_wrong_known_parameters_do_no_harm);
     return UNITY_END();
 }

@@ -2,7 +2,7 @@
  * What the user supplies and does not know exactly: the scale of the thrust and of the DVL's
  * velocity. Also the covariance of an estimate, which is conditional on both as supplied.
  *
- * The data are synthetic, as in test_confidence.c: a vehicle's equations evaluated for synthetic
+ * The data are synthetic, as in confidence_data.h: a vehicle's equations evaluated for synthetic
  * motion at the cells of the recorder.
  */
 #include <math.h>
