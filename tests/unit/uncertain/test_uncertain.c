@@ -220,6 +220,11 @@ static void test_lever_arm_and_delay_of_the_dvl_are_found_and_would_bias_the_est
         identify_rov(name, mismatch[k].size, NULL);
         double found = (double)run.uncertain.shared[mismatch[k].input];
         TEST_ASSERT_DOUBLE_WITHIN_MESSAGE(0.015, mismatch[k].expected, found, name);
+        for (int n = AUVID_UNCERTAIN_ARM_X; n <= (int)AUVID_UNCERTAIN_ARM_Y; ++n) {
+            double expected = n == mismatch[k].input ? mismatch[k].expected : 0.0;
+            TEST_ASSERT_DOUBLE_WITHIN_MESSAGE(0.015, expected, (double)run.uncertain.shared[n],
+                                              name);
+        }
         TEST_ASSERT_DOUBLE_WITHIN_MESSAGE(mismatch[k].right, 0.0, error(mismatch[k].parameter),
                                           name);
         TEST_ASSERT_TRUE_MESSAGE(record.flagged[mismatch[k].parameter], name);
