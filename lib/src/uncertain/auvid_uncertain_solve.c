@@ -44,7 +44,6 @@
 #define SIDE_VARIANCE AUVID_C(0.05)
 #define LONGEST_SAG AUVID_C(15.0) /* an hour, over AUVID_UNCERTAIN_SAG_S */
 #define SEEN_RIGHT AUVID_C(3.0)   /* prior of the scale, as a number of inputs */
-#define LARGEST_SCALE AUVID_UNCERTAIN_LARGEST_SCALE
 
 typedef auvid_uncertain_t uncertain_t;
 
@@ -114,8 +113,10 @@ static void uncertain_scale(uncertain_t *u, const auvid_metric_t *m, int k)
     if (k == AUVID_UNCERTAIN_SHARED - 1) {
         auvid_real_t scale = auvid_sqrt((SEEN_RIGHT + w->squares) / (SEEN_RIGHT + w->known));
         u->contradicted = !(scale <= AUVID_UNCERTAIN_CONTRADICTED);
-        scale = u->contradicted ? LARGEST_SCALE : scale; /* it may be NaN */
-        u->scale = auvid_clamp(scale, AUVID_C(1.0) / LARGEST_SCALE, LARGEST_SCALE);
+        /* it may be NaN */
+        scale = u->contradicted ? AUVID_UNCERTAIN_LARGEST_SCALE : scale;
+        u->scale = auvid_clamp(scale, AUVID_C(1.0) / AUVID_UNCERTAIN_LARGEST_SCALE,
+                               AUVID_UNCERTAIN_LARGEST_SCALE);
         w->squares = w->known = AUVID_C(0.0);
     }
 }
