@@ -132,10 +132,10 @@ static void specific_force(const field_t *field, sim_rng_t *rng, double out[3])
 
 static void record(field_t *field, const dive_config_t *cfg, sim_rng_t *rng)
 {
-    double thruster_N[SIM_THRUSTERS], amplitude[6];
+    double thruster_N[SIM_THRUSTERS];
+    const double *amplitude = field->sheet.amplitude;
     excitation_t e = {.rng = *rng};
     sim_rng_t noise;
-    field_amplitude(cfg->field.vehicle, amplitude);
     for (int i = 0; i < 4; ++i) {
         e.amplitude[i] = amplitude[i < 3 ? i : 5] * (0.4 + 0.6 * sim_rng_uniform(&e.rng));
     }

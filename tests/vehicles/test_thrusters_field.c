@@ -39,18 +39,19 @@ void tearDown(void)
 /* The thrusters as in the data sheet: their command is the force told. */
 static void describe(auvid_thrusters_config_t *to)
 {
-    double matrix[6][SIM_THRUSTERS], max_N = 0.0;
+    field_sheet_t sheet;
+    field_sheet(config.field.vehicle, config.field.seed, &sheet);
     auvid_thrusters_defaults(to);
     to->hull = &auvid_girona500;
-    to->thrusters = (uint8_t)field_thrusters(config.field.vehicle, matrix, &max_N);
+    to->thrusters = (uint8_t)sheet.thrusters;
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
         for (int i = 0; i < to->thrusters; ++i) {
-            to->matrix[j][i] = (auvid_real_t)matrix[j][i];
+            to->matrix[j][i] = (auvid_real_t)sheet.matrix[j][i];
         }
     }
-    to->command_max = (auvid_real_t)max_N;
+    to->command_max = (auvid_real_t)sheet.thruster_max_N;
     to->gain_max = 3;
-    to->dead_band_max = (auvid_real_t)(0.1 * max_N);
+    to->dead_band_max = (auvid_real_t)(0.1 * sheet.thruster_max_N);
     to->period_us = PERIOD_US;
     to->log = commands;
     to->slots = SLOTS;

@@ -9,13 +9,12 @@
 
 #define SUBSTEP_US (SIM_TICK_US / SIM_SUBSTEPS)
 #define SUBSTEP_S (SIM_TICK_US * 1e-6 / SIM_SUBSTEPS)
-#define COLOUR_S 2.0     /* correlation time of the noise */
-#define MOMENT_SHARE 0.4 /* moments of the noise in Nm relative to its forces in N */
-#define SWELL 0.7        /* ratio of vertical to horizontal amplitude of the waves */
+#define COLOUR_S 2.0 /* correlation time of the noise */
+#define SWELL 0.7    /* ratio of vertical to horizontal amplitude of the waves */
 
 static double noise_rms(const field_t *field, int dof)
 {
-    return field->cfg.size[FIELD_DISTURBANCE] * (dof < 3 ? 1.0 : MOMENT_SHARE);
+    return field->cfg.size[FIELD_DISTURBANCE] * (dof < 3 ? 1.0 : field->sheet.noise_arm_m);
 }
 
 static void init_disturbance(field_t *field)
@@ -100,6 +99,7 @@ bool field_init(field_t *field, const field_config_t *cfg)
     }
     memset(field, 0, sizeof *field);
     field->cfg = *cfg;
+    field_sheet(cfg->vehicle, cfg->seed, &field->sheet);
     field->truth.position[2] = FIELD_START_M;
     field_hull_init(field);
     field_thrust_init(field);

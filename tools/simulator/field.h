@@ -8,10 +8,10 @@
  * sensors and clocks. With all mismatches zero the Girona500 model (Eq. 12-15) describes the
  * vehicle, except for the effects of roll and pitch.
  *
- * Two vehicles: Girona500, and an ROV of 20 kg with six thrusters, four of them vectored. Four
- * drivers: the identifier's excitation, a joystick pilot, a PID lawnmower, station keeping. The
- * sensors are always noisy: IMU 50 Hz, 0.2 deg and 0.1 deg/s; DVL 5 Hz, 7 mm/s; depth 10 Hz, 15 mm;
- * no GPS.
+ * Two vehicles: Girona500, and an ROV of 20 kg with six thrusters, four of them vectored; and any
+ * number of others, drawn at random. Four drivers: the identifier's excitation, a joystick pilot, a
+ * PID lawnmower, station keeping. The sensors are always noisy: IMU 50 Hz, 0.2 deg and 0.1 deg/s;
+ * DVL 5 Hz, 7 mm/s; depth 10 Hz, 15 mm; no GPS.
  *
  * The state is the velocity through the water: a constant current leaves the equations of motion
  * unchanged (Fossen 2011, property 8.1). RK4 at 5 ms, four steps per tick; one core simulates more
@@ -29,7 +29,34 @@
 extern "C" {
 #endif
 
-typedef enum { FIELD_GIRONA500, FIELD_ROV20, FIELD_VEHICLES } field_vehicle_t;
+typedef enum {
+    FIELD_GIRONA500,
+    FIELD_ROV20,
+    FIELD_ANY, /**< another one for each seed: 8 .. 450 kg, 0.25 .. 1.5 m/s2 and 0.4 .. 1.5 m/s in
+                    surge, 5 .. 60 % of the drag at the top speed linear; see field_sheet.c */
+    FIELD_VEHICLES
+} field_vehicle_t;
+
+/** A vehicle's data sheet. */
+typedef struct {
+    double parameter[SIM_PARAMETERS]; /**< Eq. 12-15 */
+    double dry_kg;
+    double tilt_inertia; /**< of roll and of pitch, with added mass; equal, so that yaw has no term
+                              p q */
+    double rigid_share;  /**< share of the moments of inertia that is not added mass */
+    double tilt_linear, tilt_quadratic; /**< drag of roll and of pitch, positive */
+    double cb_above_m;                  /**< centre of buoyancy above the centre of gravity */
+    double length_m;
+    double noise_arm_m;      /**< moments of the disturbance in Nm relative to its forces in N */
+    double amplitude[6];     /**< largest commanded force and moment of the excitation [N, Nm] */
+    double max_acceleration; /**< as the user configures the filter [m/s2]; 0: its default */
+    bool fast;               /**< moves faster than a DVL at 5 Hz shows; the user knows that */
+    double speed_m_s;        /**< of the lawnmower */
+    double bandwidth;        /**< of the position controllers [rad/s] */
+    int thrusters;
+    double thruster_max_N;
+    double matrix[6][SIM_THRUSTERS]; /**< body wrench per newton of each, as the operator knows */
+} field_sheet_t;
 
 typedef enum {
     FIELD_EXCITED,   /**< thrust given to field_step, added to hover thrust; a weak restoring force
@@ -54,7 +81,7 @@ typedef struct {
         FIELD_UNIFORM, /**< low .. high */
         FIELD_ALONE    /**< never drawn, only set by field_set */
     } draw;
-    bool force; /**< drawn forces [N]: times 0.3 for the ROV */
+    bool force; /**< drawn forces [N] of a vehicle with 100 N in surge; else in proportion */
 } field_mismatch_t;
 
 /** Largest number of kinds of mismatch. */
@@ -63,8 +90,8 @@ typedef struct {
 typedef struct {
     field_vehicle_t vehicle;
     field_driver_t driver;
-    uint64_t seed;   /**< of noise, disturbance, driver, and of the details of a mismatch
-                          (which thruster, which direction) */
+    uint64_t seed;   /**< of noise, disturbance, driver, of the details of a mismatch (which
+                          thruster, which direction), and of the vehicle FIELD_ANY */
     double length_s; /**< of the run [s], > 0: sag, battery and fouling reach their size at its end,
                           ballast is added halfway; default 240 (excited), 600 */
     double size[FIELD_MISMATCHES]; /**< of each mismatch, in its unit; 0: none */
@@ -187,6 +214,7 @@ typedef struct {
 /** A field vehicle: a plain struct that may be copied to branch a run. */
 typedef struct {
     field_config_t cfg;
+    field_sheet_t sheet;
     uint64_t t_us;
     field_truth_t truth;
     field_hull_t hull;
@@ -215,12 +243,10 @@ void field_draw(field_config_t *cfg, double strength);
  * if there is no such name, or if its size is out of range. */
 bool field_set(field_config_t *cfg, const char *name, double size);
 
-/** Largest commanded force and moment of the vehicle's excitation [N, Nm], by DoF. */
-void field_amplitude(field_vehicle_t vehicle, double amplitude[6]);
-
-/** Writes the body wrench per newton of each thruster, as known to the operator, and its largest
- * force [N]. @return number of thrusters */
-int field_thrusters(field_vehicle_t vehicle, double matrix[6][SIM_THRUSTERS], double *max_N);
+/** Writes the data sheet of a vehicle.
+ * @param vehicle less than FIELD_VEHICLES
+ * @param seed    FIELD_ANY: the same vehicle for the same seed; not read otherwise */
+void field_sheet(field_vehicle_t vehicle, uint64_t seed, field_sheet_t *sheet);
 
 /** Starts at time 0. Returns false and does nothing if a size or enumeration is out of range. */
 bool field_init(field_t *field, const field_config_t *cfg);

@@ -35,7 +35,7 @@ enum { X, Y, Z, N, WANTED };
 void field_pilot_init(field_t *field)
 {
     static const int axis[WANTED] = {0, 1, 2, 5};
-    const field_sheet_t *sheet = field_sheet(field->cfg.vehicle);
+    const field_sheet_t *sheet = &field->sheet;
     field_pilot_t *p = &field->pilot;
     memset(p, 0, sizeof *p);
     p->position[2] = field->truth.position[2];
@@ -54,7 +54,7 @@ void field_pilot_init(field_t *field)
             }
         }
         x[i] = 1.0;
-        (void)sim_solve(square, x); /* full rank: both vehicles actuate all four */
+        (void)sim_solve(square, x); /* full rank: all vehicles actuate all four */
         for (int j = 0; j < sheet->thrusters; ++j) {
             for (int k = 0; k < WANTED; ++k) {
                 p->mix[j][i] += sheet->matrix[axis[k]][j] * x[k];
@@ -97,7 +97,7 @@ void field_pilot_observe(field_t *field, const field_output_t *out)
 
 static void excited(field_t *field, double want[WANTED])
 {
-    const field_sheet_t *sheet = field_sheet(field->cfg.vehicle);
+    const field_sheet_t *sheet = &field->sheet;
     bool near = field->cfg.size[FIELD_WALL] > 0.0;
     double low = field->pilot.position[2] - FIELD_START_M;
     double beyond = copysign(fmax(fabs(low) - (near ? NEAR_DEPTH_M : EXCITED_DEPTH_M), 0.0), low);
@@ -112,7 +112,7 @@ static void excited(field_t *field, double want[WANTED])
 static void joystick(field_t *field, double want[WANTED])
 {
     static const int axis[WANTED] = {0, 1, 2, 5};
-    const field_sheet_t *sheet = field_sheet(field->cfg.vehicle);
+    const field_sheet_t *sheet = &field->sheet;
     field_pilot_t *p = &field->pilot;
     double now = 1e-6 * (double)field->t_us, low = p->position[2] - FIELD_START_M;
     double care = field->cfg.size[FIELD_WALL] > 0.0 ? PILOT_NEAR_BOTTOM : 1.0;
@@ -164,7 +164,7 @@ static void alternate(field_t *field)
  * rate, turn: velocity of the reference, north and east; rate of its heading */
 static void hold(field_t *field, const double rate[2], double turn, double want[WANTED])
 {
-    const field_sheet_t *sheet = field_sheet(field->cfg.vehicle);
+    const field_sheet_t *sheet = &field->sheet;
     const double *mass = sheet->parameter + SIM_M_U, *limit = sheet->amplitude;
     field_pilot_t *p = &field->pilot;
     double c = cos(p->reference_heading), s = sin(p->reference_heading), b = sheet->bandwidth;
@@ -199,7 +199,7 @@ static void station(field_t *field, double want[WANTED])
 /* The reference moves along the leg, then to the next leg while the heading turns. */
 static void lawnmower(field_t *field, double want[WANTED])
 {
-    const field_sheet_t *sheet = field_sheet(field->cfg.vehicle);
+    const field_sheet_t *sheet = &field->sheet;
     field_pilot_t *p = &field->pilot;
     bool across = p->leg % 2 == 1;
     int lane = p->leg / 2;
@@ -232,7 +232,7 @@ void field_pilot_drive(field_t *field, const double *thruster_N, double command_
                                                                  [FIELD_JOYSTICK] = joystick,
                                                                  [FIELD_LAWNMOWER] = lawnmower,
                                                                  [FIELD_STATION] = station};
-    const field_sheet_t *sheet = field_sheet(field->cfg.vehicle);
+    const field_sheet_t *sheet = &field->sheet;
     const field_pilot_t *p = &field->pilot;
     bool added = field->cfg.driver == FIELD_EXCITED && thruster_N != NULL;
     double want[WANTED] = {0};

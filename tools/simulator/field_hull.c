@@ -16,72 +16,6 @@
 
 enum { U, V, W, P, Q, R };
 
-#define C45 0.70710678118654752
-
-static const field_sheet_t sheets[FIELD_VEHICLES] = {
-    [FIELD_GIRONA500] = {.parameter = {249.5384, 367.7126, 659.9799, 74.9024, -37.3058, -42.4181,
-                                       -125.3578, -75.7673, -447.6195, -44.0561, -325.0138,
-                                       -20.5833, -60.9373},
-                         .dry_kg = 160.0,
-                         .tilt_inertia = 80.0,
-                         .rigid_share = 0.6,
-                         .tilt_linear = 60.0,
-                         .tilt_quadratic = 40.0,
-                         .cb_above_m = 0.3,
-                         .length_m = 1.5,
-                         .amplitude = {[U] = 100.0, [V] = 100.0, [W] = 100.0, [R] = 40.0},
-                         .speed_m_s = 0.4,
-                         .bandwidth = 0.4,
-                         .thrusters = 5,
-                         .thruster_max_N = 153.8,
-                         .matrix = {[U] = {-1.0, -1.0},
-                                    [V] = {[4] = 1.0},
-                                    [W] = {[2] = -1.0, [3] = -1.0},
-                                    [P] = {[4] = 0.05},
-                                    [Q] = {0.08, 0.08, -0.35, 0.35},
-                                    [R] = {-0.4, 0.4}}},
-    /* Between BlueROV2 (Wu 2018) and BlueROV2 Heavy (von Benzon et al. 2022), scaled to 20 kg; no
-     * drag is zero. Four thrusters at (+-0.2, +-0.15, 0.02) m and 45 degrees, two vertical ones. */
-    [FIELD_ROV20] = {.parameter = {25.5, 32.0, 35.0, 0.5, -2.0, -5.0, -25.0, -8.0, -40.0, -10.0,
-                                   -50.0, -0.5, -1.5},
-                     .dry_kg = 20.0,
-                     .tilt_inertia = 0.6,
-                     .rigid_share = 0.6,
-                     .tilt_linear = 1.5,
-                     .tilt_quadratic = 1.5,
-                     .cb_above_m = 0.15,
-                     .length_m = 0.6,
-                     .amplitude = {[U] = 30.0, [V] = 30.0, [W] = 30.0, [R] = 6.0},
-                     .speed_m_s = 0.4,
-                     .bandwidth = 0.8,
-                     .thrusters = 6,
-                     .thruster_max_N = 40.0,
-                     .matrix = {[U] = {C45, C45, C45, C45},
-                                [V] = {-C45, C45, C45, -C45},
-                                [W] = {[4] = -1.0, [5] = -1.0},
-                                [P] = {0.02 * C45, -0.02 * C45, -0.02 * C45, 0.02 * C45, -0.12,
-                                       0.12},
-                                [Q] = {0.02 * C45, 0.02 * C45, 0.02 * C45, 0.02 * C45},
-                                [R] = {-0.35 * C45, 0.35 * C45, -0.35 * C45, 0.35 * C45}}},
-};
-
-const field_sheet_t *field_sheet(field_vehicle_t vehicle)
-{
-    return &sheets[vehicle];
-}
-
-void field_amplitude(field_vehicle_t vehicle, double amplitude[6])
-{
-    memcpy(amplitude, sheets[vehicle].amplitude, sizeof sheets[vehicle].amplitude);
-}
-
-int field_thrusters(field_vehicle_t vehicle, double matrix[6][SIM_THRUSTERS], double *max_N)
-{
-    memcpy(matrix, sheets[vehicle].matrix, sizeof sheets[vehicle].matrix);
-    *max_N = sheets[vehicle].thruster_max_N;
-    return sheets[vehicle].thrusters;
-}
-
 void field_cross(const double a[3], const double b[3], double out[3])
 {
     out[0] = a[1] * b[2] - a[2] * b[1];
@@ -200,7 +134,7 @@ static void fasten(field_hull_t *h, const field_sheet_t *sheet, const field_conf
 void field_hull_init(field_t *field)
 {
     const field_config_t *c = &field->cfg;
-    const field_sheet_t *sheet = field_sheet(c->vehicle);
+    const field_sheet_t *sheet = &field->sheet;
     field_hull_t *h = &field->hull;
     sim_rng_t rng;
     memset(h, 0, sizeof *h);

@@ -13,6 +13,9 @@
 #define FORCE(low, high, chance, min, max) low, high, chance, min, max, FIELD_UNIFORM, true
 #define ALONE(min, max) 0.0, 0.0, 0.0, min, max, FIELD_ALONE, false
 
+/* Amplitude in surge of the vehicle for which the forces of the table are [N]. */
+#define FORCES_OF_N 100.0
+
 static const field_mismatch_t kinds[FIELD_KINDS] = {
     [FIELD_IMU_ROLL] = {"imu_roll", "deg", "IMU mounted with this roll", NORMAL(1.0, -30, 30)},
     [FIELD_IMU_PITCH] = {"imu_pitch", "deg", "IMU mounted with this pitch", NORMAL(1.0, -30, 30)},
@@ -129,11 +132,13 @@ void field_defaults(field_config_t *cfg, field_vehicle_t vehicle, field_driver_t
 
 void field_draw(field_config_t *cfg, double strength)
 {
+    field_sheet_t sheet;
+    field_sheet(cfg->vehicle, cfg->seed, &sheet);
     memset(cfg->size, 0, sizeof cfg->size);
     for (int k = 0; k < FIELD_KINDS; ++k) {
         const field_mismatch_t *kind = &kinds[k];
         double scale = (k == FIELD_HULL ? 1.0 : strength) *
-                       (kind->force && cfg->vehicle == FIELD_ROV20 ? 0.3 : 1.0);
+                       (kind->force ? sheet.amplitude[0] / FORCES_OF_N : 1.0);
         sim_rng_t rng;
         sim_rng_seed(&rng, cfg->seed, FIELD_STREAM_DRAW + (uint64_t)k);
         bool drawn = sim_rng_uniform(&rng) < kind->chance;

@@ -1,8 +1,9 @@
 /**
  * @file field_parts.h
  * The interface between the files of the field simulator. field.c runs a tick, field_hull.c has the
- * body in the water, field_thrust.c the thrusters, field_sensors.c the sensors and clocks,
- * field_driver.c the drivers, field_mismatch.c the table of mismatches.
+ * body in the water, field_sheet.c the data sheets of the vehicles, field_thrust.c the thrusters,
+ * field_sensors.c the sensors and clocks, field_driver.c the drivers, field_mismatch.c the table of
+ * mismatches.
  */
 #ifndef FIELD_PARTS_H
 #define FIELD_PARTS_H
@@ -88,28 +89,9 @@ enum {
     FIELD_STREAM_DISTURBANCE,
     FIELD_STREAM_PILOT,
     FIELD_STREAM_ALTERNATE,
+    FIELD_STREAM_SHEET,
     FIELD_STREAM_DRAW = 1000 /* plus the index of the kind */
 };
-
-/** A vehicle's data sheet. */
-typedef struct {
-    double parameter[SIM_PARAMETERS]; /* Eq. 12-15 */
-    double dry_kg;
-    double tilt_inertia;                /* of roll and of pitch, with added mass; equal,
-                                           so that yaw has no term p q */
-    double rigid_share;                 /* share of the moments of inertia that is not added mass */
-    double tilt_linear, tilt_quadratic; /* drag of roll and of pitch, positive */
-    double cb_above_m;                  /* centre of buoyancy above the centre of gravity */
-    double length_m;
-    double amplitude[6];
-    double speed_m_s; /* of the lawnmower */
-    double bandwidth; /* of the position controllers [rad/s] */
-    int thrusters;
-    double thruster_max_N;
-    double matrix[6][SIM_THRUSTERS];
-} field_sheet_t;
-
-const field_sheet_t *field_sheet(field_vehicle_t vehicle);
 
 /** Checks that all values are in range. */
 bool field_config_is_good(const field_config_t *cfg);

@@ -69,7 +69,7 @@ static double pulse_us(double part)
 
 void field_thrust_command(field_t *field, double command_N[SIM_THRUSTERS])
 {
-    const field_sheet_t *sheet = field_sheet(field->cfg.vehicle);
+    const field_sheet_t *sheet = &field->sheet;
     const double *size = field->cfg.size;
     field_thrust_t *t = &field->thrust;
     field_command_t *c = &t->ring[t->written++ % FIELD_RING];
@@ -101,7 +101,7 @@ static bool has_other_shapes(const field_t *field)
 static double propeller(const field_t *field, double part)
 {
     const double *size = field->cfg.size;
-    double f_max = field_sheet(field->cfg.vehicle)->thruster_max_N;
+    double f_max = field->sheet.thruster_max_N;
     double exponent = size[FIELD_THRUST_EXPONENT], dead = size[FIELD_THRUST_DEAD_BAND];
     if (has_other_shapes(field)) { /* p ln p and 1.49 p (p - 1): rms 0.272 */
         double force = f_max * part * fmax(1.0 - 1.49 * exponent * (1.0 - part), 0.0);
@@ -114,7 +114,7 @@ static double propeller(const field_t *field, double part)
 static double steady(const field_t *field, int j, double command_N, double by_voltage)
 {
     const double *size = field->cfg.size;
-    double part = command_N / field_sheet(field->cfg.vehicle)->thruster_max_N;
+    double part = command_N / field->sheet.thruster_max_N;
     double time = field_part_of_run(field), dead = size[FIELD_COMMAND_PWM];
     bool weak = part < 0.0;
     if (dead > 0.0) {
@@ -153,7 +153,7 @@ static const field_command_t *find_acting(field_t *field, double h)
 /* Factor of the force by the speed of the water along it. */
 static double inflow(const field_t *field, int j, double force)
 {
-    const field_sheet_t *sheet = field_sheet(field->cfg.vehicle);
+    const field_sheet_t *sheet = &field->sheet;
     double along = 0.0;
     for (int i = 0; i < 6; ++i) {
         along += sheet->matrix[i][j] * field->truth.nu[i];
@@ -171,8 +171,7 @@ static void follow(field_t *field, int j, double force, double h)
     field_thrust_t *t = &field->thrust;
     if (size[FIELD_THRUST_LAG] > 0.0 || size[FIELD_SLEW] > 0.0) {
         double to = copysign(sqrt(fabs(force)), force);
-        double limit = sqrt(field_sheet(field->cfg.vehicle)->thruster_max_N) * h /
-                       fmax(size[FIELD_SLEW], 1e-9);
+        double limit = sqrt(field->sheet.thruster_max_N) * h / fmax(size[FIELD_SLEW], 1e-9);
         t->slewed[j] += fmax(-limit, fmin(limit, to - t->slewed[j]));
         t->speed[j] = lagged(t->speed[j], t->slewed[j], size[FIELD_THRUST_LAG], h);
         force = t->speed[j] * fabs(t->speed[j]);
@@ -182,7 +181,7 @@ static void follow(field_t *field, int j, double force, double h)
 
 void field_thrust_advance(field_t *field, double h, double wrench[6])
 {
-    const field_sheet_t *sheet = field_sheet(field->cfg.vehicle);
+    const field_sheet_t *sheet = &field->sheet;
     const double *size = field->cfg.size;
     field_thrust_t *t = &field->thrust;
     const field_command_t *c = find_acting(field, h);
@@ -204,7 +203,7 @@ void field_thrust_advance(field_t *field, double h, double wrench[6])
 
 void field_thrust_truth(const field_t *field, double delivered[6], double reported[6])
 {
-    const field_sheet_t *sheet = field_sheet(field->cfg.vehicle);
+    const field_sheet_t *sheet = &field->sheet;
     const field_thrust_t *t = &field->thrust;
     memset(delivered, 0, 6 * sizeof delivered[0]);
     memset(reported, 0, 6 * sizeof reported[0]);
@@ -220,7 +219,7 @@ void field_thrust_truth(const field_t *field, double delivered[6], double report
 
 void field_thrust_report(field_t *field, field_output_t *out)
 {
-    const field_sheet_t *sheet = field_sheet(field->cfg.vehicle);
+    const field_sheet_t *sheet = &field->sheet;
     const double *size = field->cfg.size;
     field_thrust_t *t = &field->thrust;
     uint64_t late_us = (uint64_t)(1e6 * fmax(size[FIELD_THRUST_LATE], 0.0) + 0.5);

@@ -37,8 +37,8 @@ static void begin(void)
 /* Random steps of force every 1.5 s in all thrusters. */
 static void excite(double seconds, void (*each)(void))
 {
-    double matrix[6][SIM_THRUSTERS], max, force[SIM_THRUSTERS] = {0};
-    int n = field_thrusters(cfg.vehicle, matrix, &max);
+    double force[SIM_THRUSTERS] = {0}, max = field.sheet.thruster_max_N;
+    int n = field.sheet.thrusters;
     for (long tick = 0; tick < lround(seconds * 50); ++tick) {
         for (int j = 0; j < n && tick % 75 == 0; ++j) {
             force[j] = max * 0.4 * floor(3 * sim_rng_uniform(&dice) - 1);
@@ -183,17 +183,15 @@ static void test_the_girona500_is_the_papers(void)
 static void test_thrusters_produce_the_amplitude_of_the_excitation(void)
 {
     for (int v = 0; v < FIELD_VEHICLES; ++v) {
-        double amplitude[6], matrix[6][SIM_THRUSTERS], max;
-        int n = field_thrusters((field_vehicle_t)v, matrix, &max);
-        field_amplitude((field_vehicle_t)v, amplitude);
         field_defaults(&cfg, (field_vehicle_t)v, FIELD_EXCITED, 1);
         begin();
-        for (int j = 0; j < n; ++j) {
+        const field_sheet_t *sheet = &field.sheet;
+        for (int j = 0; j < sheet->thrusters; ++j) {
             double force = fabs(field.pilot.hover_N[j]);
             for (int i = 0; i < 4; ++i) {
-                force += fabs(field.pilot.mix[j][i]) * amplitude[i == 3 ? N : i];
+                force += fabs(field.pilot.mix[j][i]) * sheet->amplitude[i == 3 ? N : i];
             }
-            NOT_ABOVE(max, force);
+            NOT_ABOVE(sheet->thruster_max_N, force);
         }
     }
 }
@@ -474,14 +472,13 @@ static void test_the_pilot_keeps_the_depth_and_moves_in_all_directions(void)
 
 static void record_wrench(void)
 {
-    double matrix[6][SIM_THRUSTERS], max_N, sum;
-    int n = field_thrusters(cfg.vehicle, matrix, &max_N);
+    const field_sheet_t *sheet = &field.sheet;
     TEST_ASSERT_TRUE(out.reported);
     for (int i = 0; i < 6; ++i) {
-        sum = 0;
-        for (int j = 0; j < n; ++j) {
-            NOT_ABOVE(max_N, fabs(out.thruster_N[j]));
-            sum += matrix[i][j] * out.thruster_N[j];
+        double sum = 0;
+        for (int j = 0; j < sheet->thrusters; ++j) {
+            NOT_ABOVE(sheet->thruster_max_N, fabs(out.thruster_N[j]));
+            sum += sheet->matrix[i][j] * out.thruster_N[j];
         }
         TEST_ASSERT_DOUBLE_WITHIN(1e-9, sum, out.wrench[i]);
         TEST_ASSERT_DOUBLE_WITHIN(1e-9, sum, field.truth.reported[i]);

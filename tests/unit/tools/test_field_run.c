@@ -54,15 +54,33 @@ static void test_the_rov_has_averaged_rows_and_fast_moments(void)
     }
 }
 
+static void test_a_drawn_vehicle_has_them_if_it_is_fast(void)
+{
+    auvid_identifier_config_t defaults;
+    int fast = 0;
+    auvid_identifier_defaults(&defaults, &auvid_girona500);
+    for (uint64_t seed = 1; seed <= 20; ++seed) {
+        field_sheet_t sheet;
+        field_sheet(FIELD_ANY, seed, &sheet);
+        fast += sheet.fast;
+        begin(FIELD_ANY, FIELD_EXCITED, seed);
+        field_run_identifier(&config, &averaged, &cfg);
+        TEST_ASSERT_EQUAL_PTR(sheet.fast ? &averaged.vehicle : &auvid_girona500, cfg.vehicle);
+        TEST_ASSERT_EQUAL(sheet.fast ? 4 : defaults.metric.half_width[1], cfg.metric.half_width[1]);
+        TEST_ASSERT_TRUE(cfg.nav.max_acceleration == defaults.nav.max_acceleration);
+    }
+    TEST_ASSERT_TRUE(fast > 0 && fast < 20);
+}
+
 static void test_tau_max_is_the_amplitude(void)
 {
-    double amplitude[6];
+    field_sheet_t sheet;
     begin(FIELD_ROV20, FIELD_EXCITED, 1);
-    field_amplitude(FIELD_ROV20, amplitude);
+    field_sheet(FIELD_ROV20, 1, &sheet);
     field_run_identifier(&config, &averaged, &cfg);
     for (int e = 0; e < FIELD_EQUATIONS; ++e) {
         int j = field_dof(e);
-        TEST_ASSERT_DOUBLE_WITHIN(1e-5, amplitude[j], (double)cfg.metric.tau_max[j]);
+        TEST_ASSERT_DOUBLE_WITHIN(1e-5, sheet.amplitude[j], (double)cfg.metric.tau_max[j]);
     }
 }
 
@@ -119,6 +137,11 @@ static void test_without_mismatch_the_girona500_is_identified(void)
 static void test_without_mismatch_the_rov_is_identified(void)
 {
     assert_found(FIELD_ROV20);
+}
+
+static void test_without_mismatch_a_drawn_vehicle_is_identified(void)
+{
+    assert_found(FIELD_ANY);
 }
 
 static void
@@ -183,11 +206,13 @@ int main(void)
 {
     UNITY_BEGIN();
     RUN_TEST(test_the_rov_has_averaged_rows_and_fast_moments);
+    RUN_TEST(test_a_drawn_vehicle_has_them_if_it_is_fast);
     RUN_TEST(test_tau_max_is_the_amplitude);
     RUN_TEST(test_uncertainties_are_those_of_the_library_unless_given);
     RUN_TEST(test_only_an_excited_run_has_an_acting_half);
     RUN_TEST(test_without_mismatch_the_girona500_is_identified);
     RUN_TEST(test_without_mismatch_the_rov_is_identified);
+    RUN_TEST(test_without_mismatch_a_drawn_vehicle_is_identified);
     RUN_TEST(
         test_weaker_thrust_looks_like_a_heavier_vehicle_and_the_truth_for_reported_thrust_agrees);
     RUN_TEST(test_what_discredits_an_equation_is_recorded);

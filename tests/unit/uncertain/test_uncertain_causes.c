@@ -50,7 +50,7 @@ static void test_each_class_is_named_with_sign_and_rough_size(void)
                     {"thrust_sag", 0.1, AUVID_CAUSE_SAG, 0.1},
                     {"thrust_lag", 0.27, AUVID_CAUSE_TIMING, 0.12},
                     {"thrust_late", 0.1, AUVID_CAUSE_TIMING, -0.1}};
-    for (int vehicle = 0; vehicle < FIELD_VEHICLES; ++vehicle) {
+    for (int vehicle = 0; vehicle < FIELD_ANY; ++vehicle) {
         for (size_t k = 0; k < sizeof mismatch / sizeof mismatch[0]; ++k) {
             identify((field_vehicle_t)vehicle, mismatch[k].name, mismatch[k].size);
             const auvid_cause_t *cause = &causes.cause[mismatch[k].class];
@@ -106,7 +106,7 @@ static void test_a_dvl_elsewhere_or_later_than_told_is_named(void)
 /* A set of weaker thrust is evidence for another vehicle, but not if a sag explains it. */
 static void test_a_certain_sag_is_no_change_of_the_vehicle(void)
 {
-    for (int vehicle = 0; vehicle < FIELD_VEHICLES; ++vehicle) {
+    for (int vehicle = 0; vehicle < FIELD_ANY; ++vehicle) {
         identify((field_vehicle_t)vehicle, "thrust_sag", 0.1);
         TEST_ASSERT_EQUAL(0, record.changed);
         TEST_ASSERT_TRUE(record.flagged[AUVID_G500_X_UU]);
@@ -126,7 +126,7 @@ static void test_a_certain_sag_is_no_change_of_the_vehicle(void)
 static void test_a_change_of_the_vehicle_is_no_sag(void)
 {
     static const double kg[] = {60.0, 6.0}, sag[] = {0.0, 0.1};
-    for (int k = 0; k < 2 * FIELD_VEHICLES; ++k) {
+    for (int k = 0; k < 2 * FIELD_ANY; ++k) {
         field_run_defaults(&field);
         field_defaults(&field.field, (field_vehicle_t)(k / 2), FIELD_EXCITED, 3);
         field.sets = 7;
@@ -155,7 +155,7 @@ static void test_a_sag_counts_only_where_there_is_evidence(void)
 
 static void test_nothing_is_named_in_a_perfect_world(void)
 {
-    for (int vehicle = 0; vehicle < FIELD_VEHICLES; ++vehicle) {
+    for (int vehicle = 0; vehicle < FIELD_ANY; ++vehicle) {
         identify((field_vehicle_t)vehicle, NULL, 0.0);
         TEST_ASSERT_EQUAL(0, causes.named);
         for (int class = 0; class < AUVID_CAUSE_COUNT; ++class) {

@@ -21,10 +21,6 @@
 /* Interval in ticks at which the truth is sampled. */
 #define LOOK 4
 
-/* Largest acceleration of Girona500, with rotation: 100 N on 250 kg, and 0.7 m/s at 0.7 rad/s. The
- * ROV has up to auvid's default. */
-#define GIRONA500_M_S2 AUVID_C(1.0)
-
 /* Work units per call where time does not matter. */
 #define AT_EASE 1000000u
 
@@ -41,17 +37,16 @@ void field_run_defaults(field_run_config_t *config)
 }
 
 /* The thrusters as known to the operator. */
-static void allocate(field_vehicle_t vehicle, auvid_allocation_config_t *to)
+static void allocate(const field_sheet_t *sheet, auvid_allocation_config_t *to)
 {
-    double matrix[6][SIM_THRUSTERS], max_N = 0.0;
     auvid_allocation_defaults(to);
-    to->thrusters = (uint8_t)field_thrusters(vehicle, matrix, &max_N);
+    to->thrusters = (uint8_t)sheet->thrusters;
     for (int i = 0; i < to->thrusters; ++i) {
         for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
-            to->thruster[i].wrench[j] = (auvid_real_t)matrix[j][i];
+            to->thruster[i].wrench[j] = (auvid_real_t)sheet->matrix[j][i];
         }
-        to->thruster[i].max_N = (auvid_real_t)max_N;
-        to->thruster[i].min_N = (auvid_real_t)-max_N;
+        to->thruster[i].max_N = (auvid_real_t)sheet->thruster_max_N;
+        to->thruster[i].min_N = (auvid_real_t)-sheet->thruster_max_N;
     }
     for (int e = 0; e < FIELD_EQUATIONS; ++e) {
         to->dofs |= AUVID_DOF_BIT(field_dof(e));
@@ -62,22 +57,23 @@ void field_run_identifier(const field_run_config_t *config, auvid_averaged_t *av
                           auvid_identifier_config_t *cfg)
 {
     const field_config_t *field = &config->field;
-    double amplitude[6];
+    field_sheet_t sheet;
     const auvid_vehicle_t *model = config->model != NULL ? config->model : &auvid_girona500;
     auvid_identifier_defaults(cfg, model);
     cfg->exact_inputs = !config->uncertain;
-    field_amplitude(field->vehicle, amplitude);
+    field_sheet(field->vehicle, field->seed, &sheet);
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
-        cfg->metric.tau_max[j] = (auvid_real_t)amplitude[j]; /* 0: auvid's choice */
+        cfg->metric.tau_max[j] = (auvid_real_t)sheet.amplitude[j]; /* 0: auvid's choice */
     }
-    if (field->vehicle == FIELD_ROV20) {
+    if (sheet.max_acceleration > 0.0) {
+        cfg->nav.max_acceleration = (auvid_real_t)sheet.max_acceleration;
+    }
+    if (sheet.fast) {
         if (model->path == &auvid_path_regressor) {
             (void)auvid_averaged_init(averaged, model, cfg->recorder.cell_us, DVL_US);
             cfg->vehicle = cfg->metric.vehicle = &averaged->vehicle;
         }
         cfg->metric.half_width[1] = 4;
-    } else {
-        cfg->nav.max_acceleration = GIRONA500_M_S2;
     }
     cfg->search.seed = field->seed;
     const double given[] = {config->thrust_scale, config->dvl_scale, config->delay_s};
@@ -130,16 +126,16 @@ static void begin(auvid_identifier_t *id)
 void field_run_actuation(const field_run_config_t *config, auvid_actuation_config_t *cfg)
 {
     const field_config_t *field = &config->field;
-    double amplitude[6];
+    field_sheet_t sheet;
     auvid_real_t peak[AUVID_DOF_COUNT];
-    field_amplitude(field->vehicle, amplitude);
+    field_sheet(field->vehicle, field->seed, &sheet);
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
-        peak[j] = (auvid_real_t)amplitude[j];
+        peak[j] = (auvid_real_t)sheet.amplitude[j];
     }
     auvid_actuation_defaults(cfg);
     (void)auvid_excitation_plan(&cfg->excitation, peak, (auvid_real_t)SET_S, 1, field->seed);
     cfg->excitation.duration_s = (auvid_real_t)(SET_S * (double)config->sets);
-    if (field->vehicle == FIELD_ROV20) {
+    if (sheet.fast) {
         vehicle_use_fast_excitation(&cfg->excitation);
     }
     cfg->guard.off = AUVID_GUARD_SWITCHABLE;
@@ -151,7 +147,7 @@ static bool attach(field_run_t *run, const field_run_config_t *config)
     auvid_allocation_config_t thrusters;
     auvid_actuation_config_t cfg;
     field_run_actuation(config, &cfg);
-    allocate(config->field.vehicle, &thrusters);
+    allocate(&run->field.sheet, &thrusters);
     if (auvid_allocation_init(&run->allocation, &thrusters) < 0 ||
         (config->field.driver == FIELD_EXCITED &&
          auvid_identifier_attach_actuation(&run->id, &run->actuation, &cfg, &run->allocation) <

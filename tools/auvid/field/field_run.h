@@ -2,10 +2,10 @@
  * @file field_run.h
  * One run of a field vehicle (field.h) with an identifier: its results, and the correct ones.
  *
- * The identifier is fed directly, without frames. Its model is the Girona500 (Eq. 12-15) for
- * both vehicles, with averaged rows for the ROV of 20 kg. Excited runs play the plan of the demo,
- * with the limits of the guard off. In the other runs the identifier only records, for the length
- * in field_config_t.
+ * The identifier is fed directly, without frames. Its model is the Girona500 (Eq. 12-15) for all
+ * vehicles, with averaged rows for fast ones (field_sheet_t). Excited runs play the plan of the
+ * demo, with the limits of the guard off. In the other runs the identifier only records, for the
+ * length in field_config_t.
  */
 #ifndef PROGRAM_FIELD_RUN_H
 #define PROGRAM_FIELD_RUN_H
@@ -87,7 +87,7 @@ typedef struct {
 void field_run_defaults(field_run_config_t *config);
 
 /** Writes the identifier configuration of a run.
- * @param averaged written for the ROV; must outlive the identifier */
+ * @param averaged written for a fast vehicle; must outlive the identifier */
 void field_run_identifier(const field_run_config_t *config, auvid_averaged_t *averaged,
                           auvid_identifier_config_t *cfg);
 
