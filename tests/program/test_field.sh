@@ -23,17 +23,18 @@ def is_wrong(run, i, tau_max, truth="truth"):
 def recount(d):
     """The shares once more, from the runs."""
     flags = [(run, i) for run in d["each"] for i in range(13) if run["flagged"][i]]
-    assert all(run["wrong"][i] == is_wrong(run, i, d["tau_max"]) for run, i in flags)
+    tau_max = lambda run: run["vehicle"]["tau_max"] if d["vehicle"] == "any" else d["tau_max"]
+    assert all(run["wrong"][i] == is_wrong(run, i, tau_max(run)) for run, i in flags)
     assert near(d["flagged"]["all"]["value"], len(flags) / (13 * d["runs"]))
     for truth, told in (("truth", ""), ("told_truth", "told_")):
-        wrong = sum(is_wrong(run, i, d["tau_max"], truth) for run, i in flags)
+        wrong = sum(is_wrong(run, i, tau_max(run), truth) for run, i in flags)
         beyond = sum(abs(run["estimate"][i] - run[truth][i]) > 2.1 * run["sigma"][i]
                      for run, i in flags)
         for name, count in (("wrong", wrong), ("beyond", beyond)):
             f = d[told + name]["all"]
             assert f["of"] == len(flags)
             assert f["value"] is None if not flags else near(f["value"], count / len(flags)), f
-    runs = sum(any(run["flagged"][i] and is_wrong(run, i, d["tau_max"]) for i in range(13))
+    runs = sum(any(run["flagged"][i] and is_wrong(run, i, tau_max(run)) for i in range(13))
                for run in d["each"])
     assert near(d["runs_with_wrong_flag"]["value"], runs / d["runs"])
 
@@ -77,7 +78,8 @@ for bad in -1 11 nan x; do
 done
 check "an unknown driver" refuses "'cat' is not one of excited, joystick, lawnmower, station" \
     demo --field 1 --driver cat
-for other in "--driver joystick" "--vehicle rov20" --perfect-inputs --perfect-thrust; do
+for other in "--driver joystick" "--vehicle rov20" "--vehicle any" --perfect-inputs \
+    --perfect-thrust; do
     # shellcheck disable=SC2086
     check "$other without field statistics" refuses \
         "demo: ${other%% *}.* needs --field, --mismatch or --matched" demo $other
@@ -87,8 +89,8 @@ for other in "--scenario payload" "--csv x.csv" --literal --adaptive "--disturba
     check "--field with $other" refuses -- "--field and ${other%% *} cannot be combined" \
         demo --field 1 $other
 done
-check "--field with another vehicle" refuses 'the vehicles of --field are girona500 and rov20' \
-    demo --field 1 --vehicle bluerov2
+check "--field with another vehicle" refuses \
+    'the vehicles of --field are girona500, rov20 and any' demo --field 1 --vehicle bluerov2
 check "--sets of a passive run" refuses -- '--sets needs --driver excited' \
     demo --field 1 --driver joystick --sets 4
 check "--then after no excitation" refuses -- '--then needs --driver excited' \
@@ -97,7 +99,10 @@ check "--then excited" refuses -- "--then: 'excited' is the driver until then" \
     demo --field 1 --then excited
 check "--matched beside a mixture" refuses -- '--matched and --field, .* cannot be combined' \
     demo --matched --field 1
-check "rov20 on a bus" refuses "'rov20' is not one of" vehicle --bus memory --vehicle rov20
+for vehicle in rov20 any; do
+    check "$vehicle on a bus" refuses "'$vehicle' is not one of" \
+        vehicle --bus memory --vehicle $vehicle
+done
 
 # ---- the reports ----
 check "--mismatch list" exits 0 demo --mismatch list
@@ -109,7 +114,7 @@ for line in ("mismatches   mixture of strength 1", "uncertainty  thrust scale", 
              "  quadratic drag", "for reported thrust", "at 0.6", "half-width limit", "each note"):
     assert line in text, (line, text)'
 check "  no line is longer than 100 columns" awk 'length > 100 { exit 1 }' out
-for vehicle in girona500 rov20; do
+for vehicle in girona500 rov20 any; do
     for driver in excited joystick lawnmower station; do
         check "$vehicle, $driver" exits 0 demo --field 1 --vehicle "$vehicle" --driver "$driver" \
             --runs 2 --seed 11 --json
@@ -123,6 +128,32 @@ check "the same seeds, the same figures" cmp out four
 exits 0 demo --field 1 --runs 2 --seed 3 --sets 4 --json
 check "seeds are consecutive: runs may be divided among processes" holds out '
 assert d["each"] == json.load(open("four"))["each"][2:]'
+
+# ---- a vehicle that is drawn ----
+anything="demo --field 1 --vehicle any --runs 3 --seed 5 --sets 4"
+# shellcheck disable=SC2086
+check "a drawn vehicle" exits 0 $anything --json
+cp out drawn
+check "  is another one in each run" holds out '
+assert d["vehicle"] == "any" and "tau_max" not in d
+vehicles = [run["vehicle"] for run in d["each"]]
+assert len({v["dry_kg"] for v in vehicles}) == len({v["tau_max"][0] for v in vehicles}) == 3
+for run, v in zip(d["each"], vehicles):
+    assert 8 <= v["dry_kg"] <= 450 and v["thrusters"] in (5, 6) and v["fast"] in (True, False)
+    assert v["thruster_max_N"] > 0 and 0.3 < v["length_m"] < 2.4
+    assert 1.25 * 0.85 < run["truth"][0] / v["dry_kg"] < 1.6 * 1.15'
+exits 0 $anything --json
+check "  is the same one for the same seed" cmp out drawn
+exits 0 demo --field 1 --vehicle any --runs 1 --seed 7 --sets 4 --json
+check "  is that of its seed, in any campaign" holds out '
+assert d["each"] == json.load(open("drawn"))["each"][2:]'
+exits 0 $anything
+check "  is named in the tables" grep -q "^  vehicles     another one in each run" out
+exits 0 demo --field 1 --runs 1 --sets 1
+check "  and the usual one has no such line" [ "$(grep -c "^  vehicles " out)" = 0 ]
+exits 0 demo --field 1 --runs 2 --sets 1 --vehicle rov20 --json
+check "  and no vehicle of each run" holds out '
+assert d["tau_max"] == [30, 30, 30, 6] and all("vehicle" not in run for run in d["each"])'
 
 # ---- after the excitation ----
 rov="demo --field 1 --vehicle rov20 --runs 12 --seed 21 --json"

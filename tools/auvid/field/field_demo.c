@@ -14,8 +14,6 @@
 /* Random stream of --matched. */
 #define MATCHED_STREAM 1000
 
-static const char *const vehicle_names[FIELD_VEHICLES] = {"girona500", "rov20"};
-
 /* Memory of a campaign. */
 typedef struct {
     field_run_t run;
@@ -133,7 +131,8 @@ static void begin(campaign_memory_t *m, const options_t *options)
     bool goes_on = f->then != FIELD_EXCITED;
     (void)snprintf(m->driver, sizeof m->driver, "%s%s%s", options_drivers[f->driver],
                    goes_on ? ", then " : "", goes_on ? options_drivers[f->then] : "");
-    m->campaign = (field_campaign_t){.vehicle = vehicle_names[f->vehicle],
+    m->campaign = (field_campaign_t){.vehicle = options_field_vehicles[f->vehicle],
+                                     .drawn = f->vehicle == FIELD_ANY,
                                      .driver = m->driver,
                                      .world = m->world,
                                      .strength = f->mixture ? f->strength : -1.0,

@@ -169,6 +169,9 @@ void field_report_tables(const field_campaign_t *campaign, const field_table_t *
     printf("auvid %s demo: field statistics of %s, %s, seeds %llu .. %llu\n", AUVID_VERSION_STRING,
            campaign->vehicle, campaign->driver, (unsigned long long)campaign->seed,
            (unsigned long long)(campaign->seed + table->runs - 1));
+    if (campaign->drawn) {
+        puts("  vehicles     another one in each run, drawn from its seed");
+    }
     printf("  mismatches   %s\n", campaign->world);
     printf("  uncertainty  thrust scale %g, DVL scale %g, delay %g s\n", (double)u->thrust_scale,
            (double)u->dvl_scale, (double)u->delay_s);
@@ -261,7 +264,23 @@ static void json_forces(const field_table_t *table)
     printf("}");
 }
 
-static void json_record(const field_record_t *record)
+/* The vehicle of a run. */
+static void json_vehicle(const field_record_t *record)
+{
+    field_sheet_t sheet;
+    field_sheet(FIELD_ANY, record->seed, &sheet);
+    printf(", \"vehicle\": {\"dry_kg\": ");
+    json_number(sheet.dry_kg);
+    printf(", \"length_m\": ");
+    json_number(sheet.length_m);
+    printf(", \"thrusters\": %d, \"thruster_max_N\": ", sheet.thrusters);
+    json_number(sheet.thruster_max_N);
+    printf(", \"fast\": %s", sheet.fast ? "true" : "false");
+    json_list("tau_max", record->tau_max, FIELD_EQUATIONS);
+    printf("}");
+}
+
+static void json_record(const field_record_t *record, bool drawn)
 {
     const field_mismatch_t *kind;
     const field_reference_t *truth = &record->truth;
@@ -278,6 +297,9 @@ static void json_record(const field_record_t *record)
     }
     printf("{\"seed\": %llu, \"sets\": %u, \"simulated_s\": %g", (unsigned long long)record->seed,
            (unsigned)record->sets, record->simulated_s);
+    if (drawn) {
+        json_vehicle(record);
+    }
     printf(", \"changed\": %u, \"drifted\": %u, \"drifted_s\": ", (unsigned)record->changed,
            (unsigned)record->drifted);
     json_number(record->drifted > 0 ? record->drifted_s : NAN);
@@ -324,7 +346,9 @@ void field_report_json(const field_campaign_t *campaign, const field_table_t *ta
     json_groups(table);
     json_forces(table);
     field_causes_json(campaign, record, table->runs);
-    json_list("tau_max", record[0].tau_max, FIELD_EQUATIONS);
+    if (!campaign->drawn) { /* else each run has its own */
+        json_list("tau_max", record[0].tau_max, FIELD_EQUATIONS);
+    }
     printf(",\n  \"parameters\": [");
     for (int i = 0; i < SIM_PARAMETERS; ++i) {
         printf("%s\"%s\"", i == 0 ? "" : ", ", parameter_name(i));
@@ -332,7 +356,7 @@ void field_report_json(const field_campaign_t *campaign, const field_table_t *ta
     printf("],\n  \"each\": [");
     for (uint32_t k = 0; k < table->runs; ++k) {
         printf("%s\n    ", k == 0 ? "" : ",");
-        json_record(&record[k]);
+        json_record(&record[k], campaign->drawn);
     }
     printf("]\n}\n");
 }

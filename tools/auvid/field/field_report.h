@@ -10,6 +10,7 @@
 /** The campaign. */
 typedef struct {
     const char *vehicle, *driver;
+    bool drawn;        /**< another vehicle in each run, FIELD_ANY with the run's seed */
     const char *world; /**< in words: "mixture of strength 1, perfect thrust" */
     double strength;   /**< strength of the mixture; negative: none */
     bool matched, perfect_thrust;

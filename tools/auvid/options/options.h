@@ -25,6 +25,9 @@ enum { OPTIONS_LOGS = 64 };
 /** Names of field_driver_t on the command line. */
 extern const char *const options_drivers[FIELD_DRIVERS];
 
+/** Names of field_vehicle_t on the command line. */
+extern const char *const options_field_vehicles[FIELD_VEHICLES];
+
 /** Options of field statistics (field.h). */
 typedef struct {
     bool wanted;         /**< field statistics are run */

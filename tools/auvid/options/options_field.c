@@ -8,6 +8,8 @@
 #include "options_reader.h"
 
 const char *const options_drivers[FIELD_DRIVERS] = {"excited", "joystick", "lawnmower", "station"};
+const char *const options_field_vehicles[FIELD_VEHICLES] = {
+    [FIELD_GIRONA500] = "girona500", [FIELD_ROV20] = "rov20", [FIELD_ANY] = "any"};
 
 /* Default number of runs. */
 #define RUNS 20
@@ -114,7 +116,7 @@ int options_field_check(options_t *options)
         return report_error("demo: --field and %s cannot be combined", other);
     }
     if (options->vehicle != vehicle_default()) {
-        return report_error("demo: the vehicles of --field are girona500 and rov20");
+        return report_error("demo: the vehicles of --field are girona500, rov20 and any");
     }
     bool controlled = f->driver == FIELD_LAWNMOWER || f->driver == FIELD_STATION;
     if (!controlled && (f->reference || f->alternate_m > 0.0)) {

@@ -143,14 +143,18 @@ int take_bounds(reader_t *r, options_t *options)
 /* in_field: the vehicles of the field simulator are also accepted. */
 int take_vehicle(reader_t *r, options_t *options, bool in_field)
 {
+    static const char *const chosen[FIELD_VEHICLES] = {
+        [FIELD_ROV20] = "--vehicle rov20", [FIELD_ANY] = "--vehicle any"};
     const char *text = NULL;
     if (take_value(r, &text) != 0) {
         return EXIT_REFUSED;
     }
-    if (in_field && strcmp(text, "rov20") == 0) {
-        options->field.vehicle = FIELD_ROV20;
-        options->field.chosen = "--vehicle rov20";
-        return 0;
+    for (int v = 0; v < FIELD_VEHICLES; ++v) {
+        if (in_field && chosen[v] != NULL && strcmp(text, options_field_vehicles[v]) == 0) {
+            options->field.vehicle = (field_vehicle_t)v;
+            options->field.chosen = chosen[v];
+            return 0;
+        }
     }
     options->vehicle = vehicle_chosen(r->name, text);
     return options->vehicle != NULL ? 0 : EXIT_REFUSED;
