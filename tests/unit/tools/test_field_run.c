@@ -67,7 +67,12 @@ static void test_a_drawn_vehicle_has_them_if_it_is_fast(void)
         field_run_identifier(&config, &averaged, &cfg);
         TEST_ASSERT_EQUAL_PTR(sheet.fast ? &averaged.vehicle : &auvid_girona500, cfg.vehicle);
         TEST_ASSERT_EQUAL(sheet.fast ? 4 : defaults.metric.half_width[1], cfg.metric.half_width[1]);
+        TEST_ASSERT_EQUAL(sheet.fast ? 0 : defaults.metric.max_cell_us, cfg.metric.max_cell_us);
         TEST_ASSERT_TRUE(cfg.nav.max_acceleration == defaults.nav.max_acceleration);
+        for (int i = 0; i < SIM_PARAMETERS; ++i) {
+            TEST_ASSERT_TRUE((double)cfg.search.upper[i] > sheet.parameter[i]);
+            TEST_ASSERT_TRUE((double)cfg.search.lower[i] < sheet.parameter[i]);
+        }
     }
     TEST_ASSERT_TRUE(fast > 0 && fast < 20);
 }

@@ -15,6 +15,9 @@
 /* Start of the excitation [s]. */
 #define BEGIN_S 1.0
 
+/* Bounds of the parameters of a vehicle of any size, instead of the paper's 1000. */
+#define LARGEST_PARAMETER AUVID_C(100000.0)
+
 /* Interval of the DVL samples. */
 #define DVL_US 200000u
 
@@ -74,6 +77,11 @@ void field_run_identifier(const field_run_config_t *config, auvid_averaged_t *av
             cfg->vehicle = cfg->metric.vehicle = &averaged->vehicle;
         }
         cfg->metric.half_width[1] = 4;
+        cfg->metric.max_cell_us = 0; /* the average is over cells of this length */
+    }
+    for (int i = 0; i < model->parameters && field->vehicle == FIELD_ANY; ++i) {
+        cfg->search.upper[i] = LARGEST_PARAMETER;
+        cfg->search.lower[i] = -LARGEST_PARAMETER;
     }
     cfg->search.seed = field->seed;
     const double given[] = {config->thrust_scale, config->dvl_scale, config->delay_s};
