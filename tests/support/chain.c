@@ -163,6 +163,17 @@ static void work(chain_t *chain, uint32_t budget)
         chain->id.work.last_units > chain->max_units ? chain->id.work.last_units : chain->max_units;
 }
 
+auvid_status_t chain_step_alone(auvid_identifier_t *id, const sim_output_t *seen, bool *excited,
+                                auvid_input_t *in, auvid_output_t *out)
+{
+    chain_sense(seen, 0, in);
+    in->depth.present = in->altitude.present = in->gps.present = false;
+    if (!*excited && auvid_identifier_arm(id) == AUVID_OK) {
+        *excited = auvid_identifier_excite(id) == AUVID_OK;
+    }
+    return auvid_identifier_step(id, in, out);
+}
+
 void chain_tick(chain_t *chain)
 {
     sim_output_t seen;

@@ -89,6 +89,12 @@ bool chain_is_same(const chain_t *a, const chain_t *b);
 /** Convert the simulator's samples to the identifier's input. */
 void chain_sense(const sim_output_t *seen, uint64_t epoch_us, auvid_input_t *in);
 
+/** Step an identifier in a world of its own, with IMU and DVL only; `*excited` is set when it has
+ * armed itself and begun to excite.
+ * @return the status of the step */
+auvid_status_t chain_step_alone(auvid_identifier_t *id, const sim_output_t *seen, bool *excited,
+                                auvid_input_t *in, auvid_output_t *out);
+
 /** Run one tick. After CHAIN_MAX_TICKS, a day, the program ends, so that no loop waits forever. */
 #define CHAIN_MAX_TICKS 4320000u
 void chain_tick(chain_t *chain);

@@ -82,12 +82,7 @@ static inline void surge_identify(const auvid_identifier_config_t *cfg, const si
         const double wrench[6] = {force(late, sim.truth.nu[AUVID_SURGE]), 0.0,
                                   -world->parameter[SIM_WB]};
         sim_step(&sim, NULL, wrench, &sensed);
-        chain_sense(&sensed, 0, &in);
-        in.depth.present = in.altitude.present = in.gps.present = false;
-        if (!excited && auvid_identifier_arm(&id) == AUVID_OK) {
-            excited = auvid_identifier_excite(&id) == AUVID_OK;
-        }
-        TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_step(&id, &in, &out));
+        TEST_ASSERT_EQUAL(AUVID_OK, chain_step_alone(&id, &sensed, &excited, &in, &out));
         command = out.excitation[AUVID_SURGE];
         const auvid_real_t nominal[AUVID_DOF_COUNT] = {100 * command};
         const auvid_real_t commands[AUVID_MAX_COMMANDS] = {command, command};

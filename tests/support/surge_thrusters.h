@@ -190,12 +190,7 @@ static inline void identify(uint64_t seed, double disturbance_N, uint16_t set_s,
         auvid_output_t out, other;
         const double wrench[6] = {2.0 * follow(&x, (double)command), 0.0, -truth[W_B]};
         sim_step(&sim, NULL, wrench, &sensed);
-        chain_sense(&sensed, 0, &in);
-        in.depth.present = in.altitude.present = in.gps.present = false;
-        if (!excited && auvid_identifier_arm(&id) == AUVID_OK) {
-            excited = auvid_identifier_excite(&id) == AUVID_OK;
-        }
-        TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_step(&id, &in, &out));
+        TEST_ASSERT_EQUAL(AUVID_OK, chain_step_alone(&id, &sensed, &excited, &in, &out));
         TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_step(&ideal, &in, &other));
         command = out.excitation[AUVID_SURGE];
         const auvid_real_t gain = (auvid_real_t)(truth[FORWARD] + truth[BACKWARD]);

@@ -83,9 +83,6 @@ void auvid_uncertain_keep_own(auvid_uncertain_t *u, const auvid_metric_t *m, int
 /** Rotate row i of the DoF's factor, an own input's no more, into the joint factor. */
 void auvid_uncertain_transfer(auvid_uncertain_t *u, const auvid_metric_t *m, int j, int i);
 
-/** Equations that current and lever arm change, a bit each. */
-#define AUVID_UNCERTAIN_PLANAR (1u << AUVID_SURGE | 1u << AUVID_SWAY | 1u << AUVID_YAW)
-
 /** Channels of DoF j's equation: inputs, thrust, and what current and lever arm change in the
  * columns of its parameters. */
 static inline int auvid_uncertain_channels_of(const auvid_uncertain_t *u, int j)

@@ -31,6 +31,9 @@ enum {
     INPUT_FROM_WEIGHT
 };
 
+/** Equations that current and lever arm change, a bit each: PLANAR in the table. */
+#define AUVID_UNCERTAIN_PLANAR (1u << AUVID_SURGE | 1u << AUVID_SWAY | 1u << AUVID_YAW)
+
 #define UNCERTAIN_TIMING                                                                           \
     "thrust acts later than stamped, by ", "thrust acts earlier than stamped, by ", "s",           \
         "check time stamps and the propellers' lag"
@@ -45,7 +48,7 @@ enum {
  *   input      what the column is
  *   deviation  member of auvid_uncertain_config_t; 0: there is no column
  *   from       INPUT_FROM_<from>
- *   equations  of which DoF: a sum of names, PLANAR is SURGE + SWAY + YAW; or of those with thrust
+ *   equations  of which DoF: a sum of names; or of those with thrust
  *              (ACTUATED), quadratic drag (DRAGGED), no constant force as parameter (UNFORCED)
  *   prior      the column's standard deviation: AS_CONFIGURED, or by a function of
  *              auvid_uncertain_table.c; then the cause's value is in the unit of the COLUMN(), or
