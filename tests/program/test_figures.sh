@@ -77,9 +77,10 @@ def field():
     text = document("README.md")
     pair = rf"{NUMBER} % \| {FIGURE}"
     for options in ("--field 0.5", "--field 1", "--field 2", "--field 1 --plain",
-                    "--field 1 --driver joystick"):
-        row = stated(text, rf"\| `{options}` \| {pair} \| {pair} \|")
-        for vehicle, (flagged, _, low, high) in (("girona500", row[:4]), ("rov20", row[4:])):
+                    "--field 1 --driver joystick", "--field 1 --mismatch thrust_shapes=1"):
+        row = stated(text, rf"\| `{options}` \| {pair} \| {pair} \| {pair} \|")
+        for vehicle, (flagged, _, low, high) in (("girona500", row[:4]), ("rov20", row[4:8]),
+                                                 ("any", row[8:])):
             if LONG:
                 d = json.loads(run(auvid, "demo", *options.split(), "--vehicle", vehicle, "--runs",
                                    "400", "--seed", "600001", "--json"))

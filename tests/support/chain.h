@@ -89,11 +89,12 @@ bool chain_is_same(const chain_t *a, const chain_t *b);
 /** Convert the simulator's samples to the identifier's input. */
 void chain_sense(const sim_output_t *seen, uint64_t epoch_us, auvid_input_t *in);
 
-/** Step an identifier in a world of its own, with IMU and DVL only; `*excited` is set when it has
- * armed itself and begun to excite.
+/** Arm and excite as soon as possible, and step with what IMU and DVL have seen, and nothing else.
+ * @param excited false before the first step; set when the excitation begins
+ * @param in, out written: input and output of the step
  * @return the status of the step */
-auvid_status_t chain_step_alone(auvid_identifier_t *id, const sim_output_t *seen, bool *excited,
-                                auvid_input_t *in, auvid_output_t *out);
+auvid_status_t chain_step_with_velocity(auvid_identifier_t *id, const sim_output_t *seen,
+                                        bool *excited, auvid_input_t *in, auvid_output_t *out);
 
 /** Run one tick. After CHAIN_MAX_TICKS, a day, the program ends, so that no loop waits forever. */
 #define CHAIN_MAX_TICKS 4320000u

@@ -82,7 +82,7 @@ static inline void surge_identify(const auvid_identifier_config_t *cfg, const si
         const double wrench[6] = {force(late, sim.truth.nu[AUVID_SURGE]), 0.0,
                                   -world->parameter[SIM_WB]};
         sim_step(&sim, NULL, wrench, &sensed);
-        TEST_ASSERT_EQUAL(AUVID_OK, chain_step_alone(&id, &sensed, &excited, &in, &out));
+        TEST_ASSERT_EQUAL(AUVID_OK, chain_step_with_velocity(&id, &sensed, &excited, &in, &out));
         command = out.excitation[AUVID_SURGE];
         const auvid_real_t nominal[AUVID_DOF_COUNT] = {100 * command};
         const auvid_real_t commands[AUVID_MAX_COMMANDS] = {command, command};

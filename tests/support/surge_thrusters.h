@@ -190,7 +190,7 @@ static inline void identify(uint64_t seed, double disturbance_N, uint16_t set_s,
         auvid_output_t out, other;
         const double wrench[6] = {2.0 * follow(&x, (double)command), 0.0, -truth[W_B]};
         sim_step(&sim, NULL, wrench, &sensed);
-        TEST_ASSERT_EQUAL(AUVID_OK, chain_step_alone(&id, &sensed, &excited, &in, &out));
+        TEST_ASSERT_EQUAL(AUVID_OK, chain_step_with_velocity(&id, &sensed, &excited, &in, &out));
         TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_step(&ideal, &in, &other));
         command = out.excitation[AUVID_SURGE];
         const auvid_real_t gain = (auvid_real_t)(truth[FORWARD] + truth[BACKWARD]);

@@ -9,7 +9,8 @@
  * vehicle, except for the effects of roll and pitch.
  *
  * Two vehicles: Girona500, and an ROV of 20 kg with six thrusters, four of them vectored; and any
- * number of others, drawn at random. Four drivers: the identifier's excitation, a joystick pilot, a
+ * number of others, drawn at random, with the thrusters of one of these. All of them hover, and
+ * thrusters act in surge, sway, heave and yaw. Four drivers: the identifier's excitation, a joystick pilot, a
  * PID lawnmower, station keeping. The sensors are always noisy: IMU 50 Hz, 0.2 deg and 0.1 deg/s;
  * DVL 5 Hz, 7 mm/s; depth 10 Hz, 15 mm; no GPS.
  *
@@ -47,12 +48,13 @@ typedef struct {
     double tilt_linear, tilt_quadratic; /**< drag of roll and of pitch, positive */
     double cb_above_m;                  /**< centre of buoyancy above the centre of gravity */
     double length_m;
-    double noise_arm_m;      /**< moments of the disturbance in Nm relative to its forces in N */
-    double amplitude[6];     /**< largest commanded force and moment of the excitation [N, Nm] */
-    double max_acceleration; /**< as the user configures the filter [m/s2]; 0: its default */
-    bool fast;               /**< moves faster than a DVL at 5 Hz shows; the user knows that */
-    double speed_m_s;        /**< of the lawnmower */
-    double bandwidth;        /**< of the position controllers [rad/s] */
+    double noise_arm_m;       /**< moments of the disturbance in Nm relative to its forces in N */
+    double amplitude[6];      /**< largest commanded force and moment of the excitation [N, Nm] */
+    double max_acceleration;  /**< as the user configures the filter [m/s2]; 0: its default */
+    double largest_parameter; /**< bounds that the user gives; 0: those of the paper */
+    bool fast;                /**< needs averaged rows with a DVL at 5 Hz; the user knows that */
+    double speed_m_s;         /**< of the lawnmower */
+    double bandwidth;         /**< of the position controllers [rad/s] */
     int thrusters;
     double thruster_max_N;
     double matrix[6][SIM_THRUSTERS]; /**< body wrench per newton of each, as the operator knows */
@@ -234,9 +236,10 @@ int field_mismatches(const field_mismatch_t **table);
 void field_defaults(field_config_t *cfg, field_vehicle_t vehicle, field_driver_t driver,
                     uint64_t seed);
 
-/** Draws every mismatch of the mixture from cfg->seed, scaled by `strength`. Mismatches that are
- * never drawn become 0. The variation of the hull ("hull") is not a mismatch: it has its full size
- * at every strength, including 0. */
+/** Draws every mismatch of the mixture from cfg->seed, scaled by `strength`, and forces by the
+ * vehicle (field_mismatch_t.force). Mismatches that are never drawn become 0. The variation of the hull ("hull") is not a mismatch: it has its full size
+ * at every strength, including 0.
+ * @param cfg its vehicle is less than FIELD_VEHICLES */
 void field_draw(field_config_t *cfg, double strength);
 
 /** Sets one mismatch, in its unit, without scaling by the vehicle. Returns false and does nothing

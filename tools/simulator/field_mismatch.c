@@ -79,7 +79,7 @@ static const field_mismatch_t kinds[FIELD_KINDS] = {
     [FIELD_CURRENT] = {"current", "m/s", "current, with DVL bottom lock", 0.0, 0.1, 0.5, 0, 2,
                        FIELD_UNIFORM, false},
     [FIELD_DISTURBANCE] = {"disturbance", "N",
-                           "rms force, correlation time 2 s; moments 0.4 times [Nm]",
+                           "rms force, correlation time 2 s; its lever is 0.4 m (any: 0.4 lengths)",
                            FORCE(0.5, 2.0, 1.0, 0, 100)},
     [FIELD_HULL] = {"hull", "", "largest relative deviation of masses and drag",
                     ALWAYS(0.15, 0, 0.2)},

@@ -54,7 +54,7 @@ static void test_the_rov_has_averaged_rows_and_fast_moments(void)
     }
 }
 
-static void test_a_drawn_vehicle_has_them_if_it_is_fast(void)
+static void test_a_fast_drawn_vehicle_has_averaged_rows_and_all_have_wide_bounds(void)
 {
     auvid_identifier_config_t defaults;
     int fast = 0;
@@ -211,7 +211,7 @@ int main(void)
 {
     UNITY_BEGIN();
     RUN_TEST(test_the_rov_has_averaged_rows_and_fast_moments);
-    RUN_TEST(test_a_drawn_vehicle_has_them_if_it_is_fast);
+    RUN_TEST(test_a_fast_drawn_vehicle_has_averaged_rows_and_all_have_wide_bounds);
     RUN_TEST(test_tau_max_is_the_amplitude);
     RUN_TEST(test_uncertainties_are_those_of_the_library_unless_given);
     RUN_TEST(test_only_an_excited_run_has_an_acting_half);

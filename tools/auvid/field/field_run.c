@@ -15,9 +15,6 @@
 /* Start of the excitation [s]. */
 #define BEGIN_S 1.0
 
-/* Bounds of the parameters of a vehicle of any size, instead of the paper's 1000. */
-#define LARGEST_PARAMETER AUVID_C(100000.0)
-
 /* Interval of the DVL samples. */
 #define DVL_US 200000u
 
@@ -79,9 +76,11 @@ void field_run_identifier(const field_run_config_t *config, auvid_averaged_t *av
         cfg->metric.half_width[1] = 4;
         cfg->metric.max_cell_us = 0; /* the average is over cells of this length */
     }
-    for (int i = 0; i < model->parameters && field->vehicle == FIELD_ANY; ++i) {
-        cfg->search.upper[i] = LARGEST_PARAMETER;
-        cfg->search.lower[i] = -LARGEST_PARAMETER;
+    if (sheet.largest_parameter > 0.0) {
+        for (int i = 0; i < model->parameters; ++i) {
+            cfg->search.upper[i] = (auvid_real_t)sheet.largest_parameter;
+            cfg->search.lower[i] = -cfg->search.upper[i];
+        }
     }
     cfg->search.seed = field->seed;
     const double given[] = {config->thrust_scale, config->dvl_scale, config->delay_s};

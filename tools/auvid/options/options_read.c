@@ -156,6 +156,7 @@ int take_vehicle(reader_t *r, options_t *options, bool in_field)
             return 0;
         }
     }
+    options->field.vehicle = FIELD_GIRONA500;
     options->vehicle = vehicle_chosen(r->name, text);
     return options->vehicle != NULL ? 0 : EXIT_REFUSED;
 }
