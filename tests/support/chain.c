@@ -163,8 +163,8 @@ static void work(chain_t *chain, uint32_t budget)
         chain->id.work.last_units > chain->max_units ? chain->id.work.last_units : chain->max_units;
 }
 
-auvid_status_t chain_step_with_velocity(auvid_identifier_t *id, const sim_output_t *seen, bool *excited,
-                                auvid_input_t *in, auvid_output_t *out)
+auvid_status_t chain_step_with_velocity(auvid_identifier_t *id, const sim_output_t *seen,
+                                        bool *excited, auvid_input_t *in, auvid_output_t *out)
 {
     chain_sense(seen, 0, in);
     in->depth.present = in->altitude.present = in->gps.present = false;
