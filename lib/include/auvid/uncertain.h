@@ -14,8 +14,8 @@
  * error, three Gauss-Newton steps; one if an excitation continues). Otherwise columns that contain
  * the thrust would shrink it. What the inputs leave of their own errors is in the thrust, though:
  * 0.3 of e is ascribed to it, and 0.6 in the moments, which thrusters form as small differences.
- * Columns of the hull are made orthogonal to its drag, so that X_u and X_uu remain the best drag of
- * the model for the motion that was seen.
+ * Columns of the hull and its weight are made orthogonal to its drag, so that X_u and X_uu remain
+ * the best drag of the model for the motion that was seen.
  *
  * The common scale of the thrust is not observable. It stays in auvid_uncertainty_t. A known force
  * shows it (auvid_calibrated_t in estimate.h).

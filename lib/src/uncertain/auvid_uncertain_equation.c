@@ -116,7 +116,7 @@ static void uncertain_prepare_values(uncertain_t *u, const auvid_metric_t *m, in
             p->sag_at = (uint8_t)k;
             p->residual[e->order - 1] += u->work.sag_from * p->value[k];
         }
-        if (auvid_uncertain_row(u->code[e->channel_at + k])->from != INPUT_FROM_HULL) {
+        if (auvid_uncertain_row(u->code[e->channel_at + k])->from < INPUT_FROM_HULL) {
             continue;
         }
         uncertain_project(u, j, k);

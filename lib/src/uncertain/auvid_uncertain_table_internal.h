@@ -22,7 +22,7 @@ enum {
     INPUTS
 };
 
-/** What a column is formed from. Those of the hull are made orthogonal to its drag. */
+/** What a column is formed from. Those from INPUT_FROM_HULL on are made orthogonal to the drag. */
 enum {
     INPUT_FROM_THRUST, /* of all thrusters */
     INPUT_FROM_GAIN,   /* of one thruster */
