@@ -16,7 +16,7 @@ auvid_real_t auvid_uncertain_sigma(const auvid_uncertain_t *u, const auvid_metri
                                    int j);
 }
 
-enum { INPUT_DELAY = AUVID_UNCERTAIN_SHARED, INPUT_ASYMMETRY, INPUT_LIFT = INPUT_DELAY + 4 };
+enum { INPUT_DELAY = AUVID_UNCERTAIN_SHARED, INPUT_ASYMMETRY };
 
 using Eigen::Matrix2d;
 using Eigen::MatrixXd;
@@ -89,7 +89,7 @@ struct Reference {
         return Vector2d(double(u.faded[0][at]), double(u.faded[1][at]));
     }
 
-    // Columns with the hull's inputs orthogonal to the drag of the DoF, over all rows.
+    // Columns with the inputs of hull and weight orthogonal to the drag of the DoF, over all rows.
     MatrixXd columns(int j, const MatrixXd &r) const
     {
         const auvid_uncertain_equation_t &e = u.equation[j];
@@ -109,7 +109,7 @@ struct Reference {
             dd.col(p) += faded(AUVID_UNCERTAIN_OWN + 2 * j + p);
         }
         for (int k = 0; k < e.inputs; ++k) {
-            if (code(j, k) >= INPUT_ASYMMETRY && code(j, k) <= INPUT_LIFT) {
+            if (code(j, k) >= INPUT_ASYMMETRY) {
                 Vector2d dc = d.transpose() * all.col(k) + faded(e.own_at + k);
                 out.col(k) -= chosen * dd.ldlt().solve(dc);
             }
