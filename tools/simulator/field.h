@@ -10,9 +10,9 @@
  *
  * Two vehicles: Girona500, and an ROV of 20 kg with six thrusters, four of them vectored; and any
  * number of others, drawn at random, with the thrusters of one of these. All of them hover, and
- * thrusters act in surge, sway, heave and yaw. Four drivers: the identifier's excitation, a joystick pilot, a
- * PID lawnmower, station keeping. The sensors are always noisy: IMU 50 Hz, 0.2 deg and 0.1 deg/s;
- * DVL 5 Hz, 7 mm/s; depth 10 Hz, 15 mm; no GPS.
+ * thrusters act in surge, sway, heave and yaw. Four drivers: the identifier's excitation, a
+ * joystick pilot, a PID lawnmower, station keeping. The sensors are always noisy: IMU 50 Hz, 0.2
+ * deg and 0.1 deg/s; DVL 5 Hz, 7 mm/s; depth 10 Hz, 15 mm; no GPS.
  *
  * The state is the velocity through the water: a constant current leaves the equations of motion
  * unchanged (Fossen 2011, property 8.1). RK4 at 5 ms, four steps per tick; one core simulates more
@@ -237,8 +237,8 @@ void field_defaults(field_config_t *cfg, field_vehicle_t vehicle, field_driver_t
                     uint64_t seed);
 
 /** Draws every mismatch of the mixture from cfg->seed, scaled by `strength`, and forces by the
- * vehicle (field_mismatch_t.force). Mismatches that are never drawn become 0. The variation of the hull ("hull") is not a mismatch: it has its full size
- * at every strength, including 0.
+ * vehicle (field_mismatch_t.force). Mismatches that are never drawn become 0. The variation of the
+ * hull ("hull") is not a mismatch: it has its full size at every strength, including 0.
  * @param cfg its vehicle is less than FIELD_VEHICLES */
 void field_draw(field_config_t *cfg, double strength);
 

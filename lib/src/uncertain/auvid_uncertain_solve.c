@@ -14,10 +14,10 @@
  * small differences of the thrusters' forces: then most medians are within 2 %. It is 0 for rows
  * that are projected onto instruments (auvid_instruments.c): their motion is without noise.
  *
- * Columns c of the hull's inputs, and of its weight, become c - D a, a = (D'D)^-1 D'c, D the columns
- * of the DoF's drag in unweighted bands. So pi contains the best drag for the motion that was seen.
- * (A light vehicle tilts by 10 degrees if its centre of gravity is 2 cm off, and its tilt changes
- * with the rate of yaw.)
+ * Columns c of the hull's inputs, and of its weight, become c - D a, a = (D'D)^-1 D'c, D the
+ * columns of the DoF's drag in unweighted bands. So pi contains the best drag for the motion that
+ * was seen. (A light vehicle tilts by 10 degrees if its centre of gravity is 2 cm off, and its tilt
+ * changes with the rate of yaw.)
  *
  * The column c of sag becomes c - t_0 z: in a long dive sag counts from t_0, an hour ago. What is
  * lost before belongs to the thrust scale.
