@@ -125,7 +125,8 @@ TESTED = $(call objects,$(1),$(LIB) $(SIMULATOR) $(WORLD) $(SUPPORT)) build/$(1)
 # Under the sanitizers and in double these take a minute, and others run the same code: the long
 # form only. The program itself is never built in double.
 SLOW := $(addprefix %/tests/unit/,$(addprefix identifier/,test_adaptive test_change_test \
-    test_width) $(addprefix uncertain/,test_uncertain test_uncertain_causes))
+    test_width) $(addprefix uncertain/,test_uncertain test_uncertain_rows \
+    test_uncertain_causes))
 SLOW_SANITIZED := $(SLOW) $(addprefix %/tests/unit/,$(addprefix tools/test_,doctor \
     doctor_sensors doctor_units doctor_campaign field field_mismatch field_run field_sensors \
     simulator) $(addprefix identifier/test_,identifier prior prior_benefit prior_known thrusters \

@@ -5,14 +5,9 @@
 #include <math.h>
 #include <string.h>
 
-#include "auvid/uncertain.h"
-#include "field/field_run.h"
+#include "field_identify.h"
 #include "identifier/auvid_identifier_internal.h"
-#include "unity.h"
 
-static field_run_t run;
-static field_run_config_t field;
-static field_record_t record;
 static auvid_causes_t causes, unchanged;
 static char text[200];
 
@@ -26,12 +21,13 @@ void tearDown(void)
 }
 
 /* Runs a field vehicle with up to two mismatches. */
-static void identify(field_vehicle_t vehicle, const char *name, double size)
+static void identify_with(field_vehicle_t vehicle, const char *name, double size)
 {
-    field_run_defaults(&field);
-    field_defaults(&field.field, vehicle, FIELD_EXCITED, 3);
-    TEST_ASSERT_TRUE(name == NULL || field_set(&field.field, name, size));
-    TEST_ASSERT_TRUE(field_run(&run, &field, &record));
+    prepare(vehicle, FIELD_EXCITED, 3);
+    if (name != NULL) {
+        choose(name, size);
+    }
+    identify();
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_uncertain_causes(&run.uncertain, &causes));
 }
 
@@ -52,7 +48,7 @@ static void test_each_class_is_named_with_sign_and_rough_size(void)
                     {"thrust_late", 0.1, AUVID_CAUSE_TIMING, -0.1}};
     for (int vehicle = 0; vehicle < FIELD_ANY; ++vehicle) {
         for (size_t k = 0; k < sizeof mismatch / sizeof mismatch[0]; ++k) {
-            identify((field_vehicle_t)vehicle, mismatch[k].name, mismatch[k].size);
+            identify_with((field_vehicle_t)vehicle, mismatch[k].name, mismatch[k].size);
             const auvid_cause_t *cause = &causes.cause[mismatch[k].class];
             TEST_ASSERT_TRUE_MESSAGE(causes.named > 0, mismatch[k].name);
             TEST_ASSERT_EQUAL_MESSAGE(mismatch[k].class, causes.order[0], mismatch[k].name);
@@ -65,12 +61,12 @@ static void test_each_class_is_named_with_sign_and_rough_size(void)
 
 static void test_asymmetry_and_current_have_the_right_sign(void)
 {
-    identify(FIELD_GIRONA500, "drag_asymmetry", 0.24);
+    identify_with(FIELD_GIRONA500, "drag_asymmetry", 0.24);
     const auvid_cause_t *cause = &causes.cause[AUVID_CAUSE_ASYMMETRY];
     TEST_ASSERT_EQUAL(AUVID_CAUSE_ASYMMETRY, causes.order[0]);
     double truth = run.field.hull.asymmetry[cause->dof];
     TEST_ASSERT_DOUBLE_WITHIN(0.4 * fabs(truth), truth, (double)cause->value);
-    identify(FIELD_GIRONA500, "current", 0.1);
+    identify_with(FIELD_GIRONA500, "current", 0.1);
     cause = &causes.cause[AUVID_CAUSE_CURRENT];
     TEST_ASSERT_EQUAL(AUVID_CAUSE_CURRENT, causes.order[0]);
     truth = run.field.hull.current[cause->input == AUVID_UNCERTAIN_CURRENT_Y];
@@ -92,7 +88,7 @@ static void test_a_dvl_elsewhere_or_later_than_told_is_named(void)
                     {"dvl_latency", 0.1, AUVID_UNCERTAIN_DVL_LATE, AUVID_CAUSE_TIMING,
                      "the DVL is later than the attitude, by 0."}};
     for (size_t k = 0; k < sizeof mismatch / sizeof mismatch[0]; ++k) {
-        identify(FIELD_ROV20, mismatch[k].name, mismatch[k].size);
+        identify_with(FIELD_ROV20, mismatch[k].name, mismatch[k].size);
         const auvid_cause_t *cause = &causes.cause[mismatch[k].class];
         TEST_ASSERT_EQUAL_MESSAGE(mismatch[k].class, causes.order[0], mismatch[k].name);
         TEST_ASSERT_EQUAL_MESSAGE(mismatch[k].input, cause->input, mismatch[k].name);
@@ -107,16 +103,16 @@ static void test_a_dvl_elsewhere_or_later_than_told_is_named(void)
 static void test_a_certain_sag_is_no_change_of_the_vehicle(void)
 {
     for (int vehicle = 0; vehicle < FIELD_ANY; ++vehicle) {
-        identify((field_vehicle_t)vehicle, "thrust_sag", 0.1);
+        identify_with((field_vehicle_t)vehicle, "thrust_sag", 0.1);
         TEST_ASSERT_EQUAL(0, record.changed);
         TEST_ASSERT_TRUE(record.flagged[AUVID_G500_X_UU]);
         field.uncertain = false; /* nothing explains it */
-        TEST_ASSERT_TRUE(field_run(&run, &field, &record));
+        identify();
         TEST_ASSERT_TRUE(record.changed > 0);
         field.uncertain = true;
         field.sets = 7; /* the last one is evidence */
         field.field.length_s = 210.0;
-        TEST_ASSERT_TRUE(field_run(&run, &field, &record));
+        identify();
         TEST_ASSERT_EQUAL(0, record.changed);
         double sag = (double)run.change.statistic.sag;
         TEST_ASSERT_DOUBLE_WITHIN(0.2 * 0.1 / 7.0, 0.1 / 7.0, sag);
@@ -127,13 +123,12 @@ static void test_a_change_of_the_vehicle_is_no_sag(void)
 {
     static const double kg[] = {60.0, 6.0}, sag[] = {0.0, 0.1};
     for (int k = 0; k < 2 * FIELD_ANY; ++k) {
-        field_run_defaults(&field);
-        field_defaults(&field.field, (field_vehicle_t)(k / 2), FIELD_EXCITED, 3);
+        prepare((field_vehicle_t)(k / 2), FIELD_EXCITED, 3);
         field.sets = 7;
         field.field.length_s = 420.0; /* ballast is in the last set */
-        TEST_ASSERT_TRUE(field_set(&field.field, "ballast", kg[k / 2]));
-        TEST_ASSERT_TRUE(field_set(&field.field, "thrust_sag", sag[k % 2]));
-        TEST_ASSERT_TRUE(field_run(&run, &field, &record));
+        choose("ballast", kg[k / 2]);
+        choose("thrust_sag", sag[k % 2]);
+        identify();
         TEST_ASSERT_NOT_EQUAL(0, run.id.change_test.changed);
         double used = (double)run.change.statistic.sag;
         TEST_ASSERT_TRUE(k % 2 > 0 ? used > 0.0 : used == 0.0);
@@ -143,11 +138,10 @@ static void test_a_change_of_the_vehicle_is_no_sag(void)
 /* It only explains evidence, and does not make it. */
 static void test_a_sag_counts_only_where_there_is_evidence(void)
 {
-    field_run_defaults(&field);
-    field_defaults(&field.field, FIELD_GIRONA500, FIELD_EXCITED, 3);
-    TEST_ASSERT_TRUE(field_set(&field.field, "thrust_sag", 0.07));
-    TEST_ASSERT_TRUE(field_set(&field.field, "disturbance", 1.0));
-    TEST_ASSERT_TRUE(field_run(&run, &field, &record));
+    prepare(FIELD_GIRONA500, FIELD_EXCITED, 3);
+    choose("thrust_sag", 0.07);
+    choose("disturbance", 1.0);
+    identify();
     const auvid_cause_t *sag = &run.uncertain.causes.cause[AUVID_CAUSE_SAG];
     TEST_ASSERT_TRUE(sag->value > AUVID_CAUSE_SIGMAS * sag->sigma); /* certain */
     TEST_ASSERT_TRUE(run.change.statistic.sag == 0);
@@ -156,7 +150,7 @@ static void test_a_sag_counts_only_where_there_is_evidence(void)
 static void test_nothing_is_named_in_a_perfect_world(void)
 {
     for (int vehicle = 0; vehicle < FIELD_ANY; ++vehicle) {
-        identify((field_vehicle_t)vehicle, NULL, 0.0);
+        identify_with((field_vehicle_t)vehicle, NULL, 0.0);
         TEST_ASSERT_EQUAL(0, causes.named);
         for (int class = 0; class < AUVID_CAUSE_COUNT; ++class) {
             TEST_ASSERT_FALSE(causes.cause[class].named);
@@ -169,13 +163,13 @@ static void test_nothing_is_named_in_a_perfect_world(void)
 
 static void test_the_scale_of_the_thrust_is_never_named(void)
 {
-    identify(FIELD_ROV20, "thrust_common", -0.2);
+    identify_with(FIELD_ROV20, "thrust_common", -0.2);
     TEST_ASSERT_EQUAL(0, causes.named);
 }
 
 static void test_estimates_that_differ_are_listed(void)
 {
-    identify(FIELD_ROV20, "thrust_advance", 0.36);
+    identify_with(FIELD_ROV20, "thrust_advance", 0.36);
     const auvid_estimate_t *with = auvid_identifier_estimate(&run.id), *plain = &run.id.estimate;
     TEST_ASSERT_NOT_EQUAL(0, causes.differs);
     for (int i = 0; i < SIM_PARAMETERS; ++i) {
@@ -188,7 +182,7 @@ static void test_estimates_that_differ_are_listed(void)
 
 static void test_causes_stay_while_the_next_solution_is_under_way(void)
 {
-    identify(FIELD_GIRONA500, "thrust_backward", 0.1);
+    identify_with(FIELD_GIRONA500, "thrust_backward", 0.1);
     TEST_ASSERT_EQUAL_UINT32(run.id.estimate.number, causes.number);
     unchanged = causes;
     memset(&run.uncertain.work, 0, sizeof run.uncertain.work);
@@ -199,7 +193,7 @@ static void test_causes_stay_while_the_next_solution_is_under_way(void)
 
 static void test_after_a_change_of_the_vehicle_there_are_none(void)
 {
-    identify(FIELD_GIRONA500, "thrust_backward", 0.1);
+    identify_with(FIELD_GIRONA500, "thrust_backward", 0.1);
     identifier_judge_uncertain(&run.id, true);
     TEST_ASSERT_EQUAL(AUVID_ERR_NO_DATA, auvid_uncertain_causes(&run.uncertain, &causes));
     TEST_ASSERT_EQUAL_UINT32(0, run.uncertain.causes.named); /* what a node reports */
@@ -216,7 +210,7 @@ static void expect(const char *words, unsigned which)
 
 static void test_sentences_give_size_and_remedy(void)
 {
-    identify(FIELD_GIRONA500, "thrust_backward", 0.1);
+    identify_with(FIELD_GIRONA500, "thrust_backward", 0.1);
     causes.differs = 1u << AUVID_G500_M_U | 1u << AUVID_G500_X_UU;
     expect("backward thrust is weaker than supplied, by 10 % or so; measure the thrusters astern",
            0);
@@ -249,7 +243,7 @@ static void test_every_named_input_has_a_sentence(void)
                                         "later",      "drag is",  "current sets",
                                         "each other", "ahead",    "to starboard"};
     for (size_t k = 0; k < sizeof mismatch / sizeof mismatch[0]; ++k) {
-        identify(FIELD_GIRONA500, mismatch[k], size[k]);
+        identify_with(FIELD_GIRONA500, mismatch[k], size[k]);
         TEST_ASSERT_EQUAL(AUVID_OK,
                           auvid_causes_sentence(&causes, &auvid_girona500, 0, text, sizeof text));
         TEST_ASSERT_NOT_NULL_MESSAGE(strstr(text, words[k]), text);
@@ -261,7 +255,7 @@ static void test_every_named_input_has_a_sentence(void)
 
 static void test_refusals_change_nothing(void)
 {
-    identify(FIELD_GIRONA500, NULL, 0.0);
+    identify_with(FIELD_GIRONA500, NULL, 0.0);
     unchanged = causes;
     TEST_ASSERT_EQUAL(AUVID_ERR_NULL, auvid_uncertain_causes(NULL, &causes));
     TEST_ASSERT_EQUAL(AUVID_ERR_NULL, auvid_uncertain_causes(&run.uncertain, NULL));

@@ -1,0 +1,186 @@
+/*
+ * Uncertain inputs: what is refused when they are attached, and that they delay no set.
+ */
+#include <math.h>
+#include <string.h>
+
+#include "auvid/uncertain.h"
+#include "by_residual.h"
+#include "chain.h"
+#include "unity.h"
+
+static chain_config_t cfg;
+static chain_t chain;
+static auvid_uncertain_config_t inputs;
+static auvid_uncertain_t storage, unchanged;
+static auvid_identifier_t before;
+
+void setUp(void)
+{
+    chain_defaults(&cfg, 1, 1, 0.0);
+    memset(&chain, 0, sizeof chain);
+    memset(&storage, 0, sizeof storage);
+    auvid_uncertain_defaults(&inputs);
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&chain.id, &cfg.id));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_allocation_init(&chain.allocation, &cfg.thrusters));
+}
+
+void tearDown(void)
+{
+}
+
+static auvid_status_t attach(void)
+{
+    before = chain.id;
+    auvid_status_t status =
+        auvid_identifier_attach_uncertain(&chain.id, &storage, &inputs, &chain.allocation);
+    if (status < 0) {
+        TEST_ASSERT_EQUAL_MEMORY(&before, &chain.id, sizeof before);
+    }
+    return status;
+}
+
+static void test_null_is_refused(void)
+{
+    const auvid_allocation_t *a = &chain.allocation;
+    before = chain.id;
+    TEST_ASSERT_EQUAL(AUVID_ERR_NULL,
+                      auvid_identifier_attach_uncertain(NULL, &storage, &inputs, a));
+    TEST_ASSERT_EQUAL(AUVID_ERR_NULL,
+                      auvid_identifier_attach_uncertain(&chain.id, NULL, &inputs, a));
+    TEST_ASSERT_EQUAL(AUVID_ERR_NULL,
+                      auvid_identifier_attach_uncertain(&chain.id, &storage, NULL, a));
+    TEST_ASSERT_EQUAL(AUVID_ERR_NULL,
+                      auvid_identifier_attach_uncertain(&chain.id, &storage, &inputs, NULL));
+    TEST_ASSERT_EQUAL_MEMORY(&before, &chain.id, sizeof before);
+    auvid_uncertain_defaults(NULL);
+}
+
+static void test_it_attaches_once_and_before_the_first_step(void)
+{
+    auvid_input_t in = {.t_us = 1};
+    auvid_output_t out;
+    TEST_ASSERT_EQUAL(AUVID_OK, attach());
+    unchanged = storage;
+    TEST_ASSERT_EQUAL(AUVID_ERR_ATTACHED, attach());
+    TEST_ASSERT_EQUAL_MEMORY(&unchanged, &storage, sizeof storage);
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&chain.id, &cfg.id)); /* detaches it */
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_step(&chain.id, &in, &out));
+    TEST_ASSERT_EQUAL(AUVID_ERR_STARTED, attach());
+    memset(&chain.id, 0, sizeof chain.id);
+    TEST_ASSERT_EQUAL(AUVID_ERR_STATE, attach());
+}
+
+static void test_a_prior_out_of_range_is_refused(void)
+{
+    inputs.sag = (auvid_real_t)NAN;
+    TEST_ASSERT_EQUAL(AUVID_ERR_NOT_FINITE, attach());
+    auvid_uncertain_defaults(&inputs);
+    inputs.backward = (auvid_real_t)-0.01;
+    TEST_ASSERT_EQUAL(AUVID_ERR_RANGE, attach());
+    auvid_uncertain_defaults(&inputs);
+    inputs.nominal_lag_s = 0; /* it is divided by */
+    TEST_ASSERT_EQUAL(AUVID_ERR_RANGE, attach());
+}
+
+static void test_thrusters_that_are_not_initialised_are_refused(void)
+{
+    memset(&chain.allocation, 0, sizeof chain.allocation);
+    TEST_ASSERT_EQUAL(AUVID_ERR_SIZE, attach());
+}
+
+static void test_more_columns_than_there_is_room_for_are_refused(void)
+{
+    auvid_allocation_config_t many = cfg.thrusters;
+    many.thrusters = AUVID_MAX_THRUSTERS;
+    for (int i = 0; i < AUVID_MAX_THRUSTERS; ++i) {
+        for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
+            many.thruster[i].wrench[j] = 1; /* each acts in all DoF */
+        }
+        many.thruster[i].max_N = 1;
+        many.thruster[i].gain_forward = 1;
+    }
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_allocation_init(&chain.allocation, &many));
+    TEST_ASSERT_EQUAL(AUVID_ERR_SIZE, attach());
+}
+
+#if AUVID_MAX_THRUSTERS >= 8
+static void test_eight_thrusters_fit(void)
+{
+    TEST_ASSERT_EQUAL(AUVID_OK,
+                      auvid_allocation_init(&chain.allocation, &auvid_allocation_bluerov2_heavy));
+    TEST_ASSERT_EQUAL(AUVID_OK, attach());
+}
+#endif
+
+static void test_a_model_of_the_residual_path_is_refused(void)
+{
+    static auvid_vehicle_t vehicle;
+    static auvid_row_t rows[180];
+    by_residual_surge(&cfg.id, &vehicle, rows, 2);
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&chain.id, &cfg.id));
+    TEST_ASSERT_EQUAL(AUVID_ERR_MODEL, attach());
+}
+
+/* Moves for 100 s, with a tick of this length and a DVL of 5 Hz. Returns the sets; *first_us: when
+ * the first one was complete. */
+static uint32_t sets_in_ticks_of(uint64_t tick_us, bool uncertain, uint64_t *first_us)
+{
+    *first_us = 0;
+    setUp();
+    if (uncertain) {
+        TEST_ASSERT_EQUAL(AUVID_OK, attach());
+    }
+    for (uint64_t t_us = tick_us; t_us <= 100000000; t_us += tick_us) {
+        double t = 1e-6 * (double)t_us;
+        auvid_output_t out;
+        auvid_input_t in = {.t_us = t_us,
+                            .imu = {.present = true, .t_us = t_us},
+                            .depth = {.present = true, .t_us = t_us, .depth_m = 5},
+                            .gps = {.present = t_us == tick_us, .t_us = t_us},
+                            .applied = {.present = true}};
+        in.dvl.present = t_us % 200000 == 0;
+        in.dvl.sample.t_us = t_us;
+        in.dvl.sample.valid = AUVID_DVL_X | AUVID_DVL_Y | AUVID_DVL_Z;
+        for (int i = 0; i < 3; ++i) {
+            in.dvl.sample.velocity[i] = (auvid_real_t)(0.3 * sin((0.3 + 0.1 * i) * t));
+            in.applied.wrench[i] = (auvid_real_t)(30.0 * sin((0.3 + 0.1 * i) * t + 1.0));
+        }
+        TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_step(&chain.id, &in, &out));
+        (void)auvid_identifier_work(&chain.id, AUVID_DEFAULT_BUDGET);
+        *first_us = chain.id.metric.sets.recorded > 0 && *first_us == 0 ? t_us : *first_us;
+    }
+    return chain.id.metric.sets.recorded;
+}
+
+/* The last cell of the first set is complete at 35 s. A cell waits for what the one before has left
+ * to do; where ticks are as slow as cells, none waits. */
+static void test_no_cell_is_lost_and_a_set_is_at_most_seven_ticks_later(void)
+{
+    const uint64_t complete_us = 35000000;
+    const uint64_t tick_us[] = {10000, 20000, 50000, 100000, 200000};
+    for (size_t k = 0; k < sizeof tick_us / sizeof tick_us[0]; ++k) {
+        uint64_t with_us, without_us;
+        uint32_t without = sets_in_ticks_of(tick_us[k], false, &without_us);
+        TEST_ASSERT_EQUAL(3, without);
+        TEST_ASSERT_EQUAL(without, sets_in_ticks_of(tick_us[k], true, &with_us));
+        TEST_ASSERT_TRUE(with_us >= complete_us && with_us <= complete_us + 7 * tick_us[k]);
+        TEST_ASSERT_TRUE(without_us >= complete_us && without_us <= complete_us + 5 * tick_us[k]);
+    }
+}
+
+int main(void)
+{
+    UNITY_BEGIN();
+    RUN_TEST(test_null_is_refused);
+    RUN_TEST(test_it_attaches_once_and_before_the_first_step);
+    RUN_TEST(test_a_prior_out_of_range_is_refused);
+    RUN_TEST(test_thrusters_that_are_not_initialised_are_refused);
+    RUN_TEST(test_more_columns_than_there_is_room_for_are_refused);
+#if AUVID_MAX_THRUSTERS >= 8
+    RUN_TEST(test_eight_thrusters_fit);
+#endif
+    RUN_TEST(test_a_model_of_the_residual_path_is_refused);
+    RUN_TEST(test_no_cell_is_lost_and_a_set_is_at_most_seven_ticks_later);
+    return UNITY_END();
+}
