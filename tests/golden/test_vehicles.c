@@ -1,12 +1,11 @@
 /*
  * Golden vectors of whole vehicles, at the program's sizes.
  */
-#include "auvid/current.h"
 #include "chain.h"
 #include "own_thrusters.h"
 #include "unity.h"
 #include "vector.h"
-#include "bus/world.h"
+#include "current_world.h"
 
 enum { IDS = 0x800 }; /* of frames */
 
@@ -91,17 +90,8 @@ static void test_a_girona500_in_a_current(void)
     const world_config_t config = {
         .seed = 1, .disturbance_N = 1.0, .sets = SETS, .current = {0.2, -0.2, 0.0}};
     const auvid_node_t *node = &bus.node[1];
-    auvid_identifier_config_t cfg;
     vector_begin(1);
-    TEST_ASSERT_TRUE(world_begin(&bus, &config));
-    TEST_ASSERT_EQUAL(AUVID_OK, auvid_current_init(&current, &auvid_girona500, false));
-    world_identifier(&cfg, &config);
-    cfg.vehicle = &current.vehicle;
-    cfg.metric.free = current.vehicle.free;
-    cfg.metric.rows = store;
-    TEST_ASSERT_EQUAL(AUVID_OK,
-                      auvid_current_bounds(&current, 1, cfg.search.lower, cfg.search.upper));
-    TEST_ASSERT_TRUE(world_listen(&bus, &cfg));
+    begin_current_world(&bus, &config, &current, store);
     while (node->id.metric.sets.recorded < SETS) {
         world_tick(&bus);
         (void)world_work(&bus, 1000);

@@ -7,12 +7,11 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "auvid/current.h"
 #include "metric/auvid_metric_evaluator_internal.h"
 #include "binomial.h"
 #include "finish.h"
 #include "unity.h"
-#include "bus/world.h"
+#include "current_world.h"
 
 enum { SETS = 8, SET_ROWS = 60, HULL = 13, N = HULL + 2, NORTH = AUVID_G500_COUNT, DOFS = 4 };
 enum { BUDGET = 1000 }; /* with less a search takes longer than a set, and rows are dropped */
@@ -41,18 +40,9 @@ void tearDown(void)
 
 static void identify(uint64_t seed, const double c[2])
 {
-    static auvid_identifier_config_t cfg;
     const world_config_t config = {
         .seed = seed, .disturbance_N = 1.0, .sets = SETS, .current = {c[0], c[1]}};
-    TEST_ASSERT_EQUAL(AUVID_OK, auvid_current_init(&current, &auvid_girona500, false));
-    TEST_ASSERT_TRUE(world_begin(&world, &config));
-    world_identifier(&cfg, &config);
-    cfg.vehicle = &current.vehicle;
-    cfg.metric.free = current.vehicle.free;
-    cfg.metric.rows = store;
-    TEST_ASSERT_EQUAL(AUVID_OK,
-                      auvid_current_bounds(&current, 1, cfg.search.lower, cfg.search.upper));
-    TEST_ASSERT_TRUE(world_listen(&world, &cfg));
+    begin_current_world(&world, &config, &current, store);
     id = &world.node[1].id;
     while (id->metric.sets.recorded < SETS && world_time_s(&world) < 600.0) {
         world_tick(&world);

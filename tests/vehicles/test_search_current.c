@@ -2,9 +2,8 @@
  * The search of a Girona500 in a current, 15 parameters and the delay: how near the optimum it
  * ends, and what it takes (search_campaign.h).
  */
-#include "auvid/current.h"
 #include "search_campaign.h"
-#include "bus/world.h"
+#include "current_world.h"
 
 enum { SETS = 8, SET_ROWS = 60, WANTED = AUVID_G500_FREE | 3u << AUVID_G500_COUNT };
 
@@ -23,21 +22,12 @@ void tearDown(void)
 
 static void begin(uint64_t seed)
 {
-    static auvid_identifier_config_t cfg;
     double angle = 2.4 * (double)seed;
     const world_config_t config = {.seed = seed,
                                    .disturbance_N = 1.0,
                                    .sets = SETS,
                                    .current = {0.3 * cos(angle), 0.3 * sin(angle)}};
-    TEST_ASSERT_EQUAL(AUVID_OK, auvid_current_init(&current, &auvid_girona500, false));
-    TEST_ASSERT_TRUE(world_begin(&world, &config));
-    world_identifier(&cfg, &config);
-    cfg.vehicle = &current.vehicle;
-    cfg.metric.free = current.vehicle.free;
-    cfg.metric.rows = store;
-    TEST_ASSERT_EQUAL(AUVID_OK,
-                      auvid_current_bounds(&current, 1, cfg.search.lower, cfg.search.upper));
-    TEST_ASSERT_TRUE(world_listen(&world, &cfg));
+    begin_current_world(&world, &config, &current, store);
     memcpy(truth, world.vehicle_sim.sim.cfg.parameter, sizeof world.vehicle_sim.sim.cfg.parameter);
     truth[AUVID_G500_COUNT] = config.current[0];
     truth[AUVID_G500_COUNT + 1] = config.current[1];
