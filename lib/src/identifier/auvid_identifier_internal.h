@@ -82,7 +82,8 @@ typedef struct auvid_uncertain_functions {
     bool (*add_cell)(auvid_identifier_t *id);
     /** No cell is complete: there is time for rows that wait. */
     void (*rotate)(auvid_identifier_t *id);
-    /** After a search without them. @return true: a solution with them has begun */
+    /** After a search without them. @return true: a solution with them has begun; false: there are
+     * too few rows, or it is complete, and only the sets were measured again */
     bool (*begin)(auvid_identifier_t *id);
     /** Continues it. @return AUVID_OK: it is complete; AUVID_PENDING */
     auvid_status_t (*solve)(auvid_identifier_t *id, uint32_t *budget);

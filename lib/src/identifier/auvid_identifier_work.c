@@ -6,8 +6,9 @@
  *           +--------------------- sets that were completed meanwhile <------ estimate ---+
  *
  * From the validation to the estimate the ring is held (auvid_metric_hold): a search uses the sets
- * that it began with, however slow it is. A set that enters the ring meanwhile replaces the oldest;
- * then the phases that read the ring restart with the remaining sets. The validation, if it is
+ * that it began with, however slow it is, and so does a solution with uncertain inputs. A set that
+ * enters the ring meanwhile replaces the oldest; then the phases that read the ring restart with the
+ * remaining sets. The validation, if it is
  * attached, is in auvid_identifier_validate.c; the minimum of the regressor path, part of MERGE, in
  * auvid_identifier_optimum.c; its LINEARISE, with uncertain inputs, in auvid_uncertain_solve.c. The
  * start of the residual path, also part of MERGE, is in auvid_identifier_newton.c. How a search
@@ -216,14 +217,15 @@ static bool identifier_found_minimum(const auvid_identifier_t *id)
                : id->work.cost - minimum->cost <= minimum->allowed;
 }
 
-/* A set has entered the ring: measure again. On the regressor path this ends a search of the
- * uncertain inputs. */
-static void identifier_restart_measure(auvid_identifier_t *id)
+/* A set has entered the ring: measure again. The uncertain inputs are solved from rows of their own,
+ * however long it takes; what follows restarts. */
+static void identifier_restart_linearise(auvid_identifier_t *id)
 {
-    if (!auvid_metric_stores_rows(&id->metric)) {
-        id->work.searching = id->work.seeks_optimum = false;
+    if (auvid_metric_stores_rows(&id->metric)) {
+        identifier_begin_measure(id);
+    } else {
+        auvid_metric_change_ring(&id->metric);
     }
-    identifier_begin_measure(id);
 }
 
 static AUVID_NOINLINE auvid_status_t identifier_ask(auvid_identifier_t *id, uint32_t *budget)
@@ -316,9 +318,9 @@ static const auvid_work_phase_row_t identifier_phases[AUVID_WORK_PHASE_COUNT] = 
     [AUVID_WORK_MEASURE] = {auvid_metric_measure, NULL, identifier_begin_linearise,
                             identifier_begin_measure},
     [AUVID_WORK_LINEARISE] = {NULL, identifier_linearise, identifier_begin_confidence,
-                              identifier_restart_measure},
+                              identifier_restart_linearise},
     [AUVID_WORK_CONFIDENCE] = {NULL, identifier_confidence, identifier_publish_estimate,
-                               identifier_restart_measure},
+                               identifier_begin_measure},
 };
 
 static const auvid_work_phase_row_t *identifier_phase(const auvid_identifier_t *id)

@@ -110,4 +110,10 @@ static inline bool auvid_metric_ring_changed(auvid_metric_t *m)
     return changed;
 }
 
+/** A set has entered the ring: let auvid_metric_ring_changed return true once more. */
+static inline void auvid_metric_change_ring(auvid_metric_t *m)
+{
+    m->sets.changed = true;
+}
+
 #endif

@@ -91,6 +91,9 @@ static void uncertain_rotate(auvid_identifier_t *id)
 
 static bool uncertain_begin(auvid_identifier_t *id)
 {
+    if (uncertain_of(id)->work.solving) {
+        return false; /* it is solved: only the sets have been measured again */
+    }
     bool ready = uncertain_is_ready(id);
     if (ready) {
         auvid_uncertain_begin(uncertain_of(id));

@@ -62,7 +62,7 @@ static const auvid_checkpoint_limit_t checkpoint_limit_instruments[] = {
 #define OF_INSTRUMENTS(member) WHOLE_AT(auvid_instruments_t, last_us, member)
 
 /* A solution is at one of its steps, and the memory that it shares with the search is saved. While
- * the confidence is computed it is complete; a new measurement begins it again. */
+ * the sets are measured again, or the confidence is computed, it is complete. */
 static bool checkpoint_check_solution(const auvid_identifier_t *id, const uint8_t *state,
                                       uint32_t parts, uint32_t work)
 {
@@ -72,7 +72,7 @@ static bool checkpoint_check_solution(const auvid_identifier_t *id, const uint8_
     bool projected = OF_INPUTS(work.strong) != 0;
     bool seeks = (phase == SOLVE_LEFT && i > 0) || phase == SOLVE_OPTIMUM || phase == SOLVE_START;
     if (work != AUVID_WORK_LINEARISE) {
-        return work == AUVID_WORK_MEASURE || (work == AUVID_WORK_CONFIDENCE && phase == SOLVE_DONE);
+        return (work == AUVID_WORK_MEASURE || work == AUVID_WORK_CONFIDENCE) && phase == SOLVE_DONE;
     }
     return (!projected || u->instruments != NULL) &&
            auvid_uncertain_is_step(u, &id->metric, phase, j, i, projected) &&

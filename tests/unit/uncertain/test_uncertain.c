@@ -230,10 +230,24 @@ static void drive(chain_before_t supply)
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_allocation_init(&chain.allocation, &cfg.thrusters));
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_attach_uncertain(&chain.id, &storage, &inputs,
                                                                   &chain.allocation));
-    while (chain.estimates == 0 && chain.tick < 5000) {
+    while (chain.estimates == 0 && chain.tick < 10000) {
         chain_tick(&chain);
     }
     TEST_ASSERT_EQUAL_UINT32(1, chain.estimates);
+}
+
+/* It takes the time of two sets, and ends. Sets that are complete meanwhile are in the next one. */
+static void test_a_solution_slower_than_a_set_gives_an_estimate(void)
+{
+    chain_defaults(&cfg, 1, 12, 0.0);
+    cfg.budget = 15;
+    drive(supply_forces);
+    while (chain.estimates < 4 && chain.tick < 20000) {
+        chain_tick(&chain);
+    }
+    TEST_ASSERT_EQUAL_UINT32(4, chain.estimates);
+    TEST_ASSERT_EQUAL_UINT32(chain.id.estimate.number, storage.estimate.number);
+    TEST_ASSERT_TRUE(storage.estimate.sets > 4 && storage.estimate.sets < 12);
 }
 
 /* The estimate if parameter i is at most `upper`. */
@@ -335,5 +349,6 @@ int main(void)
     RUN_TEST(test_the_estimate_is_the_minimum_within_the_bounds);
     RUN_TEST(test_forces_that_do_not_make_the_wrench_give_no_estimate);
     RUN_TEST(test_a_passive_vehicle_in_open_loop_has_uncertain_inputs);
+    RUN_TEST(test_a_solution_slower_than_a_set_gives_an_estimate);
     return UNITY_END();
 }

@@ -220,17 +220,19 @@ static void check_split_run(world_t of, uint32_t ticks)
     TEST_ASSERT_EQUAL_MEMORY(again, saved, bytes);
 }
 
-/* Three passes of all phases up to the scale of the priors; the others after the last. */
+/* Three passes of all phases up to the scale of the priors; the others after the last. Later
+ * solutions of an excited vehicle have one pass. */
 enum { IN_PASS = SOLVE_SCALE + 1, AFTER = SOLVE_DONE + 1 - IN_PASS };
+#define AFTER_PASSES(n) ((((uint64_t)1 << AFTER) - 1) << (IN_PASS + (n)*PHASES))
 static const uint64_t all_steps =
     (((uint64_t)1 << IN_PASS) - 1) * (1 | (uint64_t)1 << PHASES | (uint64_t)1 << 2 * PHASES) |
-    (((uint64_t)1 << AFTER) - 1) << (IN_PASS + 3 * PHASES);
+    AFTER_PASSES(3);
 
 static void test_a_split_run_ends_as_a_whole_one_excited(void)
 {
     check_split_run(EXCITED, 9000);
     TEST_ASSERT_TRUE(uncertain.excited);
-    TEST_ASSERT_EQUAL_HEX64(all_steps, seen[0]);
+    TEST_ASSERT_EQUAL_HEX64(all_steps | AFTER_PASSES(1), seen[0]);
 }
 
 static void test_a_split_run_ends_as_a_whole_one_passive(void)
