@@ -104,8 +104,8 @@ auvid_status_t auvid_checkpoint_next(auvid_checkpoint_t *cursor, uint8_t *chunk,
  * Time must advance: a step before the saved `t_us` is rejected.
  * @param checkpoint [bytes]
  * @return AUVID_OK; AUVID_ERR_NULL; AUVID_ERR_STATE (not initialised, or only one of the two has an
- * acting half, adaptive excitation, uncertain inputs, instruments, a change test, or memory for a
- * prior); AUVID_ERR_CHECKSUM (damaged, truncated, or no checkpoint); AUVID_ERR_SIZE (of a library
+ * acting half, adaptive excitation, uncertain inputs, instruments, a prediction, a change test, or
+ * memory for a prior); AUVID_ERR_CHECKSUM (damaged, truncated, or no checkpoint); AUVID_ERR_SIZE (of a library
  * of another version or of other sizes, or of another number of rows of storage); AUVID_ERR_MODEL
  * (of another model, of other free parameters, or of other fixed values); AUVID_ERR_CONFIGURATION
  * (the rest of the configuration differs); AUVID_ERR_RANGE (undamaged, but not written by auvid: a

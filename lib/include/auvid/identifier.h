@@ -55,7 +55,7 @@ extern "C" {
 #define AUVID_CELLS_PER_STEP 2
 
 /** A work budget for a Cortex-M4 at a 50 Hz tick: a result three seconds after a set (Girona500,
- * one set or eight). */
+ * one set or eight), seven with uncertain inputs. */
 #define AUVID_DEFAULT_BUDGET 150u
 
 /** The DVL lock that supplies the velocity of the dynamics, which is that through the water. */
@@ -379,8 +379,8 @@ auvid_status_t auvid_identifier_needs(const auvid_identifier_config_t *cfg, auvi
  * @param cfg may be id->cfg, to save memory; then its contents are undefined afterwards.
  * @return AUVID_OK; AUVID_ERR_NULL (also a listener without its functions); AUVID_ERR_ARITHMETIC
  * (the self-test failed); AUVID_ERR_NOT_FINITE (also of the good point and the uncertainty);
- * AUVID_ERR_RANGE (velocity: unknown; dry mass below zero; an uncertainty below zero or above 1);
- * AUVID_ERR_DRY_MASS (not below the upper bound of a free mass, which could not be plausible); for
+ * AUVID_ERR_RANGE (velocity: unknown; dry mass below zero, or no number; an uncertainty below zero or
+ * above 1); AUVID_ERR_DRY_MASS (not below the upper bound of a free mass, which could not be plausible); for
  * the search over the free parameters the errors of auvid_search_check; the errors of
  * auvid_vehicle_check, the errors of auvid_nav_init, the errors of auvid_recorder_init, the errors
  * of auvid_metric_init. */
@@ -453,7 +453,8 @@ void auvid_identifier_attach(auvid_identifier_t *id, auvid_validation_t *validat
  * it the program does not contain the simulation. Cost: see validation.h.
  * @param storage written; must outlive the identifier
  * @return AUVID_OK; AUVID_ERR_NULL; AUVID_ERR_STATE (not initialised); AUVID_ERR_ATTACHED (one is
- * attached already); AUVID_ERR_STARTED (it has stepped). After an error nothing has changed. */
+ * attached already); AUVID_ERR_STARTED (it has stepped, or recorded a wrench). After an error
+ * nothing has changed. */
 auvid_status_t auvid_identifier_attach_prediction(auvid_identifier_t *id,
                                                   auvid_validation_t *storage);
 
@@ -471,7 +472,8 @@ auvid_status_t auvid_identifier_attach_prediction(auvid_identifier_t *id,
  * estimate is `accepted`, and the program does not contain the test.
  * @param storage written; must outlive the identifier
  * @return AUVID_OK; AUVID_ERR_NULL; AUVID_ERR_STATE (not initialised); AUVID_ERR_ATTACHED (one is
- * attached already); AUVID_ERR_STARTED (it has stepped). After an error nothing has changed. */
+ * attached already); AUVID_ERR_STARTED (it has stepped, or recorded a wrench). After an error
+ * nothing has changed. */
 auvid_status_t auvid_identifier_attach_change_test(auvid_identifier_t *id,
                                                    auvid_change_detector_t *storage);
 

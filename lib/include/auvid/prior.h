@@ -61,7 +61,8 @@ auvid_status_t auvid_prior_save(const auvid_identifier_t *id, uint8_t *record);
  * above 6), the prior is discarded and storage->known becomes 0.
  * @param storage written; must outlive the identifier
  * @return AUVID_OK; AUVID_ERR_NULL; AUVID_ERR_STATE (not initialised); AUVID_ERR_ATTACHED (one is
- * attached already); AUVID_ERR_STARTED (it has stepped). After an error nothing has changed.
+ * attached already); AUVID_ERR_STARTED (it has stepped, or recorded a wrench). After an error
+ * nothing has changed.
  */
 auvid_status_t auvid_identifier_attach_prior(auvid_identifier_t *id, auvid_prior_t *storage);
 
@@ -71,7 +72,7 @@ auvid_status_t auvid_identifier_attach_prior(auvid_identifier_t *id, auvid_prior
  * complete.
  * @param record [bytes]
  * @return AUVID_OK; AUVID_ERR_NULL; AUVID_ERR_STATE (not initialised, no memory
- * is attached, or a set has been completed);
+ * is attached, it has a prior already, or a set has been completed);
  * AUVID_ERR_SIZE (not AUVID_PRIOR_BYTES); AUVID_ERR_CHECKSUM (damaged, or of another version);
  * AUVID_ERR_MODEL (of another model, of other free parameters, or of other fixed values);
  * AUVID_ERR_NOT_FINITE, AUVID_ERR_RANGE (the checksum is correct, but a value is not finite or out
@@ -88,7 +89,7 @@ auvid_status_t auvid_prior_load(auvid_identifier_t *id, const uint8_t *record, u
  * @param pi [n] parameters in the model's order, within +-1e18; fixed ones are not read
  * @param sigma [n] their standard errors, above 5e-31, below 1e30; a large one for a guess
  * @return AUVID_OK; AUVID_ERR_NULL; AUVID_ERR_STATE (not initialised, no memory
- * is attached, or a set has been completed);
+ * is attached, it has a prior already, or a set has been completed);
  * AUVID_ERR_NOT_FINITE; AUVID_ERR_RANGE (a value or a sigma out of its range). A rejected call
  * changes nothing.
  */

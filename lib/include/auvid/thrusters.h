@@ -235,7 +235,8 @@ auvid_status_t auvid_thrusters_configure(auvid_thrusters_t *thrusters,
  * @param storage written; must outlive the identifier
  * @return AUVID_OK; AUVID_ERR_NULL; AUVID_ERR_STATE (thrusters or identifier not initialised);
  * AUVID_ERR_MODEL (the identifier has another model); AUVID_ERR_ATTACHED (a prior is attached
- * already); AUVID_ERR_STARTED (it has stepped). After an error nothing has changed. */
+ * already); AUVID_ERR_STARTED (it has stepped, or recorded a wrench). After an error
+ * nothing has changed. */
 auvid_status_t auvid_thrusters_attach_prior(auvid_thrusters_t *thrusters,
                                             struct auvid_identifier *id,
                                             struct auvid_prior *storage);

@@ -238,9 +238,6 @@ auvid_status_t auvid_identifier_attach_actuation(auvid_identifier_t *id, auvid_a
         return AUVID_ERR_NULL;
     }
     auvid_status_t status = auvid_identifier_check_attach(id, id->actuation);
-    if (status == AUVID_OK && id->applied.known) {
-        status = AUVID_ERR_STARTED;
-    }
     if (status != AUVID_OK) {
         return status;
     }

@@ -149,7 +149,7 @@ auvid_status_t auvid_identifier_check_attach(const auvid_identifier_t *id, const
     if (attached != NULL) {
         return AUVID_ERR_ATTACHED;
     }
-    return id->started ? AUVID_ERR_STARTED : AUVID_OK;
+    return id->started || id->applied.known ? AUVID_ERR_STARTED : AUVID_OK;
 }
 
 const auvid_estimate_t *auvid_identifier_estimate(const auvid_identifier_t *id)

@@ -36,7 +36,7 @@ static void control_tick(uint64_t now_us)
     (void)auvid_identifier_applied(&id, now_us, wrench, NULL);
     (void)auvid_identifier_work(&id, BUDGET);
     if (id.estimate.number != estimates) {
-        driver_estimate(&id.estimate);
+        driver_estimate(auvid_identifier_estimate(&id));
     }
 }
 

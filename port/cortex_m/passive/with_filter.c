@@ -34,7 +34,7 @@ static void control_tick(uint64_t now_us)
     (void)auvid_identifier_step(&id, &in, &out);
     (void)auvid_identifier_work(&id, BUDGET);
     if ((out.events & AUVID_EVENT_ESTIMATE) != 0) {
-        driver_estimate(&id.estimate);
+        driver_estimate(auvid_identifier_estimate(&id));
     }
 }
 

@@ -56,8 +56,9 @@ static void test_null_is_refused(void)
     auvid_uncertain_defaults(NULL);
 }
 
-static void test_it_attaches_once_and_before_the_first_step(void)
+static void test_it_attaches_once_and_before_the_first_step_or_wrench(void)
 {
+    const auvid_real_t wrench[AUVID_DOF_COUNT] = {0};
     auvid_input_t in = {.t_us = 1};
     auvid_output_t out;
     TEST_ASSERT_EQUAL(AUVID_OK, attach());
@@ -66,6 +67,9 @@ static void test_it_attaches_once_and_before_the_first_step(void)
     TEST_ASSERT_EQUAL_MEMORY(&unchanged, &storage, sizeof storage);
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&chain.id, &cfg.id)); /* detaches it */
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_step(&chain.id, &in, &out));
+    TEST_ASSERT_EQUAL(AUVID_ERR_STARTED, attach());
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&chain.id, &cfg.id));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_applied(&chain.id, 1, wrench, NULL));
     TEST_ASSERT_EQUAL(AUVID_ERR_STARTED, attach());
     memset(&chain.id, 0, sizeof chain.id);
     TEST_ASSERT_EQUAL(AUVID_ERR_STATE, attach());
@@ -173,7 +177,7 @@ int main(void)
 {
     UNITY_BEGIN();
     RUN_TEST(test_null_is_refused);
-    RUN_TEST(test_it_attaches_once_and_before_the_first_step);
+    RUN_TEST(test_it_attaches_once_and_before_the_first_step_or_wrench);
     RUN_TEST(test_a_prior_out_of_range_is_refused);
     RUN_TEST(test_thrusters_that_are_not_initialised_are_refused);
     RUN_TEST(test_more_columns_than_there_is_room_for_are_refused);
