@@ -198,8 +198,13 @@ f = d["findings"][0]
 assert not d["usable"] and d["verdict"].startswith("not usable")
 assert (f["severity"], f["code"], f["column"]) == ("error", "angle_degrees", "psi_rad"), f
 assert "degrees" in f["sentence"] and d["usable_motion_s"]["surge"] > 60'
-check "fit prints errors before its result" exits 0 fit moment_reversed.csv --plain
+check "fit prints errors before its result" exits 3 fit moment_reversed.csv --plain --json
 check "  on stderr" grep -q 'moment_reversed.csv: N_Nm has the wrong sign' err
+check "  and identifies nothing from such a log, though motion would do" python3 -c '
+import json
+text = open("out").read()
+assert "\"identifiable\": true" not in text
+assert {p["note"] for p in json.loads(text)["parameters"]} == {"the log has an error"}'
 check "fit names slow inputs" exits 3 fit inputs_slow.csv --plain
 check "  and not the length of the log" grep -q 'the log: inputs are up to 0.60 s apart, 0.5' out
 check "  which a longer gap bridges" exits 0 fit inputs_slow.csv --plain --max-gap 0.7

@@ -16,8 +16,8 @@
  * *Plausibility* (the paper's own check): masses are above the dry mass, drags are negative. An
  * estimate is impossible if it violates this by more than its half-width. The same holds if the
  * violating part explains more than a tenth of the wrench that is left to its equation, both as
- * rms over the rows. An impossible estimate makes the whole equation untrusted. The result must
- * also explain the force at all.
+ * rms over the rows. An impossible estimate makes the whole equation untrusted, two impossible
+ * masses the whole result. The result must also explain the force at all.
  *
  * What an estimate promises, the most reliable first:
  *
@@ -69,7 +69,8 @@ typedef enum {
                                  impossible: a mass not above the dry mass, or a drag that
                                  accelerates. It is so by more than its half-width, or its
                                  impossible part makes more than a tenth of the equation's rms
-                                 wrench */
+                                 wrench. Or two masses are impossible, and `partner` is one of
+                                 them: thrust or velocity is wrong */
     AUVID_NOTE_THRUST_SCALE,  /**< identifiable relative to the supplied thrust; only the
                                  uncertainty of the thrust scale makes the half-width too large */
     AUVID_NOTE_FEEDBACK,  /**< closed loop: the wrench answers the motion, so motion by the thrust

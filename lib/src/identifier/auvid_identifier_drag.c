@@ -49,22 +49,24 @@ auvid_status_t auvid_estimate_drag(const auvid_estimate_t *estimate, const auvid
     }
     auvid_combination_t s = {.known = true};
     uint32_t equation = 0;
-    bool any = false, feedback = false;
+    bool any = false, denied = false;
     for (int i = 0; i < vehicle->parameters; ++i) {
         const auvid_parameter_t *p = &vehicle->parameter[i];
         bool linear = p->kind == AUVID_PARAMETER_LINEAR_DRAG;
+        auvid_note_t note = (auvid_note_t)e->confidence.note[i];
         equation |= (uint32_t)(p->dof == dof) << i;
+        denied = denied || (p->dof == dof && note == AUVID_NOTE_DISCREDITED);
         if (p->dof == dof && (linear || p->kind == AUVID_PARAMETER_QUADRATIC_DRAG)) {
             auvid_identifier_add_term(&s, e, vehicle, i, linear ? speed : auvid_abs(speed) * speed);
             any = true;
-            feedback = feedback || e->confidence.note[i] == AUVID_NOTE_FEEDBACK;
+            denied = denied || note == AUVID_NOTE_FEEDBACK;
         }
     }
     if (!any) {
         return AUVID_ERR_RANGE;
     }
     auvid_real_t max_speed = AUVID_DRAG_REACH * e->speed[dof][speed < AUVID_C(0.0)];
-    bool credible = ((e->excited | e->coupled) >> dof & 1) != 0 && !e->not_converged && !feedback &&
+    bool credible = ((e->excited | e->coupled) >> dof & 1) != 0 && !e->not_converged && !denied &&
                     !e->confidence.unchecked && auvid_abs(speed) <= max_speed &&
                     (e->confidence.implausible & equation) == 0 && s.value * speed < AUVID_C(0.0);
     auvid_real_t sigma = auvid_sqrt(s.variance + s.thrust * s.thrust + s.dvl * s.dvl);

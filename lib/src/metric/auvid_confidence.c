@@ -312,12 +312,12 @@ static void confidence_step(job_t *c)
         break;
     default:
         auvid_confidence_scale(c, i);
-        for (j = 0; j < AUVID_DOF_COUNT && i == c->n - 1; ++j) {
-            if (confidence_is_informative(c, j)) {
-                auvid_confidence_discredit(c, j);
-            }
-        }
         if (i == c->n - 1) {
+            uint32_t dofs = 0;
+            for (j = 0; j < AUVID_DOF_COUNT; ++j) {
+                dofs |= (uint32_t)confidence_is_informative(c, j) << j;
+            }
+            auvid_confidence_discredit(c, dofs);
             auvid_confidence_close_loop(c, c->metric, 0);
         }
         break;

@@ -193,10 +193,13 @@ void auvid_confidence_revise_parameter(job_t *job, const auvid_metric_t *metric,
     } else {
         auvid_confidence_note_idle(job, job->parameter_of[i]);
     }
-    for (int j = 0; j < AUVID_DOF_COUNT && i == job->n - 1; ++j) {
-        if (auvid_metric_is_excited(metric, j) && auvid_metric_equation(metric, j).count > 0) {
-            auvid_confidence_discredit(job, j);
+    if (i == job->n - 1) {
+        uint32_t dofs = 0;
+        for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
+            bool some = auvid_metric_equation(metric, j).count > 0;
+            dofs |= (uint32_t)(auvid_metric_is_excited(metric, j) && some) << j;
         }
+        auvid_confidence_discredit(job, dofs);
     }
     job->metric = NULL;
 }

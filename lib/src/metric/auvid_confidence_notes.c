@@ -223,7 +223,22 @@ static bool confidence_is_known(const auvid_confidence_t *c, int p)
            c->note[p] == AUVID_NOTE_IMPLAUSIBLE || c->note[p] == AUVID_NOTE_THRUST_SCALE;
 }
 
-void auvid_confidence_discredit(auvid_confidence_job_t *c, int j)
+/* These parameters, a bit each, are not identifiable, because of an impossible one. */
+static void confidence_blame(auvid_confidence_job_t *c, uint32_t parameters, uint8_t culprit)
+{
+    c->result.identifiable &= ~parameters;
+    for (int k = 0; k < c->n; ++k) {
+        int p = c->parameter_of[k];
+        if ((parameters >> p & 1u) != 0) {
+            c->result.note[p] = AUVID_NOTE_DISCREDITED;
+            c->result.partner[p] = culprit;
+            c->result.bound[p] = c->pi[culprit];
+        }
+    }
+}
+
+/* If an estimate of DoF j's equation is impossible, none of it is identifiable. */
+static void confidence_discredit_equation(auvid_confidence_job_t *c, int j)
 {
     auvid_confidence_t *to = &c->result;
     auvid_real_t max_force = IMPOSSIBLE * confidence_wrench_norm(c, j), worst = AUVID_C(0.0);
@@ -246,19 +261,40 @@ void auvid_confidence_discredit(auvid_confidence_job_t *c, int j)
             worst = auvid_max(worst, force);
         }
     }
-    if (culprit == NOWHERE || known == 0) {
-        return;
+    if (culprit != NOWHERE && known != 0) {
+        to->implausible |= beyond;
+        confidence_blame(c, known, culprit);
     }
-    to->implausible |= beyond;
-    to->identifiable &= ~known;
+}
+
+/* If two masses are impossible, nothing is identifiable: thrust or velocity in a wrong unit makes
+ * every number wrong. */
+static void confidence_discredit_all(auvid_confidence_job_t *c)
+{
+    uint32_t moved = 0;
+    uint8_t culprit = NOWHERE;
+    int masses = 0;
     for (int k = 0; k < c->n; ++k) {
         int p = c->parameter_of[k];
-        if (known >> p & 1u) {
-            to->note[p] = AUVID_NOTE_DISCREDITED;
-            to->partner[p] = culprit;
-            to->bound[p] = c->pi[culprit];
+        bool sure = c->metric->cfg.vehicle->parameter[p].kind == AUVID_PARAMETER_MASS &&
+                    (c->result.implausible >> p & 1u) != 0;
+        moved |= (uint32_t)(c->result.note[p] != AUVID_NOTE_NOT_EXCITED) << p;
+        culprit = sure && masses == 0 ? (uint8_t)p : culprit;
+        masses += sure;
+    }
+    if (masses > 1) {
+        confidence_blame(c, moved, culprit);
+    }
+}
+
+void auvid_confidence_discredit(auvid_confidence_job_t *c, uint32_t dofs)
+{
+    for (int j = 0; dofs >> j != 0; ++j) {
+        if ((dofs >> j & 1u) != 0) {
+            confidence_discredit_equation(c, j);
         }
     }
+    confidence_discredit_all(c);
 }
 
 /* Returns the note if a bound, or a search that has not converged, determines the parameter; else

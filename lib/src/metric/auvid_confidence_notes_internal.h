@@ -60,9 +60,9 @@ void auvid_confidence_scale(auvid_confidence_job_t *c, int i);
 /** Set the note of the parameter of the joint R factor's column i. */
 void auvid_confidence_conclude(auvid_confidence_job_t *c, int i, const auvid_finding_t *found);
 
-/** After all notes: if an estimate of DoF j's equation is impossible, none of it is identifiable.
- * */
-void auvid_confidence_discredit(auvid_confidence_job_t *c, int j);
+/** After all notes: equations of these DoF, a bit each, with an impossible estimate are not
+ * identifiable; if two masses are impossible, nothing is. */
+void auvid_confidence_discredit(auvid_confidence_job_t *c, uint32_t dofs);
 
 /** After all notes: in closed loop only these parameters can be identifiable. */
 void auvid_confidence_close_loop(auvid_confidence_job_t *c, const auvid_metric_t *m,

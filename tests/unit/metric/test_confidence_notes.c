@@ -156,6 +156,19 @@ static void test_a_mass_below_the_dry_mass_discredits_its_equation(void)
     expect_surge_discredited_by(AUVID_G500_M_U);
 }
 
+/* Thrust in kilograms-force would do this: the other masses may be possible, but not right. */
+static void test_two_impossible_masses_discredit_everything(void)
+{
+    auvid_metric_config_t cfg = default_config();
+    record(&cfg, &(world_t){ALL, SETS, 1.0, 0.0});
+    estimate_without(0, AUVID_C(450.0)); /* m_u is 250 kg, m_v 368, m_w 660 */
+    TEST_ASSERT_EQUAL_HEX32(0, result->identifiable);
+    TEST_ASSERT_EQUAL_HEX32(1u << AUVID_G500_M_U | 1u << AUVID_G500_M_V, result->implausible);
+    TEST_ASSERT_EQUAL(AUVID_NOTE_DISCREDITED, result->note[AUVID_G500_M_R]);
+    TEST_ASSERT_EQUAL(AUVID_G500_M_U, result->partner[AUVID_G500_M_R]);
+    TEST_ASSERT_TRUE(estimate[AUVID_G500_M_U] == result->bound[AUVID_G500_M_R]);
+}
+
 static void test_a_drag_that_accelerates_discredits_its_equation(void)
 {
     truth[AUVID_G500_X_UU] = -truth[AUVID_G500_X_UU];
@@ -352,6 +365,7 @@ int main(void)
     RUN_TEST(test_drags_of_a_velocity_that_is_always_zero_are_not_known);
     RUN_TEST(test_two_constants_of_heave_are_known_as_a_sum_only);
     RUN_TEST(test_a_mass_below_the_dry_mass_discredits_its_equation);
+    RUN_TEST(test_two_impossible_masses_discredit_everything);
     RUN_TEST(test_a_drag_that_accelerates_discredits_its_equation);
     RUN_TEST(test_a_large_impossible_part_discredits_its_equation_without_being_known);
     RUN_TEST(test_a_zero_drag_that_comes_out_positive_discredits_nothing);

@@ -30,6 +30,12 @@ static const char *first_error(const job_t *job)
     return NULL;
 }
 
+/* Are the logs that are used wrong? If one is, all are: see fit_read_logs. */
+static bool has_wrong_log(const job_t *job)
+{
+    return job->log[0].wrong;
+}
+
 /* Is nothing left to identify, because of velocities that are left out? */
 static bool has_no_velocity(const job_t *job)
 {
@@ -192,6 +198,10 @@ static void gather_logs(const job_t *job, result_t *result)
                                           .rows = test->rows,
                                           .duration_s = test->last_s - test->first_s};
     }
+    result->wrong_log = has_wrong_log(job);
+    if (result->wrong_log) {
+        result->estimate.confidence.identifiable = 0;
+    }
     result->trace = &job->trace;
     result->findings = &job->findings;
     result->maps = job->maps.count > 0 ? &job->maps : NULL;
@@ -217,7 +227,8 @@ static void find_remedy(job_t *job, const auvid_identifier_t *id)
     } else if (empty) {
         words = survey->gaps > 0 ? "the log: record a row every 0.2 s or more often, without gaps"
                                  : "the log: record for longer";
-    } else if (first_error(job) != NULL && (e == NULL || report_identifiable(e) == 0)) {
+    } else if (has_wrong_log(job) ||
+               (first_error(job) != NULL && (e == NULL || report_identifiable(e) == 0))) {
         words = "the log: correct its errors first";
     }
     (void)snprintf(job->remedy, sizeof job->remedy, "%s", words);

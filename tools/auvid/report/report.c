@@ -218,7 +218,8 @@ bool report_drag(const result_t *result, auvid_dof_t j, bool backward, int part,
     auvid_real_t speed = (auvid_real_t)(report_drag_part[part] * largest);
     bool known = fabs(largest) > 0.0 && auvid_estimate_drag(&result->estimate, result->vehicle, j,
                                                             speed, drag) == AUVID_OK;
-    drag->identifiable = known && drag->identifiable && result->calibration != REPORT_CONTRADICTED;
+    drag->identifiable = known && drag->identifiable && !result->wrong_log &&
+                         result->calibration != REPORT_CONTRADICTED;
     return known;
 }
 
@@ -265,6 +266,8 @@ void report_note(const result_t *result, int i, char *text, size_t size)
     bool unactuated = c->note[i] == AUVID_NOTE_NOT_EXCITED && c->partner[i] != 0;
     if (!report_is_identified(result, i) && (why != NULL || !unactuated)) {
         (void)snprintf(text, size, "%s", why != NULL ? why : "not excited");
+    } else if (result->wrong_log) {
+        (void)snprintf(text, size, "the log has an error");
     } else {
         (void)auvid_confidence_note(&result->estimate.confidence, result->vehicle, i, text, size);
     }

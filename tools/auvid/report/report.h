@@ -104,6 +104,7 @@ typedef struct {
     const char *why[AUVID_DOF_COUNT]; /**< why the log does not identify DoF j, or NULL */
     const char *remedy;               /**< NULL, or the only advice: the log has no data set */
     uint8_t left_out;                 /**< bit j: because of the log: no advice on motion */
+    bool wrong_log;                   /**< its errors would be in every number: none is known */
     bool has_truth;                   /**< the vehicle is simulated */
     bool has_guard;                   /**< something was excited */
     bool inputs_estimated;            /**< errors of thrust and sensors, with the parameters */
