@@ -51,6 +51,19 @@ check "the other log is predicted" is fit.json '
 for k in "uvwr":
     low, high = d["r2_interval"][k]
     assert 0.98 < low < d["r2_validation"][k] < high <= 1, (k, d["r2_interval"])'
+for log in train test; do
+    change 'import random
+random.seed(1)
+moments = [y[C["N_Nm"]] for y in r]
+random.shuffle(moments)
+for y, moment in zip(r, moments): y[C["N_Nm"]] = moment' <$log.csv >$log.other.csv
+done
+check "with moments that say nothing of yaw" exits 0 fit train.other.csv --plain --json \
+    --validate test.other.csv
+check "  the others are predicted with the measured yaw" is out '
+r2 = d["r2_validation"]
+assert min(d["r2_force"].values()) < 0.2 and r2["r"] is None
+assert all(r2[k] > 0.98 for k in "uvw"), r2'
 check "no call works more than its budget" is fit.json \
     'assert 0 < d["budget"]["worst"] <= d["budget"]["limit"]'
 exits 0 fit train.csv --plain --json --validate test.csv

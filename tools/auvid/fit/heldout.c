@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "literal.h"
+#include "metric/auvid_confidence_notes_internal.h"
 #include "../base/report_error.h"
 #include "simulator.h"
 #include "../report/statistics.h"
@@ -173,14 +174,29 @@ heldout_blocks_t *heldout_blocks(void)
     return b;
 }
 
+/* The degrees of freedom to simulate, a bit each. Where most of the force is unexplained the
+ * simulated velocity has nothing to do with the log, and spoils those that are coupled to it. */
+static uint32_t explained(const auvid_estimate_t *e, const auvid_vehicle_t *vehicle)
+{
+    uint32_t dofs = e->excited;
+    for (int i = 0; i < vehicle->parameters; ++i) {
+        if (e->confidence.note[i] == AUVID_NOTE_UNCERTAIN &&
+            e->confidence.partner[i] == UNEXPLAINED) {
+            dofs &= ~(1u << vehicle->parameter[i].dof);
+        }
+    }
+    return dofs;
+}
+
 int heldout_simulate(const log_set_t *logs, const log_use_t *use,
                      const auvid_recorder_config_t *recorder, const auvid_vehicle_t *vehicle,
                      const auvid_estimate_t *e, trace_t *trace, heldout_blocks_t *blocks)
 {
     simulation_t s = {.blocks = blocks, .began_us = -1e18, .trace = trace};
     auvid_real_t cell_s = AUVID_C(1e-6) * (auvid_real_t)recorder->cell_us;
-    blocks->impossible = blocks->impossible ||
-                         auvid_validation_init(&s.validation, vehicle, e->pi, e->excited,
+    blocks->dofs = explained(e, vehicle);
+    blocks->impossible = blocks->impossible || blocks->dofs == 0 ||
+                         auvid_validation_init(&s.validation, vehicle, e->pi, blocks->dofs,
                                                e->delay_s, e->first_order_lag, cell_s) != AUVID_OK;
     return blocks->impossible ? 0 : replay_cells(logs, use, recorder, take_cell, &s);
 }
@@ -205,7 +221,7 @@ int heldout_r2(const log_set_t *logs, const log_use_t *use, const auvid_identifi
         for (int j = 0; j < AUVID_DOF_COUNT && b->used > 0; ++j) {
             interval(b, &rng, result, j);
         }
-        result->validated = b->used > 0 ? result->estimate.excited : 0u;
+        result->validated = b->used > 0 ? b->dofs : 0u;
         result->has_interval = true;
     }
     free(b);

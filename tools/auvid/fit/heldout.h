@@ -24,6 +24,7 @@ typedef struct {
     heldout_sums_t block[HELDOUT_BLOCKS][AUVID_DOF_COUNT];
     size_t used;     /**< number of blocks */
     double block_us; /**< their length */
+    uint32_t dofs;   /**< bit j: DoF j is simulated; else it is taken from the log */
     bool impossible; /**< an estimate cannot be simulated: a mass is not positive */
 } heldout_blocks_t;
 

@@ -85,10 +85,10 @@ static int judge_part(job_t *job, const log_set_t *held_out, candidate_t *c)
     job->use.calibrated = job->known_force ? &fitted->calibrated : NULL;
     const auvid_identifier_t *id = &fitted->id;
     const auvid_estimate_t *e = &id->estimate;
-    c->dofs &= e->number > 0 ? e->excited : 0u;
-    c->blocks->impossible = c->blocks->impossible || c->dofs == 0;
+    c->blocks->impossible = c->blocks->impossible || e->number == 0;
     int status = heldout_simulate(held_out, &job->use, &id->recorder.cfg, id->metric.cfg.vehicle, e,
                                   NULL, c->blocks);
+    c->dofs &= c->blocks->dofs;
     job->use.calibrated = NULL;
     fit_forget_models(job);
     job->same_cells = true;
@@ -174,13 +174,12 @@ static void compare(const candidate_t *first, const candidate_t *c, size_t block
 static int compare_all(const job_t *job, candidate_t candidate[REPORT_MAPS], report_maps_t *maps)
 {
     uint32_t dofs = UINT32_MAX;
-    maps->blocks = HELDOUT_BLOCKS;
+    maps->blocks = 0;
     for (int i = 0; i < maps->count; ++i) {
         maps->map[i].judged = !candidate[i].blocks->impossible && candidate[i].blocks->used > 0;
         dofs &= maps->map[i].judged ? candidate[i].dofs : UINT32_MAX;
-        if (maps->map[i].judged && candidate[i].blocks->used < maps->blocks) {
-            maps->blocks = candidate[i].blocks->used;
-        }
+        bool fewer = maps->blocks == 0 || candidate[i].blocks->used < maps->blocks;
+        maps->blocks = maps->map[i].judged && fewer ? candidate[i].blocks->used : maps->blocks;
     }
     for (int i = 0; i < maps->count; ++i) {
         const candidate_t *first = maps->map[0].judged ? &candidate[0] : &candidate[i];
@@ -264,14 +263,15 @@ void fit_print_maps(const report_maps_t *maps)
     }
     printf("  map      ");
     print_reason(maps);
-    printf("\n           error of held-out velocity (1 - R2) in %zu blocks of 10 s of %s:\n",
-           maps->blocks, maps->other_log ? "the other log" : "the same logs");
+    putchar('\n');
+    if (maps->blocks > 0) {
+        printf("           error of held-out velocity (1 - R2) in %zu blocks of 10 s of %s:\n",
+               maps->blocks, maps->other_log ? "the other log" : "the same logs");
+    }
     for (int i = 0; i < maps->count; ++i) {
         const report_map_t *map = &maps->map[i];
         if (!map->judged) {
-            printf(
-                "           %-22s  nothing predicted: a mass is not positive, or no axis moves\n",
-                map->name);
+            printf("           %-22s  nothing predicted: no force is explained\n", map->name);
         } else if (i == 0 || !maps->map[0].judged) {
             printf("           %-22s  %.4f\n", map->name, map->error);
         } else {
