@@ -90,11 +90,21 @@ def grouped(entries):
     return [(name, columns) for name, columns in out if columns] + [(c, [c]) for c in single]
 
 
-def _number(path, line, name, text):
+def _number(line, name, text):
     try:
         return float(text)
     except ValueError:
         raise LogError(f"line {line}: {name}: '{text[:24]}' is not a number") from None
+
+
+def _whole_lines(file, recording):
+    """The lines of a table, but for a last one without line end."""
+    for line in file:
+        if line.endswith(("\n", "\r")):
+            yield line
+        else:
+            recording.notes.append("the last line has no line end and may be cut off: it is left "
+                                   "out")
 
 
 def read_csv(path, options):
@@ -103,7 +113,7 @@ def read_csv(path, options):
     recording.remedies.update(rate="record them at 10 Hz or more")
     entries.setdefault("t_s", Entry("t_s", 1.0, 0.0))
     with path.open(encoding="utf-8-sig", newline="") as file:
-        rows = csv.DictReader(file, skipinitialspace=True)
+        rows = csv.DictReader(_whole_lines(file, recording), skipinitialspace=True)
         header = [name.strip() for name in rows.fieldnames or []]
         rows.fieldnames = header
         for column, entry in entries.items():
@@ -113,13 +123,13 @@ def read_csv(path, options):
 
         def value(row, column):
             entry = entries[column]
-            return entry.factor * _number(path, rows.line_num, entry.source, row[entry.source]) + \
+            return entry.factor * _number(rows.line_num, entry.source, row[entry.source]) + \
                 entry.offset
         groups = grouped(entries)
         for row in rows:
             if None in row.values() or None in row:
-                raise LogError(f"line {rows.line_num}: the row does not have {len(header)} "
-                               "columns; the file may be cut off")
+                raise LogError(f"line {rows.line_num}: the row does not have the {len(header)} "
+                               "columns of the header: correct it, or remove it")
             t = value(row, "t_s")
             for name, columns in groups:
                 if all(row[entries[c].source].strip() for c in columns):

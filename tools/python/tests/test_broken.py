@@ -198,6 +198,15 @@ def test_a_table_is_read_by_its_map(tmp_path, convert):
     assert np.array_equal(rows["cmd_surge"], -(-1.0) ** (i // 9))
 
 
+@pytest.mark.parametrize("cut", [2, 6])  # within the last number, and within the row
+def test_a_table_that_is_cut_off_is_read_up_to_the_cut(cut, tmp_path, convert):
+    (tmp_path / "map.ini").write_text(MAP)
+    (tmp_path / "dive.csv").write_text(TABLE[:-cut])
+    status, said, rows = convert(tmp_path / "dive.csv", "--map", str(tmp_path / "map.ini"))
+    assert status == 0 and "note: the last line has no line end and may be cut off" in said, said
+    assert len(rows["t_s"]) == 98
+
+
 @pytest.mark.parametrize("resample", [[], ["--resample", "velocity"]])
 def test_a_weight_that_is_logged_when_it_changes_holds_until_then(resample, tmp_path, convert):
     weight = {0: 0, 30: 2, 60: 0}  # by row
@@ -238,7 +247,7 @@ TABLES = [  # map, table, exit status, what is said
     (MAP, TABLE.replace("vx", "speed"), 1, "no column vx (for u_mps) in the header; its columns"),
     (MAP, TABLE.replace(",6,3,1", ",fast,3,1"), 1,
      "line 5: vy: 'fast' is not a number"),
-    (MAP, TABLE[:-6], 1, "the row does not have 5 columns; the file may be cut off"),
+    (MAP, TABLE.replace(",6,3,1", ",6,3"), 1, "line 5: the row does not have the 5 columns of"),
     (MAP, TABLE + TABLE.partition("\n")[2], 1, "time goes back from 9.800 to 0.000 s"),
     (MAP.replace("[u_mps]", "[speed]"), TABLE, 2, "[speed] is no column of auvid"),
     (MAP.replace("cm/s", "furlong"), TABLE, 2, "[v_mps]: unit = furlong: use one of"),
