@@ -82,6 +82,15 @@ def with_flipped_bit(data):
     return bytes(out)
 
 
+@pytest.mark.parametrize("name,make", [("zeros.BIN", bin_log), ("zeros.tlog", tlog)])
+def test_zeros_behind_the_last_message_are_skipped_and_are_no_cut(name, make, short, tmp_path,
+                                                                  convert):
+    (tmp_path / name).write_bytes(make(short) + bytes(200))
+    status, said, rows = convert(tmp_path / name)
+    assert status == 0 and len(np.unique(rows["t_s"])) >= 60, said
+    assert "200 bytes cannot be read and are skipped" in said and "cut off" not in said, said
+
+
 @pytest.mark.parametrize("name,make,options,status,sentence", FILES, ids=[f[0] for f in FILES])
 def test_a_broken_file_is_told_in_a_sentence(name, make, options, status, sentence, short, tmp_path,
                                              convert):
