@@ -191,8 +191,9 @@ frame = enu
 from = stick
 sign = -1
 """
-TABLE = "time,vx,vy,heading,stick\n" + "".join(
-    f"{100 * i},{0.3 * (i % 5)},{2 * i},{i},{(-1) ** (i // 9)}\n" for i in range(99))
+HEADER = "time,vx,vy,heading,stick\n"
+ROWS = [f"{100 * i},{0.3 * (i % 5)},{2 * i},{i},{(-1) ** (i // 9)}\n" for i in range(99)]
+TABLE = "".join([HEADER, *ROWS])
 
 
 def test_a_table_is_read_by_its_map(tmp_path, convert):
@@ -257,7 +258,10 @@ TABLES = [  # map, table, exit status, what is said
     (MAP, TABLE.replace(",6,3,1", ",fast,3,1"), 1,
      "line 5: vy: 'fast' is not a number"),
     (MAP, TABLE.replace(",6,3,1", ",6,3"), 1, "line 5: the row does not have the 5 columns of"),
-    (MAP, TABLE + TABLE.partition("\n")[2], 1, "time goes back from 9.800 to 0.000 s"),
+    (MAP, TABLE + "".join(ROWS), 1,
+     "time goes back from 9.800 to 0.000 s: the log holds two recordings; split it"),
+    (MAP, TABLE + 2 * "".join(ROWS), 1, "the log holds 3 recordings; split it"),
+    (MAP, "".join([HEADER, *reversed(ROWS)]), 1, "it does so 9 times; sort the rows by time"),
     (MAP.replace("[u_mps]", "[speed]"), TABLE, 2, "[speed] is no column of auvid"),
     (MAP.replace("cm/s", "furlong"), TABLE, 2, "[v_mps]: unit = furlong: use one of"),
     (MAP.replace("sign", "scale"), TABLE, 2, "[cmd_surge]: unknown key scale"),
