@@ -110,7 +110,9 @@ def _whole_lines(file, recording):
 def read_csv(path, options):
     """A .csv by its map. An empty cell means: no new sample. -> Recording"""
     recording, entries = Recording(path, "CSV"), options.map
-    recording.remedies.update(rate="record them at 10 Hz or more")
+    recording.remedies.update(rate="record them at 10 Hz or more",
+                              attitude="name its columns in the map, as [phi_rad]",
+                              rates="name their columns in the map, as [r_radps]")
     entries.setdefault("t_s", Entry("t_s", 1.0, 0.0))
     with path.open(encoding="utf-8-sig", newline="") as file:
         rows = csv.DictReader(_whole_lines(file, recording), skipinitialspace=True)

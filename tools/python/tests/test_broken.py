@@ -42,6 +42,10 @@ FILES = [  # name of the file, bytes of a run, options, exit status, what is sai
      "no velocity and no command in this log"),
     ("no_attitude.BIN", lambda run: bin_log(run, skip=["VISO", "ATT"]), [], 1,
      "no attitude in this log; set bit 0 of LOG_BITMASK"),
+    ("dvl_only.BIN", lambda run: bin_log(run, skip=["ATT"]), [], 0,
+     "no attitude in this log: roll and pitch are taken as zero; set bit 0 of LOG_BITMASK"),
+    ("no_rates.BIN", lambda run: bin_log(run, skip=["IMU"]), [], 0,
+     "no rates in this log: roll, pitch and yaw cannot be identified; set bit 7 of LOG_BITMASK"),
     ("format.BIN", lambda run: joined(log_writers.bin_format("ATT", 20), bin_log(run)), [], 1,
      "the format of ATT does not have the length"),
     ("other_clock.BIN", lambda run: bin_log(run, viso_shift=1e5), [], 1,
@@ -206,6 +210,7 @@ def test_a_table_is_read_by_its_map(tmp_path, convert):
     assert np.allclose(rows["v_mps"], -0.02 * i)
     assert np.allclose(rows["psi_rad"], np.pi / 2 - np.radians(i))
     assert np.array_equal(rows["cmd_surge"], -(-1.0) ** (i // 9))
+    assert "note: no rates in this log" in said and "no attitude" not in said
 
 
 @pytest.mark.parametrize("cut", [2, 6])  # within the last number, and within the row
