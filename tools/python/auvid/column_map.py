@@ -12,6 +12,7 @@
 """
 import configparser
 import csv
+import itertools
 import math
 from typing import NamedTuple
 
@@ -115,7 +116,11 @@ def read_csv(path, options):
                               rates="name their columns in the map, as [r_radps]")
     entries.setdefault("t_s", Entry("t_s", 1.0, 0.0))
     with path.open(encoding="utf-8-sig", newline="") as file:
-        rows = csv.DictReader(_whole_lines(file, recording), skipinitialspace=True)
+        lines = _whole_lines(file, recording)
+        first = next(lines, "")
+        separator = max(",;\t", key=first.count)
+        rows = csv.DictReader(itertools.chain([first], lines), skipinitialspace=True,
+                              delimiter=separator)
         header = [name.strip() for name in rows.fieldnames or []]
         rows.fieldnames = header
         for column, entry in entries.items():
@@ -125,8 +130,10 @@ def read_csv(path, options):
 
         def value(row, column):
             entry = entries[column]
-            return entry.factor * _number(rows.line_num, entry.source, row[entry.source]) + \
-                entry.offset
+            text = row[entry.source]
+            if separator != ",":
+                text = text.replace(",", ".")  # a decimal comma
+            return entry.factor * _number(rows.line_num, entry.source, text) + entry.offset
         groups = grouped(entries)
         for row in rows:
             if None in row.values() or None in row:

@@ -213,6 +213,15 @@ def test_a_table_is_read_by_its_map(tmp_path, convert):
     assert "note: no rates in this log" in said and "no attitude" not in said
 
 
+def test_semicolons_or_tabs_may_separate_columns_with_decimal_commas(tmp_path, convert):
+    (tmp_path / "map.ini").write_text(MAP)
+    for separator, point in ((",", "."), (";", "."), (";", ","), ("\t", ",")):
+        (tmp_path / "dive.csv").write_text(
+            TABLE.translate(str.maketrans({",": separator, ".": point})))
+        status, said, rows = convert(tmp_path / "dive.csv", "--map", str(tmp_path / "map.ini"))
+        assert status == 0 and np.allclose(rows["u_mps"], 0.3 * (np.arange(99) % 5)), said
+
+
 @pytest.mark.parametrize("cut", [2, 6])  # within the last number, and within the row
 def test_a_table_that_is_cut_off_is_read_up_to_the_cut(cut, tmp_path, convert):
     (tmp_path / "map.ini").write_text(MAP)
