@@ -194,7 +194,8 @@ for bad in surge surge= surge=x surge=0 surge=-1 surge=nan =5 north=5; do
     check "--gain $bad" refuses 'is not AXIS=NEWTONS' fit log.csv "--gain=$bad"
 done
 for bad in 0 0.05 2 x; do
-    check "--max-gap $bad" refuses '--max-gap:' fit log.csv --max-gap $bad
+    check "--max-gap $bad" refuses "--max-gap: '$bad' is .* from 0.1 to 1$" \
+        fit log.csv --max-gap $bad
 done
 check "--dry-mass above the bounds" refuses '--dry-mass 2000 is not below the upper bound' \
     fit log.csv --dry-mass 2000
