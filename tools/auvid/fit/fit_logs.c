@@ -1,9 +1,11 @@
 /*
  * The logs of a fit: which inputs they have, and which degrees of freedom these excite.
  */
+#define _POSIX_C_SOURCE 200112L /* stat */
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
+#include <sys/stat.h>
 
 #include "fit.h"
 #include "../base/report_error.h"
@@ -362,6 +364,26 @@ static int examine_logs(job_t *job)
     return status;
 }
 
+static bool is_same_file(const char *a, const char *b)
+{
+    struct stat x, y;
+    return stat(a, &x) == 0 && stat(b, &y) == 0 && x.st_dev == y.st_dev && x.st_ino == y.st_ino;
+}
+
+static int open_test_log(job_t *job)
+{
+    const options_t *options = job->options;
+    for (int i = 0; i < options->trains; ++i) {
+        if (is_same_file(options->train[i], options->validate)) {
+            report_warning("%s: the estimate is from this log: this is no validation; give "
+                           "--validate another log",
+                           options->validate);
+            break;
+        }
+    }
+    return open_further(job, &job->test_log, options->validate);
+}
+
 int fit_read_logs(job_t *job)
 {
     const options_t *options = job->options;
@@ -376,7 +398,7 @@ int fit_read_logs(job_t *job)
         status = open_further(job, &job->log[i], options->train[i]);
     }
     if (status == 0 && options->validate != NULL) {
-        status = open_further(job, &job->test_log, options->validate);
+        status = open_test_log(job);
     }
     status = status != 0 ? status : fit_take_known_forces(job);
     status = status != 0 ? status : survey_all(job);
