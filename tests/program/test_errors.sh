@@ -90,6 +90,8 @@ check "a force without its velocity" rejects \
     'log.csv:1:1: no column u_mps in the header, but X_N: ' fit log.csv
 log t_s,u_ms,X_N 0,0,0 1,1,1
 check "  a column that resembles it is named" rejects 'but X_N: .*; u_ms resembles it$' fit log.csv
+log t_s,r_degps,N_Nm 0,0,0 1,1,1
+check "  and is in degrees" rejects '; r_degps resembles it, but is in degrees$' fit log.csv
 for other in 'u_mps [m/s]' 'U_MPS' 'u'; do
     log "t_s,$other,X_N" 0,0,0 1,1,1
     check "  so is '$other'" rejects ' resembles it$' fit log.csv

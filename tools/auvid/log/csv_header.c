@@ -48,9 +48,10 @@ static void add_name(csv_list_t list, const char *name)
 int csv_missing(const csv_log_t *log, int column, const char *why)
 {
     const char *like = log->like[column];
-    return report_error("%s:%zu:1: no column %s in the header%s%s%s%s", log->path, log->header,
+    const char *but = columns_degrees(like) != NULL ? ", but is in degrees" : "";
+    return report_error("%s:%zu:1: no column %s in the header%s%s%s%s%s", log->path, log->header,
                         csv_name[column], why, like[0] != '\0' ? "; " : "", like,
-                        like[0] != '\0' ? " resembles it" : "");
+                        like[0] != '\0' ? " resembles it" : "", but);
 }
 
 void csv_ignore(csv_log_t *log, int column)
