@@ -136,14 +136,26 @@ static int read_quaternion(csv_log_t *log)
     return 0;
 }
 
-static int no_time(const csv_log_t *log, const char *separator)
+/* Have the numbers of the first row, whose separator is not the comma, decimal commas? */
+static bool has_decimal_commas(csv_log_t *log)
 {
-    char why[sizeof(csv_list_t) + 64];
-    (void)snprintf(why, sizeof why,
-                   separator != NULL ? ": its columns are separated by %s; "
-                                       "separate them by commas"
-                                     : "; its columns are: %s",
-                   separator != NULL ? separator : log->columns);
+    return csv_lines_next(&log->lines) == 0 && strchr(log->lines.start, ',') != NULL &&
+           strchr(log->lines.start, '.') == NULL;
+}
+
+static int no_time(csv_log_t *log, const char *separator)
+{
+    char why[sizeof(csv_list_t) + 80];
+    if (separator != NULL) {
+        (void)snprintf(why, sizeof why, ": its columns are separated by %s%s", separator,
+                       has_decimal_commas(log) ? ", its numbers have decimal commas: write points, "
+                                                 "then separate the columns by commas"
+                                               : "; separate them by commas");
+    } else {
+        (void)snprintf(why, sizeof why,
+                       ", time in s (auvid-log --map converts others); its columns are: %s",
+                       log->columns);
+    }
     return csv_missing(log, CSV_T, why);
 }
 
