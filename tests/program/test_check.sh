@@ -83,6 +83,7 @@ write("sag", [y + [16.8 - 4 * k / len(whole)] for k, y in enumerate(whole)], h +
 for name, column in (("no_pitch", "theta_rad"), ("no_surge", "u_mps")):
     keep = [i for i, n in enumerate(h) if n != column]
     write(name, [[y[i] for i in keep] for y in whole], [h[i] for i in keep])
+write("degree_names", whole, [n.replace("rad", "deg") for n in h])
 top = [max(abs(y[i]) for y in whole) or 1 for i in range(16)]
 pwm = {"X_N": "cmd_surge", "Y_N": "cmd_sway", "Z_N": "cmd_heave", "N_Nm": "cmd_yaw"}
 keep = [i for i, n in enumerate(h) if n not in ("K_Nm", "M_Nm")]
@@ -172,12 +173,14 @@ done <<'END'
 0 gap note +1 gap over 0\.5 s, the longest of 5\.[0-9] s after t_s [0-9.]+: each one ends a record
 0 sag warning +voltage_V falls from 16\.8 to 12\.8: .*: log the thrust computed with the voltage
 0 no_pitch warning +theta_rad is missing and counts as zero: .*: add the column
+1 degree_names error +r_radps is missing, but N_Nm is there: .*: make it of r_degps, which is in deg
+1 degree_names warning +phi_rad is missing and counts as zero: .*: make it of phi_deg, which is in
 1 pwm error +cmd_surge looks like pulse widths in microseconds \(1100 to 1900\): subtract .* divide
 1 knots error +u_mps, v_mps: 1\.94 times the rates of north_m and east_m, as if in knots: multiply
 1 world error +u_mps and v_mps look like velocities to the north and east: .*: turn them into body
 1 quaternion error +qw, qx, qy, qz look like x, y, z, w: .*: name the columns qx, qy, qz, qw
 0 offset warning +u_mps has an offset of \+0\.10[0-9] m/s against the rates of north_m and east_m:
-2 time_back time_back.csv:702:[0-9]+: t_s: time goes back
+2 time_back time_back.csv:702:[0-9]+: t_s: '[0-9.]+' goes back: sort the rows
 END
 
 sed 's/^model = .*/&\ndry_mass_kg = 200/' "$ROOT/tools/auvid/vehicles/girona500.ini" >dry.ini

@@ -72,13 +72,16 @@ check "a header and no row" rejects 'log.csv:1:1: no row after the header' fit l
 log "$header" 0,0,0
 check "one row" rejects 'log.csv:2:1: only one row' fit log.csv
 log u_mps,X_N 0,0 1,1
-check "no column t_s" rejects 'log.csv:1:1: no column t_s .*its columns are: u_mps, X_N$' \
-    fit log.csv
+check "no column t_s" rejects \
+    'log.csv:1:1: no column t_s .*auvid-log --map .*; its columns are: u_mps, X_N$' fit log.csv
 log t,u_mps,X_N 0,0,0 1,1,1
 check "  one that resembles it is named" rejects 'no column t_s .*; t resembles it$' fit log.csv
-log 't_s;u_mps;X_N' '0;0;0' '0,1;0;0'
+log 't_s;u_mps;X_N' '0;0;0' '0.1;0;0'
 check "semicolons between the columns" rejects \
-    'log.csv:1:1: no column t_s .*separated by semicolons; .*by commas' fit log.csv
+    'log.csv:1:1: no column t_s .*separated by semicolons; separate them by commas$' fit log.csv
+log 't_s;u_mps;X_N' '0,0;0;0' '0,1;0;0'
+check "  and decimal commas in the numbers" rejects \
+    'separated by semicolons, its numbers have decimal commas: write points, then' fit log.csv
 log "$(printf 't_s\tu_mps\tX_N')" "$(printf '0\t0\t0')"
 check "tabs between the columns" rejects \
     'no column t_s .*separated by tabs; .*by commas' fit log.csv
@@ -90,6 +93,8 @@ check "a force without its velocity" rejects \
     'log.csv:1:1: no column u_mps in the header, but X_N: ' fit log.csv
 log t_s,u_ms,X_N 0,0,0 1,1,1
 check "  a column that resembles it is named" rejects 'but X_N: .*; u_ms resembles it$' fit log.csv
+log t_s,r_degps,N_Nm 0,0,0 1,1,1
+check "  and is in degrees" rejects '; r_degps resembles it, but is in degrees$' fit log.csv
 for other in 'u_mps [m/s]' 'U_MPS' 'u'; do
     log "t_s,$other,X_N" 0,0,0 1,1,1
     check "  so is '$other'" rejects ' resembles it$' fit log.csv
@@ -136,11 +141,13 @@ check "a value that is too large" rejects 'log.csv:3:5: u_mps: .* beyond' fit lo
 log "$header" 0,0,0 nan,0,0
 check "a time that is not finite" rejects 'log.csv:3:1: t_s: .*not a finite' fit log.csv
 log "$header" 0,0,0 0.2,0,0 0.1,0,0
-check "time that goes back" rejects "log.csv:4:1: t_s: time goes back: '0.1'" fit log.csv
+check "time that goes back" rejects \
+    "log.csv:4:1: t_s: '0.1' goes back: sort the rows by time, or split the log here$" fit log.csv
 log u_mps,t_s,X_N 0,0,0 0,0.2,0 0,0.2,0
-check "time that stands still" rejects 'log.csv:4:3: t_s: time does not advance' fit log.csv
+check "time that stands still" rejects \
+    "log.csv:4:3: t_s: '0.2' does not advance: remove repeated rows, or log more digits" fit log.csv
 log "$header" 0,0,0 2e9,0,0
-check "a gap of decades" rejects 'log.csv:3:1: t_s: more than 1e9 s' fit log.csv
+check "a gap of decades" rejects "log.csv:3:1: t_s: '2e9' is more than 1e9 s" fit log.csv
 log "$header" 0,0,0 0.1,0 0.2,0,0
 check "a row too short" rejects 'log.csv:3:6: the row ends after 2 of 3 columns' fit log.csv
 log "$header" 0,0,0 0.1,0,0,0
@@ -194,7 +201,8 @@ for bad in surge surge= surge=x surge=0 surge=-1 surge=nan =5 north=5; do
     check "--gain $bad" refuses 'is not AXIS=NEWTONS' fit log.csv "--gain=$bad"
 done
 for bad in 0 0.05 2 x; do
-    check "--max-gap $bad" refuses '--max-gap:' fit log.csv --max-gap $bad
+    check "--max-gap $bad" refuses "--max-gap: '$bad' is .* from 0.1 to 1$" \
+        fit log.csv --max-gap $bad
 done
 check "--dry-mass above the bounds" refuses '--dry-mass 2000 is not below the upper bound' \
     fit log.csv --dry-mass 2000

@@ -372,7 +372,12 @@ check "  which the report says, with what is missing" is out '
 unsure = [p for p in d["parameters"] if not p["identifiable"]]
 assert 0 < len(unsure) < 13 and all(p["note"] for p in unsure) and len(d["missing"]) >= 1
 assert all(error(p["name"]) < 0.2 for p in d["parameters"] if p["identifiable"])'
-check "tables" exits 0 fit commands.csv --plain --validate commands.csv
+ln -s commands.csv same.csv
+check "a training log validates nothing" exits 0 fit commands.csv --plain --validate same.csv
+check "  which a warning says" grep -qx \
+    'auvid: warning: same.csv: the estimate is from this log: this is no validation; .*' err
+cp commands.csv other.csv
+check "tables" exits 0 fit commands.csv --plain --validate other.csv
 check "  no line is longer than 100 columns" awk 'length > 100 { exit 1 }' out
 check "  name the unit of the parameters" grep -q 'units of command' out
 check "  nothing on stderr" test ! -s err

@@ -239,6 +239,11 @@ check "commands with a gain for each axis" form 0 plain.json 1e-3 commands.csv -
 check "  have the units of forces" is out 'assert P["m_u"]["unit"] == "kg"'
 check "a gain is missing" rejects 'cmd_yaw has no gain' fit commands.csv --gain surge=1 \
     --gain sway=1 --gain heave=1
+change 'for y in r: y[C["cmd_yaw"]] = 0' <commands.csv >straight.csv
+check "  a command that is always zero needs none" exits 0 fit straight.csv --plain --json \
+    --gain surge=200 --gain sway=200 --gain heave=200
+check "  and its axis is not identified" is out '
+assert P["m_r"]["note"] == "input is always zero" and P["m_u"]["unit"] == "kg", P'
 check "gains of forces" rejects '--gain needs commands' fit train.csv --gain surge=1
 check "--dry-mass of commands" rejects '--dry-mass needs forces' fit commands.csv --dry-mass 9
 check "--dry-mass" exits 0 fit train.csv --plain --json --dry-mass 300

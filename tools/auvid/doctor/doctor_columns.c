@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "doctor.h"
+#include "../log/columns.h"
 
 #define HELD 0.25      /* share of the samples that repeat the one before */
 #define TOGETHER 0.8   /* share of the changes of a velocity that all make together */
@@ -98,6 +99,15 @@ static bool varies(const doctor_t *d, int column)
 
 /* ---- missing and stuck ---- */
 
+/* What to do about a missing column that another one resembles. Returns false if none does. */
+static bool resembling(const doctor_t *d, int column, char *remedy, size_t size)
+{
+    const char *like = d->log != NULL ? d->log->like[column] : "";
+    (void)snprintf(remedy, size, "make it of %s%s", like,
+                   columns_degrees(like) != NULL ? ", which is in degrees" : "");
+    return like[0] != '\0';
+}
+
 static void find_missing(doctor_t *d)
 {
     static const struct {
@@ -112,15 +122,17 @@ static void find_missing(doctor_t *d)
         {CSV_NU + 5, "the coupling of surge and sway in turns is left out"}};
     for (size_t k = 0; k < sizeof needed / sizeof needed[0]; ++k) {
         int j = needed[k].column - CSV_NU;
+        char remedy[80];
+        bool renames = resembling(d, needed[k].column, remedy, sizeof remedy);
         if (!d->has[needed[k].column] && j >= 0 && d->inputs >= 0 && d->has[d->inputs + j]) {
             doctor_add(d, DOCTOR_ERROR, DOCTOR_MISSING, needed[k].column, d->inputs + j, NULL,
-                       "%s is missing, but %s is there: fit needs both: add the velocity, or leave "
-                       "out the input",
-                       csv_name[needed[k].column], csv_name[d->inputs + j]);
+                       "%s is missing, but %s is there: fit needs both: %s, or leave out the input",
+                       csv_name[needed[k].column], csv_name[d->inputs + j],
+                       renames ? remedy : "add the velocity");
         } else if (!d->has[needed[k].column]) {
             doctor_add(d, DOCTOR_WARNING, DOCTOR_MISSING, needed[k].column, -1, NULL,
-                       "%s is missing and counts as zero: %s: add the column",
-                       csv_name[needed[k].column], needed[k].why);
+                       "%s is missing and counts as zero: %s: %s", csv_name[needed[k].column],
+                       needed[k].why, renames ? remedy : "add the column");
         }
     }
 }

@@ -68,6 +68,7 @@ static int examine(doctor_t *doctor, csv_log_t *log, const log_use_t *use, doubl
         return status;
     }
     doctor_init(doctor, log->has);
+    doctor->log = log;
     doctor_dry_mass(doctor, dry_mass_kg);
     if (use != NULL) {
         doctor_use(doctor, use);

@@ -1,9 +1,11 @@
 /*
  * The logs of a fit: which inputs they have, and which degrees of freedom these excite.
  */
+#define _POSIX_C_SOURCE 200112L /* stat */
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
+#include <sys/stat.h>
 
 #include "fit.h"
 #include "../base/report_error.h"
@@ -187,19 +189,6 @@ static int check_velocities(const job_t *job, const csv_log_t *log)
     return 0;
 }
 
-/* Each command in use needs its gain. */
-static int check_gains(const job_t *job, const csv_log_t *log)
-{
-    for (int j = 0; j < AUVID_DOF_COUNT && job->options->has_gain; ++j) {
-        if (job->options->model->columns[j] != 0 && acts(job, log, j) &&
-            !(job->options->gain[j] > 0.0)) {
-            return report_error("%s: %s has no gain: give it too, as in --gain %s=40", log->path,
-                                csv_name[CSV_COMMAND + j], csv_name[CSV_COMMAND + j] + 4);
-        }
-    }
-    return 0;
-}
-
 /* Marks the known columns that are not used. */
 static void ignore_unused(const job_t *job, csv_log_t *log)
 {
@@ -230,7 +219,6 @@ static int check_columns(const job_t *job, csv_log_t *log)
         status = csv_missing(log, CSV_ATTITUDE + 2, ": --current needs the heading");
     }
     status = status != 0 ? status : check_velocities(job, log);
-    status = status != 0 ? status : check_gains(job, log);
     ignore_unused(job, log);
     return status;
 }
@@ -301,17 +289,36 @@ static void find_excited(job_t *job)
     }
 }
 
+/* Each command in use needs its gain. One that is zero in all logs so far is not in use. */
+static int check_gains(const job_t *job, const survey_t *survey, const csv_log_t *log)
+{
+    for (int j = 0; j < AUVID_DOF_COUNT && job->options->has_gain; ++j) {
+        if (job->options->model->columns[j] != 0 && survey->largest[j] > 0.0 &&
+            !(job->options->gain[j] > 0.0)) {
+            return report_error("%s: %s has no gain: give it too, as in --gain %s=40", log->path,
+                                csv_name[CSV_COMMAND + j], csv_name[CSV_COMMAND + j] + 4);
+        }
+    }
+    return 0;
+}
+
+static int survey_log(const job_t *job, survey_t *survey, log_t *log)
+{
+    int status = survey_read(survey, log, &job->use);
+    return status != 0 ? status : check_gains(job, survey, &log->csv);
+}
+
 static int survey_all(job_t *job)
 {
     survey_t test;
     int status = survey_begin(&job->survey, job->options->max_gap_s);
     for (int i = 0; i < job->train.logs && status == 0; ++i) {
-        status = survey_read(&job->survey, &job->log[i], &job->use);
+        status = survey_log(job, &job->survey, &job->log[i]);
     }
     status = status != 0 ? status : check_thrust(job);
     if (status == 0 && job->test.logs > 0) {
         status = survey_begin(&test, job->options->max_gap_s);
-        status = status != 0 ? status : survey_read(&test, &job->test_log, &job->use);
+        status = status != 0 ? status : survey_log(job, &test, &job->test_log);
         survey_end(&test);
     }
     return status;
@@ -357,6 +364,26 @@ static int examine_logs(job_t *job)
     return status;
 }
 
+static bool is_same_file(const char *a, const char *b)
+{
+    struct stat x, y;
+    return stat(a, &x) == 0 && stat(b, &y) == 0 && x.st_dev == y.st_dev && x.st_ino == y.st_ino;
+}
+
+static int open_test_log(job_t *job)
+{
+    const options_t *options = job->options;
+    for (int i = 0; i < options->trains; ++i) {
+        if (is_same_file(options->train[i], options->validate)) {
+            report_warning("%s: the estimate is from this log: this is no validation; give "
+                           "--validate another log",
+                           options->validate);
+            break;
+        }
+    }
+    return open_further(job, &job->test_log, options->validate);
+}
+
 int fit_read_logs(job_t *job)
 {
     const options_t *options = job->options;
@@ -371,7 +398,7 @@ int fit_read_logs(job_t *job)
         status = open_further(job, &job->log[i], options->train[i]);
     }
     if (status == 0 && options->validate != NULL) {
-        status = open_further(job, &job->test_log, options->validate);
+        status = open_test_log(job);
     }
     status = status != 0 ? status : fit_take_known_forces(job);
     status = status != 0 ? status : survey_all(job);

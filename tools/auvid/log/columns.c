@@ -2,6 +2,7 @@
 
 #include <ctype.h>
 #include <stdbool.h>
+#include <stdio.h>
 #include <string.h>
 
 #include "csv.h"
@@ -83,14 +84,24 @@ static int position(const char *name)
     return -1;
 }
 
+const char *columns_degrees(const char *name)
+{
+    return strstr(name, "deg");
+}
+
 int columns_like(const char *name)
 {
     if (position(name) >= 0) {
         return position(name);
     }
+    char radians[2 * LETTERS];
+    const char *degrees = columns_degrees(name);
+    int before = degrees != NULL ? (int)(degrees - name) : (int)strlen(name);
+    int length = snprintf(radians, sizeof radians, "%.*s%s%s", before, name,
+                          degrees != NULL ? "rad" : "", degrees != NULL ? degrees + 3 : "");
     int found = -1, min_distance = 100;
-    for (int c = 0; c < CSV_COLUMNS; ++c) {
-        int unlike = unlikeness(name, csv_name[c]);
+    for (int c = 0; c < CSV_COLUMNS && length < (int)sizeof radians; ++c) {
+        int unlike = unlikeness(radians, csv_name[c]);
         if (unlike < min_distance) {
             min_distance = unlike;
             found = c;

@@ -110,17 +110,16 @@ static int take_time(csv_log_t *log, const char *field, double t)
 {
     const char *trouble = NULL;
     if (log->rows > 0 && t <= log->last_s) {
-        trouble = t < log->last_s ? "time goes back" : "time does not advance";
+        trouble = t < log->last_s ? "goes back: sort the rows by time, or split the log here"
+                                  : "does not advance: remove repeated rows, or log more "
+                                    "digits of the time";
     } else if (log->rows > 0 && t - log->first_s > LARGEST_TIME) {
-        trouble = "more than 1e9 s after the first row, as if it were not in seconds";
+        trouble = "is more than 1e9 s after the first row, as if it were not in seconds";
     }
     log->first_s = log->rows == 0 ? t : log->first_s;
     log->last_s = t;
     ++log->rows;
-    return trouble == NULL
-               ? 0
-               : report_error("%s:%zu:%zu: t_s: %s: '%.24s'", log->path, log->lines.line,
-                              csv_field_column(&log->lines, field), trouble, field);
+    return trouble == NULL ? 0 : refuse(log, field, CSV_T, trouble);
 }
 
 void csv_attitude(double w, double x, double y, double z, double angle[3])

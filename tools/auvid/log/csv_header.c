@@ -48,9 +48,10 @@ static void add_name(csv_list_t list, const char *name)
 int csv_missing(const csv_log_t *log, int column, const char *why)
 {
     const char *like = log->like[column];
-    return report_error("%s:%zu:1: no column %s in the header%s%s%s%s", log->path, log->header,
+    const char *but = columns_degrees(like) != NULL ? ", but is in degrees" : "";
+    return report_error("%s:%zu:1: no column %s in the header%s%s%s%s%s", log->path, log->header,
                         csv_name[column], why, like[0] != '\0' ? "; " : "", like,
-                        like[0] != '\0' ? " resembles it" : "");
+                        like[0] != '\0' ? " resembles it" : "", but);
 }
 
 void csv_ignore(csv_log_t *log, int column)
@@ -135,14 +136,26 @@ static int read_quaternion(csv_log_t *log)
     return 0;
 }
 
-static int no_time(const csv_log_t *log, const char *separator)
+/* Have the numbers of the first row, whose separator is not the comma, decimal commas? */
+static bool has_decimal_commas(csv_log_t *log)
 {
-    char why[sizeof(csv_list_t) + 64];
-    (void)snprintf(why, sizeof why,
-                   separator != NULL ? ": its columns are separated by %s; "
-                                       "separate them by commas"
-                                     : "; its columns are: %s",
-                   separator != NULL ? separator : log->columns);
+    return csv_lines_next(&log->lines) == 0 && strchr(log->lines.start, ',') != NULL &&
+           strchr(log->lines.start, '.') == NULL;
+}
+
+static int no_time(csv_log_t *log, const char *separator)
+{
+    char why[sizeof(csv_list_t) + 80];
+    if (separator != NULL) {
+        (void)snprintf(why, sizeof why, ": its columns are separated by %s%s", separator,
+                       has_decimal_commas(log) ? ", its numbers have decimal commas: write points, "
+                                                 "then separate the columns by commas"
+                                               : "; separate them by commas");
+    } else {
+        (void)snprintf(why, sizeof why,
+                       ", time in s (auvid-log --map converts others); its columns are: %s",
+                       log->columns);
+    }
     return csv_missing(log, CSV_T, why);
 }
 

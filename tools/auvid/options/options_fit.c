@@ -59,15 +59,17 @@ static int take_gain(reader_t *r, options_t *options)
                         text);
 }
 
-/* Largest gap that the cells of the recorder span [s]. */
-#define MAX_GAP_S 1.0
-
+/* Gaps that the cells of the recorder span [s]. */
 static int take_max_gap(reader_t *r, options_t *options)
 {
-    int status = take_number(r, MAX_GAP_S, &options->max_gap_s);
-    return status == 0 && options->max_gap_s < 0.1
-               ? report_error("--max-gap: %g s is shorter than a cell of 0.1 s", options->max_gap_s)
-               : status;
+    const char *text = NULL, *end = NULL;
+    double *gap_s = &options->max_gap_s;
+    if (take_value(r, &text) != 0) {
+        return EXIT_REFUSED;
+    }
+    return to_real(text, &end, gap_s) && *end == '\0' && *gap_s >= 0.1 && *gap_s <= 1.0
+               ? 0
+               : report_error("--max-gap: '%s' is not a number of seconds from 0.1 to 1", text);
 }
 
 static int fit_option(reader_t *r, options_t *options)

@@ -1,6 +1,7 @@
 """What a user must know of a converted log: rates, rest, gaps. A sentence each, with a remedy."""
 import numpy as np
 
+from auvid.series import ATTITUDE, QUATERNION, RATES
 from auvid.streams import VELOCITIES
 from auvid.write_csv import WINDOW_S
 
@@ -51,11 +52,21 @@ def _rest(streams, velocity):
             if moves else "vehicle at rest: nothing to identify; drive each axis both ways"]
 
 
+def _missing(recording, streams):
+    """What an identification does without, but worse."""
+    given = {column for stream in streams for column in stream.columns}
+    return [f"no {word} in this log: {effect}; {recording.remedies[word]}"
+            for word, columns, effect in (
+                ("attitude", ATTITUDE + QUATERNION, "roll and pitch are taken as zero"),
+                ("rates", RATES, "roll, pitch and yaw cannot be identified"))
+            if given.isdisjoint(columns)]
+
+
 def advise(recording, streams):
     """-> sentences"""
     velocity = next(s for s in streams if s.series is recording.series[
         recording.first(*VELOCITIES)])
-    said = _rest(streams, velocity)
+    said = _rest(streams, velocity) + _missing(recording, streams)
     inputs = [s for s in streams if s.is_input]
     slow = min(inputs, key=lambda s: s.series.rate_hz)
     if slow.series.rate_hz < INPUT_HZ:

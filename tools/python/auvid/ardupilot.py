@@ -114,7 +114,8 @@ def finish(recording):
         rate="log them at 10 Hz" if is_bin else "use the .BIN, 10 Hz",
         velocity="the log has neither VISO nor XKF1: log them (a DVL with VISO_TYPE=1, EKF3)",
         command="set bit 10 of LOG_BITMASK, which logs the outputs",
-        attitude="set bit 0 of LOG_BITMASK, which logs the attitude")
+        attitude="set bit 0 of LOG_BITMASK, which logs the attitude",
+        rates="set bit 7 of LOG_BITMASK, which logs the IMU")
     if "pwm" in recording.series:
         _thrusters(recording)
     _sources(recording)

@@ -188,7 +188,8 @@ def read(path, options):
         rate="publish and record them at 10 Hz or more",
         velocity="record marine_acoustic_msgs/Dvl or nav_msgs/Odometry, or name its topic by --map",
         command="record a Wrench, or a Float64 per thruster, or name its topic by --map",
-        attitude="record nav_msgs/Odometry or sensor_msgs/Imu")
+        attitude="record nav_msgs/Odometry or sensor_msgs/Imu",
+        rates="record nav_msgs/Odometry or sensor_msgs/Imu")
     _check_clocks(reader)
     _notes(reader, unknown)
     if vehicle.seen:

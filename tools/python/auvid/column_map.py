@@ -12,6 +12,7 @@
 """
 import configparser
 import csv
+import itertools
 import math
 from typing import NamedTuple
 
@@ -90,20 +91,36 @@ def grouped(entries):
     return [(name, columns) for name, columns in out if columns] + [(c, [c]) for c in single]
 
 
-def _number(path, line, name, text):
+def _number(line, name, text):
     try:
         return float(text)
     except ValueError:
         raise LogError(f"line {line}: {name}: '{text[:24]}' is not a number") from None
 
 
+def _whole_lines(file, recording):
+    """The lines of a table, but for a last one without line end."""
+    for line in file:
+        if line.endswith(("\n", "\r")):
+            yield line
+        else:
+            recording.notes.append("the last line has no line end and may be cut off: it is left "
+                                   "out")
+
+
 def read_csv(path, options):
     """A .csv by its map. An empty cell means: no new sample. -> Recording"""
     recording, entries = Recording(path, "CSV"), options.map
-    recording.remedies.update(rate="record them at 10 Hz or more")
+    recording.remedies.update(rate="record them at 10 Hz or more",
+                              attitude="name its columns in the map, as [phi_rad]",
+                              rates="name their columns in the map, as [r_radps]")
     entries.setdefault("t_s", Entry("t_s", 1.0, 0.0))
     with path.open(encoding="utf-8-sig", newline="") as file:
-        rows = csv.DictReader(file, skipinitialspace=True)
+        lines = _whole_lines(file, recording)
+        first = next(lines, "")
+        separator = max(",;\t", key=first.count)
+        rows = csv.DictReader(itertools.chain([first], lines), skipinitialspace=True,
+                              delimiter=separator)
         header = [name.strip() for name in rows.fieldnames or []]
         rows.fieldnames = header
         for column, entry in entries.items():
@@ -113,13 +130,15 @@ def read_csv(path, options):
 
         def value(row, column):
             entry = entries[column]
-            return entry.factor * _number(path, rows.line_num, entry.source, row[entry.source]) + \
-                entry.offset
+            text = row[entry.source]
+            if separator != ",":
+                text = text.replace(",", ".")  # a decimal comma
+            return entry.factor * _number(rows.line_num, entry.source, text) + entry.offset
         groups = grouped(entries)
         for row in rows:
             if None in row.values() or None in row:
-                raise LogError(f"line {rows.line_num}: the row does not have {len(header)} "
-                               "columns; the file may be cut off")
+                raise LogError(f"line {rows.line_num}: the row does not have the {len(header)} "
+                               "columns of the header: correct it, or remove it")
             t = value(row, "t_s")
             for name, columns in groups:
                 if all(row[entries[c].source].strip() for c in columns):

@@ -53,7 +53,11 @@ class Reader:
                 else:
                     yield form, values
             self.at += length
-        self.cut = len(self.data) - self.at
+        rest = len(self.data) - self.at
+        if HEAD.startswith(self.data[self.at:self.at + 2]):
+            self.cut = rest
+        else:
+            self.unreadable += rest
 
     def _resynchronise(self):
         found = self.data.find(HEAD, self.at + 1)

@@ -73,16 +73,17 @@ class Series:
 
     def __init__(self, label, columns):
         self.label, self.columns = label, columns
-        self.count = self.unordered = 0
-        self.first = self.last = None
+        self.count = self.unordered = self.returns = 0
+        self.first = self.last = self.returned = None
         self._times, self._values = Column(), Column()
 
     def add(self, t, values):
         """Appends a sample. One that is slightly older than the last is counted and dropped."""
         if self.last is not None and t <= self.last:
             if self.last - t > JITTER_S:
-                raise LogError(f"{self.label}: time goes back from {self.last:.3f} to {t:.3f} s: "
-                               "the log holds two recordings; split it, and convert each")
+                self.returned = self.returned or (self.last, t)
+                self.returns += 1
+                self.last = t
             self.unordered += t < self.last
             return
         if self.last is not None and t - self.last > DAY_S:
@@ -93,6 +94,17 @@ class Series:
         self.count += 1
         self._times.extend((t,))
         self._values.extend(values)
+
+    def check_order(self):
+        """Raises LogError if time went back: by a further recording or two, or all the time."""
+        if self.returned is None:
+            return
+        first, t = self.returned
+        often = self.returns > 1 + self.count // 100
+        raise LogError(f"{self.label}: time goes back from {first:.3f} to {t:.3f} s: " + (
+            f"it does so {self.returns} times; sort the rows by time" if often else
+            f"the log holds {'two' if self.returns == 1 else self.returns + 1} recordings; split "
+            "it, and convert each"))
 
     @property
     def times(self):

@@ -79,7 +79,9 @@ def _check(recording, velocity, attitude, inputs):
 
 
 def streams_of(recording):
-    """The streams of the CSV. Raises LogError if a series is missing."""
+    """The streams of the CSV. Raises LogError if a series is missing, or not in order."""
+    for series in recording.series.values():
+        series.check_order()
     for name in [name for name, series in recording.series.items()
                  if series.count < 2 and name not in WEIGHT]:
         recording.notes.append(f"{recording.series.pop(name).label}: only one sample: left out")

@@ -51,7 +51,9 @@ def frames(file, lost):
                 at += 1
                 continue
         at += STAMP + length
-    lost["cut"] = len(data) - at
+    rest = data[at:]
+    is_cut = len(rest) <= STAMP or rest[STAMP] in (0xFE, 0xFD)
+    lost["cut" if is_cut else "unreadable"] += len(rest)
 
 
 def read(path, options):

@@ -201,7 +201,7 @@ def read(path, options):
         rate="set SDLOG_PROFILE to include system identification (8)",
         velocity="log vehicle_local_position, and enable the external velocity in EKF2",
         command="set SDLOG_PROFILE to include system identification (8)",
-        attitude="log vehicle_attitude")
+        attitude="log vehicle_attitude", rates="log vehicle_angular_velocity")
     _commands(recording)
     _settings(recording)
     return recording

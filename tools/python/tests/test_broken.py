@@ -42,6 +42,10 @@ FILES = [  # name of the file, bytes of a run, options, exit status, what is sai
      "no velocity and no command in this log"),
     ("no_attitude.BIN", lambda run: bin_log(run, skip=["VISO", "ATT"]), [], 1,
      "no attitude in this log; set bit 0 of LOG_BITMASK"),
+    ("dvl_only.BIN", lambda run: bin_log(run, skip=["ATT"]), [], 0,
+     "no attitude in this log: roll and pitch are taken as zero; set bit 0 of LOG_BITMASK"),
+    ("no_rates.BIN", lambda run: bin_log(run, skip=["IMU"]), [], 0,
+     "no rates in this log: roll, pitch and yaw cannot be identified; set bit 7 of LOG_BITMASK"),
     ("format.BIN", lambda run: joined(log_writers.bin_format("ATT", 20), bin_log(run)), [], 1,
      "the format of ATT does not have the length"),
     ("other_clock.BIN", lambda run: bin_log(run, viso_shift=1e5), [], 1,
@@ -80,6 +84,15 @@ def with_flipped_bit(data):
     at = next(i for i in range(middle, len(data)) if data[i] == 0xFD and data[i + 7] == 30)
     out[at + 20] ^= 4
     return bytes(out)
+
+
+@pytest.mark.parametrize("name,make", [("zeros.BIN", bin_log), ("zeros.tlog", tlog)])
+def test_zeros_behind_the_last_message_are_skipped_and_are_no_cut(name, make, short, tmp_path,
+                                                                  convert):
+    (tmp_path / name).write_bytes(make(short) + bytes(200))
+    status, said, rows = convert(tmp_path / name)
+    assert status == 0 and len(np.unique(rows["t_s"])) >= 60, said
+    assert "200 bytes cannot be read and are skipped" in said and "cut off" not in said, said
 
 
 @pytest.mark.parametrize("name,make,options,status,sentence", FILES, ids=[f[0] for f in FILES])
@@ -182,8 +195,9 @@ frame = enu
 from = stick
 sign = -1
 """
-TABLE = "time,vx,vy,heading,stick\n" + "".join(
-    f"{100 * i},{0.3 * (i % 5)},{2 * i},{i},{(-1) ** (i // 9)}\n" for i in range(99))
+HEADER = "time,vx,vy,heading,stick\n"
+ROWS = [f"{100 * i},{0.3 * (i % 5)},{2 * i},{i},{(-1) ** (i // 9)}\n" for i in range(99)]
+TABLE = "".join([HEADER, *ROWS])
 
 
 def test_a_table_is_read_by_its_map(tmp_path, convert):
@@ -196,6 +210,25 @@ def test_a_table_is_read_by_its_map(tmp_path, convert):
     assert np.allclose(rows["v_mps"], -0.02 * i)
     assert np.allclose(rows["psi_rad"], np.pi / 2 - np.radians(i))
     assert np.array_equal(rows["cmd_surge"], -(-1.0) ** (i // 9))
+    assert "note: no rates in this log" in said and "no attitude" not in said
+
+
+def test_semicolons_or_tabs_may_separate_columns_with_decimal_commas(tmp_path, convert):
+    (tmp_path / "map.ini").write_text(MAP)
+    for separator, point in ((",", "."), (";", "."), (";", ","), ("\t", ",")):
+        (tmp_path / "dive.csv").write_text(
+            TABLE.translate(str.maketrans({",": separator, ".": point})))
+        status, said, rows = convert(tmp_path / "dive.csv", "--map", str(tmp_path / "map.ini"))
+        assert status == 0 and np.allclose(rows["u_mps"], 0.3 * (np.arange(99) % 5)), said
+
+
+@pytest.mark.parametrize("cut", [2, 6])  # within the last number, and within the row
+def test_a_table_that_is_cut_off_is_read_up_to_the_cut(cut, tmp_path, convert):
+    (tmp_path / "map.ini").write_text(MAP)
+    (tmp_path / "dive.csv").write_text(TABLE[:-cut])
+    status, said, rows = convert(tmp_path / "dive.csv", "--map", str(tmp_path / "map.ini"))
+    assert status == 0 and "note: the last line has no line end and may be cut off" in said, said
+    assert len(rows["t_s"]) == 98
 
 
 @pytest.mark.parametrize("resample", [[], ["--resample", "velocity"]])
@@ -238,8 +271,11 @@ TABLES = [  # map, table, exit status, what is said
     (MAP, TABLE.replace("vx", "speed"), 1, "no column vx (for u_mps) in the header; its columns"),
     (MAP, TABLE.replace(",6,3,1", ",fast,3,1"), 1,
      "line 5: vy: 'fast' is not a number"),
-    (MAP, TABLE[:-6], 1, "the row does not have 5 columns; the file may be cut off"),
-    (MAP, TABLE + TABLE.partition("\n")[2], 1, "time goes back from 9.800 to 0.000 s"),
+    (MAP, TABLE.replace(",6,3,1", ",6,3"), 1, "line 5: the row does not have the 5 columns of"),
+    (MAP, TABLE + "".join(ROWS), 1,
+     "time goes back from 9.800 to 0.000 s: the log holds two recordings; split it"),
+    (MAP, TABLE + 2 * "".join(ROWS), 1, "the log holds 3 recordings; split it"),
+    (MAP, "".join([HEADER, *reversed(ROWS)]), 1, "it does so 9 times; sort the rows by time"),
     (MAP.replace("[u_mps]", "[speed]"), TABLE, 2, "[speed] is no column of auvid"),
     (MAP.replace("cm/s", "furlong"), TABLE, 2, "[v_mps]: unit = furlong: use one of"),
     (MAP.replace("sign", "scale"), TABLE, 2, "[cmd_surge]: unknown key scale"),
