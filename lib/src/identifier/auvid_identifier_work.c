@@ -7,12 +7,12 @@
  *
  * From the validation to the estimate the ring is held (auvid_metric_hold): a search uses the sets
  * that it began with, however slow it is, and so does a solution with uncertain inputs. A set that
- * enters the ring meanwhile replaces the oldest; then the phases that read the ring restart with the
- * remaining sets. The validation, if it is
- * attached, is in auvid_identifier_validate.c; the minimum of the regressor path, part of MERGE, in
- * auvid_identifier_optimum.c; its LINEARISE, with uncertain inputs, in auvid_uncertain_solve.c. The
- * start of the residual path, also part of MERGE, is in auvid_identifier_newton.c. How a search
- * begins, and what follows if it refutes that start, is in auvid_identifier_search.c.
+ * enters the ring meanwhile replaces the oldest; then the phases that read the ring restart with
+ * the remaining sets. The validation, if it is attached, is in auvid_identifier_validate.c; the
+ * minimum of the regressor path, part of MERGE, in auvid_identifier_optimum.c; its LINEARISE, with
+ * uncertain inputs, in auvid_uncertain_solve.c. The start of the residual path, also part of MERGE,
+ * is in auvid_identifier_newton.c. How a search begins, and what follows if it refutes that start,
+ * is in auvid_identifier_search.c.
  */
 #include <string.h>
 
@@ -217,8 +217,8 @@ static bool identifier_found_minimum(const auvid_identifier_t *id)
                : id->work.cost - minimum->cost <= minimum->allowed;
 }
 
-/* A set has entered the ring: measure again. The uncertain inputs are solved from rows of their own,
- * however long it takes; what follows restarts. */
+/* A set has entered the ring: measure again. The uncertain inputs are solved from rows of their
+ * own, however long it takes; what follows restarts. */
 static void identifier_restart_linearise(auvid_identifier_t *id)
 {
     if (auvid_metric_stores_rows(&id->metric)) {
