@@ -302,6 +302,7 @@ typedef struct auvid_uncertain {
     uint8_t informed;      /* whose estimate the columns of motion are: 0: no solution's, 1: the
                               first one's, 2: a later one's */
     bool contradicted;     /**< the best scale exceeds AUVID_UNCERTAIN_CONTRADICTED: no estimate */
+    bool given;            /* by auvid_uncertain_start: pi, shared, own, scale */
 } auvid_uncertain_t;
 
 #define auvid_uncertain_defaults AUVID_SIZED(auvid_uncertain_defaults)
@@ -323,6 +324,17 @@ void auvid_uncertain_defaults(auvid_uncertain_config_t *cfg);
 auvid_status_t auvid_identifier_attach_uncertain(auvid_identifier_t *id, auvid_uncertain_t *storage,
                                                  const auvid_uncertain_config_t *cfg,
                                                  const auvid_allocation_t *allocation);
+
+#define auvid_uncertain_start AUVID_SIZED(auvid_uncertain_start)
+/** Start with the solution of another identification of the same vehicle. Call it between attaching
+ * and the first step or recorded wrench. The columns of current, lever arm and late DVL are formed
+ * with the last solution, so those of the first sets are wrong without one: replay a log twice.
+ * @param uncertain attached
+ * @param known has an estimate; may be a copy
+ * @return AUVID_OK; AUVID_ERR_NULL; AUVID_ERR_STATE (`uncertain` is not attached, or `known` has no
+ * estimate); AUVID_ERR_STARTED (the identifier has stepped, or recorded a wrench); AUVID_ERR_MODEL
+ * (their columns differ). After an error nothing has changed. Cost: O(columns). */
+auvid_status_t auvid_uncertain_start(auvid_uncertain_t *uncertain, const auvid_uncertain_t *known);
 
 #define auvid_uncertain_causes AUVID_SIZED(auvid_uncertain_causes)
 /** Copy what is wrong with the inputs, by the last solution. It stays while the next one is under

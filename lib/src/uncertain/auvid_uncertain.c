@@ -293,3 +293,30 @@ auvid_status_t auvid_identifier_attach_uncertain(auvid_identifier_t *id, auvid_u
     }
     return status;
 }
+
+auvid_status_t auvid_uncertain_start(auvid_uncertain_t *uncertain, const auvid_uncertain_t *known)
+{
+    auvid_uncertain_t *u = uncertain;
+    if (u == NULL || known == NULL) {
+        return AUVID_ERR_NULL;
+    }
+    if (u->id == NULL || u->id->attached.uncertain != u || known->estimate.number == 0) {
+        return AUVID_ERR_STATE;
+    }
+    auvid_status_t status = auvid_identifier_check_attach(u->id, NULL);
+    if (status < 0) {
+        return status;
+    }
+    if (memcmp(u->equation, known->equation, sizeof u->equation) != 0 ||
+        memcmp(u->code, known->code, sizeof u->code) != 0) {
+        return AUVID_ERR_MODEL;
+    }
+    memcpy(u->pi, known->pi, sizeof u->pi);
+    memcpy(u->shared, known->shared, sizeof u->shared);
+    memcpy(u->own, known->own, sizeof u->own);
+    memcpy(u->linear, known->linear, sizeof u->linear);
+    u->scale = known->scale;
+    u->informed = 2;
+    u->given = true;
+    return AUVID_OK;
+}

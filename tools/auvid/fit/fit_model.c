@@ -199,8 +199,10 @@ static int replay_literal(const job_t *job, fitted_t *fitted)
     return status;
 }
 
-/* Replays the logs with a model. Returns false after a message. */
-static bool record(const job_t *job, const auvid_vehicle_t *vehicle, fitted_t *fitted)
+/* Replays the logs with a model, from a solution unless it is NULL. Returns false after a message.
+ */
+static bool record(const job_t *job, const auvid_vehicle_t *vehicle, const auvid_uncertain_t *known,
+                   fitted_t *fitted)
 {
     auvid_identifier_config_t cfg;
     bool literal = job->options->literal;
@@ -232,6 +234,9 @@ static bool record(const job_t *job, const auvid_vehicle_t *vehicle, fitted_t *f
     (void)auvid_identifier_attach_prediction(&fitted->id, &fitted->prediction);
     (void)auvid_identifier_attach_change_test(&fitted->id, &fitted->change);
     status = replay_attach(&use, &fitted->inputs, &fitted->id);
+    if (status >= 0 && known != NULL) {
+        status = auvid_uncertain_start(&fitted->inputs.uncertain, known);
+    }
     if (status < 0) {
         (void)report_error("fit: uncertain inputs: %s", auvid_status_str(status));
         return false;
@@ -249,7 +254,8 @@ static void forget(fitted_t *fitted)
 }
 
 /* Replays the logs with a model and searches. If the metric asks for longer cells, the logs are
- * replayed again. Returns NULL after a message. */
+ * replayed again; and once more from the solution with uncertain inputs, as the columns of motion
+ * are formed with the last one. Returns NULL after a message. */
 static fitted_t *identify(job_t *job, const auvid_vehicle_t *vehicle)
 {
     bool literal = job->options->literal;
@@ -259,8 +265,9 @@ static fitted_t *identify(job_t *job, const auvid_vehicle_t *vehicle)
         (void)report_error("fit: not enough memory");
         return NULL;
     }
+    bool solved = false, again = false;
     do {
-        if (!record(job, vehicle, fitted)) {
+        if (!record(job, vehicle, solved ? &fitted->solved : NULL, fitted)) {
             forget(fitted);
             return NULL;
         }
@@ -269,7 +276,12 @@ static fitted_t *identify(job_t *job, const auvid_vehicle_t *vehicle)
                              : auvid_identifier_work(&fitted->id, AUVID_DEFAULT_BUDGET);
         } while (status == AUVID_PENDING);
         job->cell_us = fitted->id.recorder.cell_us;
-    } while (fitted->id.metric.result.doublings > 0);
+        again = fitted->id.metric.result.doublings > 0;
+        if (!again && !solved && fitted->inputs.uncertain.estimate.number > 0) {
+            fitted->solved = fitted->inputs.uncertain;
+            solved = again = true;
+        }
+    } while (again);
     return fitted;
 }
 
