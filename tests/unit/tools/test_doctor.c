@@ -96,16 +96,6 @@ static void test_without_depth_the_sentence_names_both(void)
     assert_only(DOCTOR_EITHER_SIGN, CSV_WRENCH + 2, "w_mps accelerates against Z_N");
 }
 
-static void test_height_instead_of_depth_is_a_warning(void)
-{
-    scale(CSV_POSITION + 2, -1.0);
-    examine();
-    TEST_ASSERT_NOT_NULL(finding(DOCTOR_DEPTH_SIGN));
-    TEST_ASSERT_EQUAL(DOCTOR_WARNING, finding(DOCTOR_DEPTH_SIGN)->severity);
-    TEST_ASSERT_EQUAL(0, count(DOCTOR_ERROR));
-    TEST_ASSERT_TRUE(doctor.usable);
-}
-
 static void test_exchanged_rates_are_named(void)
 {
     exchange(CSV_NU + 3, CSV_NU + 4);
@@ -476,7 +466,6 @@ int main(void)
     RUN_TEST(test_the_coupling_tells_a_reversed_force_from_a_reversed_velocity);
     RUN_TEST(test_depth_tells_a_reversed_heave_velocity);
     RUN_TEST(test_without_depth_the_sentence_names_both);
-    RUN_TEST(test_height_instead_of_depth_is_a_warning);
     RUN_TEST(test_exchanged_rates_are_named);
     RUN_TEST(test_the_coupling_tells_exchanged_forces_from_exchanged_velocities);
     RUN_TEST(test_an_attitude_in_other_axes_is_named);
