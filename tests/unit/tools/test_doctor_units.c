@@ -28,6 +28,9 @@ static void lose(int column, int count)
 {
     for (int i = 0; i < count; ++i) {
         has[column + i] = false;
+        for (int k = 0; k < ROWS; ++k) {
+            rows[k].value[column + i] = NAN;
+        }
     }
 }
 
@@ -108,6 +111,39 @@ static void test_masses_above_the_dry_mass_are_not_accused(void)
 {
     examine_dry(DRY_MASS_KG);
     TEST_ASSERT_EQUAL(0, count(DOCTOR_ERROR) + count(DOCTOR_WARNING));
+}
+
+static void test_attitude_and_rates_in_degrees_have_no_wrong_sign(void)
+{
+    for (int i = 0; i < 3; ++i) {
+        scale(CSV_ATTITUDE + i, 180.0 / PI);
+        scale(CSV_NU + 3 + i, 180.0 / PI);
+    }
+    examine();
+    for (int i = 0; i < doctor.findings; ++i) {
+        doctor_code_t code = doctor.finding[i].code;
+        TEST_ASSERT_TRUE_MESSAGE(code == DOCTOR_ANGLE_DEGREES || code == DOCTOR_RATE_DEGREES ||
+                                     doctor.finding[i].severity == DOCTOR_NOTE,
+                                 doctor.finding[i].text);
+    }
+    TEST_ASSERT_TRUE(doctor_has_finding(&doctor, DOCTOR_ANGLE_DEGREES, CSV_ATTITUDE + 2));
+}
+
+/* What fit refuses is no usable log. */
+static void test_degrees_in_a_pair_or_in_a_single_column_are_named_as_by_fit(void)
+{
+    lose(CSV_ATTITUDE, 2);
+    lose(CSV_NU + 3, 2);
+    lose(CSV_POSITION, 3);
+    lose(CSV_SPECIFIC_FORCE, 3);
+    scale(CSV_ATTITUDE + 2, 180.0 / PI);
+    scale(CSV_NU + 5, 180.0 / PI);
+    assert_only(DOCTOR_ANGLE_DEGREES, CSV_ATTITUDE + 2,
+                "an angle in radians jumps by at most 6.28, one revolution: if the attitude is in "
+                "degrees, convert it to radians (times pi/180)");
+    lose(CSV_ATTITUDE + 2, 1);
+    assert_only(DOCTOR_RATE_DEGREES, CSV_NU + 5,
+                "r_radps is beyond +-6.28, one revolution per second, in ");
 }
 
 /* ---- axes ---- */
@@ -296,6 +332,8 @@ int main(void)
     RUN_TEST(test_slow_velocities_in_centimetres_are_named);
     RUN_TEST(test_the_dry_mass_shows_forces_in_kgf);
     RUN_TEST(test_masses_above_the_dry_mass_are_not_accused);
+    RUN_TEST(test_attitude_and_rates_in_degrees_have_no_wrong_sign);
+    RUN_TEST(test_degrees_in_a_pair_or_in_a_single_column_are_named_as_by_fit);
     RUN_TEST(test_velocities_of_the_world_are_named_by_the_position);
     RUN_TEST(test_velocities_of_the_world_are_named_by_the_inputs);
     RUN_TEST(test_a_height_and_a_log_with_z_up_have_one_sentence);

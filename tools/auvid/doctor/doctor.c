@@ -103,6 +103,7 @@ void doctor_feed(doctor_t *d, const csv_row_t *row)
     }
     watch_velocity(d, row);
     doctor_velocity_add(d, row);
+    units_row(&d->units, row); /* after it: whether there was a velocity before */
     d->rows += 1.0;
     d->last_s = t;
     csv_row_t with_wrench = *row;

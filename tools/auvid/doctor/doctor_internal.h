@@ -118,7 +118,6 @@ typedef struct {
 
 /** A velocity: how plausible its samples are. */
 typedef struct {
-    units_speed_t speed;
     double last, last_s;
     double least;             /* smallest that is not 0 */
     double jumps, jump, at_s; /* number, largest, time of the first */
@@ -152,6 +151,7 @@ typedef struct {
     bool dropped;        /* the velocities went from motion to exactly zero */
     double drops, zeros; /* times of that; rows of it */
     doctor_velocity_t velocity[3];
+    units_t units;
     doctor_cells_t cells;
     doctor_cell_t past[DOCTOR_HISTORY];
     doctor_window_t window[DOCTOR_HISTORY];
@@ -165,6 +165,7 @@ typedef struct {
     doctor_range_t sunk;      /* depth and heave velocity have opposite signs there */
     doctor_range_t gone[2];   /* position and velocity, of surge and sway, likewise */
     bool reordered;           /* the quaternion is x, y, z, w */
+    bool degrees;             /* angles or rates are in degrees */
     bool in_world;            /* the velocities are to the north and east */
     bool answers[6];          /* a velocity follows its input */
     int lag[6];               /* .. by this, as an index of doctor_sums_t.own */

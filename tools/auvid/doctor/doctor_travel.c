@@ -80,13 +80,15 @@ static double ground_score(const doctor_t *d, const doctor_sums_t *s, int axis, 
 
 static bool has_depth(const doctor_t *d)
 {
-    return !d->reordered && !d->in_world && d->has[CSV_POSITION + 2] && d->has[CSV_NU + 2];
+    return !d->reordered && !d->degrees && !d->in_world && d->has[CSV_POSITION + 2] &&
+           d->has[CSV_NU + 2];
 }
 
 static bool has_position(const doctor_t *d)
 {
-    return !d->reordered && !d->in_world && d->has[CSV_POSITION] && d->has[CSV_POSITION + 1] &&
-           d->has[CSV_ATTITUDE + 2] && d->has[CSV_NU] && d->has[CSV_NU + 1];
+    return !d->reordered && !d->degrees && !d->in_world && d->has[CSV_POSITION] &&
+           d->has[CSV_POSITION + 1] && d->has[CSV_ATTITUDE + 2] && d->has[CSV_NU] &&
+           d->has[CSV_NU + 1];
 }
 
 void doctor_travel_scan(doctor_t *d)
