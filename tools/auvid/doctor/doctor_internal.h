@@ -171,6 +171,7 @@ typedef struct {
     int lag[6];               /* .. by this, as an index of doctor_sums_t.own */
     const log_use_t *use;     /* the inputs are these thrusters; NULL: those of the log */
     double thruster[AUVID_MAX_THRUSTERS], voltage_V; /* last inputs of the thrusters; NaN: none */
+    double largest_thrust_N;                         /* of a thruster */
     double unit;                                     /* specific force of one m/s2 */
     double dry_mass_kg;                              /* 0: not known */
     double usable_s[6], time_constant_s[6];
@@ -260,11 +261,15 @@ void doctor_world(doctor_t *d);
 void doctor_scale(doctor_t *d);                                          /* doctor_scale.c */
 void doctor_column_add(doctor_t *d, int column, double t, double value); /* doctor_columns.c */
 void doctor_columns(doctor_t *d);
+/** Are they pulse widths? */
+bool doctor_is_pulse(const doctor_column_t *c);
 void doctor_time(doctor_t *d);  /* doctor_time.c */
 void doctor_force(doctor_t *d); /* doctor_force.c: needs a sound attitude */
 /** The forces of the thrusters in a row, and their wrench, which it writes into the row. */
 void doctor_thrusters_row(doctor_t *d, csv_row_t *row, double force_N[AUVID_MAX_THRUSTERS]);
-/** Finds a thruster with the wrong sign. Returns whether there is one. */
+/** Are the forces of the thrusters much larger than those of the vehicle? */
+bool doctor_thrust_is_wrong(const doctor_t *d);
+/** Finds thrusters in another unit, or with the wrong sign. Returns whether there is one. */
 bool doctor_thrusters(doctor_t *d); /* doctor_thrusters.c */
 
 /* doctor.c */

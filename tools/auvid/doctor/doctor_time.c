@@ -94,7 +94,8 @@ static void find_motion(doctor_t *d)
     double best = 0.0;
     bool slow = doctor_interval_quantile(d, 0.5) > GAP_S; /* then no motion is usable */
     for (int j = 0; j < 6 && d->inputs >= 0; ++j) {
-        double largest = d->column[d->inputs + j].limit;
+        const doctor_column_t *c = &d->column[d->inputs + j];
+        double largest = doctor_is_pulse(c) ? 0.5 * (c->max - c->min) : c->limit;
         if (!d->has[d->inputs + j] || !d->has[CSV_NU + j] || !(largest > 0.0)) {
             continue;
         }
@@ -118,6 +119,8 @@ static void find_motion(doctor_t *d)
     } else if (d->inputs < 0) {
         doctor_add(d, DOCTOR_ERROR, DOCTOR_MISSING, CSV_WRENCH, -1, NULL,
                    "no input column (X_N .. or cmd_surge ..): add forces, moments or commands");
+    } else if (doctor_thrust_is_wrong(d)) {
+        return; /* how much they vary is not known */
     } else if (!slow && (d->last_s - d->start_s < MIN_LENGTH_S || best < MIN_MOTION_S)) {
         doctor_add(d, DOCTOR_ERROR, DOCTOR_SHORT, -1, -1, NULL,
                    "too little motion: %s of inputs that vary in a log of %.0f s: excite each axis "
