@@ -372,14 +372,31 @@ static void test_gaps_everywhere_are_an_error(void)
     assert_error(DOCTOR_GAPS, CSV_T, "none is 6 s long");
 }
 
-static void test_slow_rows_are_an_error(void)
+static void examine_every(int every)
 {
     doctor_init(&doctor, has);
-    for (int k = 0; k < ROWS; k += 50) {
+    for (int k = 0; k < ROWS; k += every) {
         doctor_feed(&doctor, &rows[k]);
     }
     doctor_finish(&doctor);
+}
+
+static void test_slow_rows_are_an_error(void)
+{
+    examine_every(50);
     assert_error(DOCTOR_SLOW, CSV_T, "the rows are about 0.9");
+}
+
+static void test_rows_at_2_hz_are_a_warning_and_have_no_gap(void)
+{
+    examine_every(25);
+    const doctor_finding_t *f = finding(DOCTOR_SLOW);
+    TEST_ASSERT_NOT_NULL(f);
+    TEST_ASSERT_EQUAL(DOCTOR_WARNING, f->severity);
+    TEST_ASSERT_NOT_NULL(strstr(f->text, "log at 5 Hz or faster"));
+    TEST_ASSERT_NULL(finding(DOCTOR_GAPS));
+    examine_every(10);
+    TEST_ASSERT_NULL(finding(DOCTOR_SLOW));
 }
 
 static void test_a_short_log_is_an_error(void)
@@ -493,6 +510,7 @@ int main(void)
     RUN_TEST(test_gaps_are_counted_and_are_no_error);
     RUN_TEST(test_gaps_everywhere_are_an_error);
     RUN_TEST(test_slow_rows_are_an_error);
+    RUN_TEST(test_rows_at_2_hz_are_a_warning_and_have_no_gap);
     RUN_TEST(test_a_short_log_is_an_error);
     RUN_TEST(test_a_log_without_inputs_is_an_error);
     RUN_TEST(test_a_long_log_is_examined_at_constant_memory);
