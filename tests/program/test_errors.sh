@@ -185,7 +185,7 @@ check "commands in the columns of newtons" rejects \
     'largest force of a thruster is 1 N, .* up to 154 N: are the columns .* in newtons' \
     fit log.csv --thrusters girona500
 log "$v,$throttle" 0,0,0,0,0,0,0,0,0,0 1,1,1,1,1,90,1,1,1,1
-check "newtons in the columns of commands" rejects 'are the commands in the unit of the vehicle' \
+check "newtons in the columns of commands" rejects 'give zero_command and full_command of' \
     fit log.csv --thrusters girona500
 log "${v%,*},$throttle" 0,0,0,0,0,0,0,0,0 1,1,1,1,1,1,1,1,1
 check "thrusters without a rate" rejects 'no column r_radps in the header, but the thrusters: a' \

@@ -96,16 +96,6 @@ static void test_without_depth_the_sentence_names_both(void)
     assert_only(DOCTOR_EITHER_SIGN, CSV_WRENCH + 2, "w_mps accelerates against Z_N");
 }
 
-static void test_height_instead_of_depth_is_a_warning(void)
-{
-    scale(CSV_POSITION + 2, -1.0);
-    examine();
-    TEST_ASSERT_NOT_NULL(finding(DOCTOR_DEPTH_SIGN));
-    TEST_ASSERT_EQUAL(DOCTOR_WARNING, finding(DOCTOR_DEPTH_SIGN)->severity);
-    TEST_ASSERT_EQUAL(0, count(DOCTOR_ERROR));
-    TEST_ASSERT_TRUE(doctor.usable);
-}
-
 static void test_exchanged_rates_are_named(void)
 {
     exchange(CSV_NU + 3, CSV_NU + 4);
@@ -283,13 +273,14 @@ static void test_pulse_widths_are_named(void)
     for (int j = 0; j < 6; ++j) {
         for (int k = 0; k < ROWS; ++k) {
             double part = rows[k].value[CSV_WRENCH + j] / largest[j];
-            rows[k].value[CSV_COMMAND + j] = 1500.0 + 400.0 * part;
+            rows[k].value[CSV_COMMAND + j] = 1500.0 + 200.0 * part;
         }
         has[CSV_WRENCH + j] = false;
         has[CSV_COMMAND + j] = true;
     }
     examine();
     assert_error(DOCTOR_SCALE, CSV_COMMAND, "pulse widths");
+    TEST_ASSERT_NULL(finding(DOCTOR_SHORT)); /* they vary little against 1500 */
 }
 
 static void test_coarse_steps_are_told(void)
@@ -381,14 +372,31 @@ static void test_gaps_everywhere_are_an_error(void)
     assert_error(DOCTOR_GAPS, CSV_T, "none is 6 s long");
 }
 
-static void test_slow_rows_are_an_error(void)
+static void examine_every(int every)
 {
     doctor_init(&doctor, has);
-    for (int k = 0; k < ROWS; k += 50) {
+    for (int k = 0; k < ROWS; k += every) {
         doctor_feed(&doctor, &rows[k]);
     }
     doctor_finish(&doctor);
+}
+
+static void test_slow_rows_are_an_error(void)
+{
+    examine_every(50);
     assert_error(DOCTOR_SLOW, CSV_T, "the rows are about 0.9");
+}
+
+static void test_rows_at_2_hz_are_a_warning_and_have_no_gap(void)
+{
+    examine_every(25);
+    const doctor_finding_t *f = finding(DOCTOR_SLOW);
+    TEST_ASSERT_NOT_NULL(f);
+    TEST_ASSERT_EQUAL(DOCTOR_WARNING, f->severity);
+    TEST_ASSERT_NOT_NULL(strstr(f->text, "log at 5 Hz or faster"));
+    TEST_ASSERT_NULL(finding(DOCTOR_GAPS));
+    examine_every(10);
+    TEST_ASSERT_NULL(finding(DOCTOR_SLOW));
 }
 
 static void test_a_short_log_is_an_error(void)
@@ -476,7 +484,6 @@ int main(void)
     RUN_TEST(test_the_coupling_tells_a_reversed_force_from_a_reversed_velocity);
     RUN_TEST(test_depth_tells_a_reversed_heave_velocity);
     RUN_TEST(test_without_depth_the_sentence_names_both);
-    RUN_TEST(test_height_instead_of_depth_is_a_warning);
     RUN_TEST(test_exchanged_rates_are_named);
     RUN_TEST(test_the_coupling_tells_exchanged_forces_from_exchanged_velocities);
     RUN_TEST(test_an_attitude_in_other_axes_is_named);
@@ -503,6 +510,7 @@ int main(void)
     RUN_TEST(test_gaps_are_counted_and_are_no_error);
     RUN_TEST(test_gaps_everywhere_are_an_error);
     RUN_TEST(test_slow_rows_are_an_error);
+    RUN_TEST(test_rows_at_2_hz_are_a_warning_and_have_no_gap);
     RUN_TEST(test_a_short_log_is_an_error);
     RUN_TEST(test_a_log_without_inputs_is_an_error);
     RUN_TEST(test_a_long_log_is_examined_at_constant_memory);

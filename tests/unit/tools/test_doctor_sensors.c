@@ -254,6 +254,37 @@ static void test_thrusters_that_stop_at_a_tenth_of_their_limits_are_in_kgf(void)
                  "the forces of the thrusters look like kilograms-force (they stop at a tenth");
 }
 
+/* The wrench that follows from them is no motion to compare. */
+static void test_pulse_widths_need_a_vehicle_file_that_says_so(void)
+{
+    to_thrusters();
+    for (int i = 0; i < 5; ++i) {
+        for (int k = 0; k < ROWS; ++k) {
+            rows[k].value[CSV_THRUSTER + i] = 1500.0 + rows[k].value[CSV_THRUSTER_N + i];
+        }
+        has[CSV_THRUSTER + i] = true;
+        has[CSV_THRUSTER_N + i] = false;
+    }
+    TEST_ASSERT_TRUE(log_use_thrusters(&use, vehicle_default(), has));
+    examine_thrusters();
+    assert_error(DOCTOR_SCALE, CSV_THRUSTER,
+                 "give zero_command and full_command of the commands in the vehicle file (of pulse "
+                 "widths 1500 and 1900)");
+    TEST_ASSERT_EQUAL_MESSAGE(1, count(DOCTOR_ERROR), doctor.finding[1].text);
+}
+
+/* fit judges the largest force of all its logs. */
+static void test_thrusters_that_hardly_act_are_a_warning(void)
+{
+    to_thrusters();
+    for (int i = 0; i < 5; ++i) {
+        scale(CSV_THRUSTER_N + i, 1e-3);
+    }
+    examine_thrusters();
+    TEST_ASSERT_NOT_NULL(finding(DOCTOR_SCALE));
+    TEST_ASSERT_EQUAL(DOCTOR_WARNING, finding(DOCTOR_SCALE)->severity);
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -273,6 +304,8 @@ int main(void)
     RUN_TEST(test_exchanged_thrusters_of_one_axis_are_told_as_its_moment);
     RUN_TEST(test_a_reversed_thruster_that_is_alone_is_told_as_the_force_of_its_axis);
     RUN_TEST(test_a_reversed_degree_of_freedom_is_told_as_force_of_the_thrusters);
+    RUN_TEST(test_pulse_widths_need_a_vehicle_file_that_says_so);
+    RUN_TEST(test_thrusters_that_hardly_act_are_a_warning);
     RUN_TEST(test_thrusters_that_stop_at_a_tenth_of_their_limits_are_in_kgf);
     return UNITY_END();
 }

@@ -28,6 +28,9 @@ static void lose(int column, int count)
 {
     for (int i = 0; i < count; ++i) {
         has[column + i] = false;
+        for (int k = 0; k < ROWS; ++k) {
+            rows[k].value[column + i] = NAN;
+        }
     }
 }
 
@@ -110,6 +113,39 @@ static void test_masses_above_the_dry_mass_are_not_accused(void)
     TEST_ASSERT_EQUAL(0, count(DOCTOR_ERROR) + count(DOCTOR_WARNING));
 }
 
+static void test_attitude_and_rates_in_degrees_have_no_wrong_sign(void)
+{
+    for (int i = 0; i < 3; ++i) {
+        scale(CSV_ATTITUDE + i, 180.0 / PI);
+        scale(CSV_NU + 3 + i, 180.0 / PI);
+    }
+    examine();
+    for (int i = 0; i < doctor.findings; ++i) {
+        doctor_code_t code = doctor.finding[i].code;
+        TEST_ASSERT_TRUE_MESSAGE(code == DOCTOR_ANGLE_DEGREES || code == DOCTOR_RATE_DEGREES ||
+                                     doctor.finding[i].severity == DOCTOR_NOTE,
+                                 doctor.finding[i].text);
+    }
+    TEST_ASSERT_TRUE(doctor_has_finding(&doctor, DOCTOR_ANGLE_DEGREES, CSV_ATTITUDE + 2));
+}
+
+/* What fit refuses is no usable log. */
+static void test_degrees_in_a_pair_or_in_a_single_column_are_named_as_by_fit(void)
+{
+    lose(CSV_ATTITUDE, 2);
+    lose(CSV_NU + 3, 2);
+    lose(CSV_POSITION, 3);
+    lose(CSV_SPECIFIC_FORCE, 3);
+    scale(CSV_ATTITUDE + 2, 180.0 / PI);
+    scale(CSV_NU + 5, 180.0 / PI);
+    assert_only(DOCTOR_ANGLE_DEGREES, CSV_ATTITUDE + 2,
+                "an angle in radians jumps by at most 6.28, one revolution: if the attitude is in "
+                "degrees, convert it to radians (times pi/180)");
+    lose(CSV_ATTITUDE + 2, 1);
+    assert_only(DOCTOR_RATE_DEGREES, CSV_NU + 5,
+                "r_radps is beyond +-6.28, one revolution per second, in ");
+}
+
 /* ---- axes ---- */
 
 static void to_world(void)
@@ -139,6 +175,65 @@ static void test_velocities_of_the_world_are_named_by_the_inputs(void)
     lose(CSV_POSITION, 3);
     lose(CSV_SPECIFIC_FORCE, 3);
     assert_only(DOCTOR_WORLD_FRAME, CSV_NU, "turn them into body axes, u ahead and v to starboard");
+}
+
+/* Axes with y to port and z up, and a world with them. */
+static void to_flu(void)
+{
+    static const int reversed[10] = {
+        CSV_ATTITUDE + 1, CSV_ATTITUDE + 2, CSV_NU + 1,     CSV_NU + 2,     CSV_NU + 4,
+        CSV_NU + 5,       CSV_WRENCH + 1,   CSV_WRENCH + 2, CSV_WRENCH + 4, CSV_WRENCH + 5};
+    for (int i = 0; i < 10; ++i) {
+        scale(reversed[i], -1.0);
+    }
+    lose(CSV_SPECIFIC_FORCE, 3);
+}
+
+/* Which of the two is wrong does not matter for a fit, or reverses W-B. */
+static void test_a_height_and_a_log_with_z_up_have_one_sentence(void)
+{
+    static const char words[] = "if depth_m is a height, change its sign; if w_mps and its input "
+                                "are positive upwards, give them, and all other columns that are "
+                                "in FLU and ENU axes, in FRD and NED";
+    scale(CSV_POSITION + 2, -1.0);
+    assert_only(DOCTOR_DEPTH_SIGN, CSV_POSITION + 2, words);
+    make_log();
+    to_flu();
+    lose(CSV_POSITION, 2);
+    assert_only(DOCTOR_DEPTH_SIGN, CSV_POSITION + 2, words);
+}
+
+static void test_heave_with_its_input_and_depth_upwards_may_look_like_a_wrong_pitch(void)
+{
+    scale(CSV_NU + 2, -1.0);
+    scale(CSV_WRENCH + 2, -1.0);
+    scale(CSV_POSITION + 2, -1.0);
+    lose(CSV_SPECIFIC_FORCE, 3);
+    assert_only(DOCTOR_ANGLE_SIGN, CSV_ATTITUDE + 1,
+                "or depth_m, w_mps and the heave input are all positive upwards");
+}
+
+static void test_a_position_in_other_axes_is_named(void)
+{
+    static const char words[] = "as if one were in NED and FRD axes (z down), the other in ENU and "
+                                "FLU (z up): give all columns in NED and FRD";
+    exchange(CSV_POSITION, CSV_POSITION + 1);
+    examine();
+    assert_warning(DOCTOR_POSITION, CSV_POSITION, words);
+    make_log();
+    to_flu();
+    lose(CSV_POSITION + 2, 1);
+    examine();
+    assert_warning(DOCTOR_POSITION, CSV_POSITION, words);
+}
+
+static void test_a_depth_above_the_surface_may_be_a_height(void)
+{
+    to_flu();
+    scale(CSV_POSITION + 1, -1.0);
+    scale(CSV_POSITION + 2, -1.0);
+    examine();
+    assert_warning(DOCTOR_DEPTH_SIGN, CSV_POSITION + 2, "see whether the log is in axes with z up");
 }
 
 /* ---- quaternions ---- */
@@ -237,8 +332,14 @@ int main(void)
     RUN_TEST(test_slow_velocities_in_centimetres_are_named);
     RUN_TEST(test_the_dry_mass_shows_forces_in_kgf);
     RUN_TEST(test_masses_above_the_dry_mass_are_not_accused);
+    RUN_TEST(test_attitude_and_rates_in_degrees_have_no_wrong_sign);
+    RUN_TEST(test_degrees_in_a_pair_or_in_a_single_column_are_named_as_by_fit);
     RUN_TEST(test_velocities_of_the_world_are_named_by_the_position);
     RUN_TEST(test_velocities_of_the_world_are_named_by_the_inputs);
+    RUN_TEST(test_a_height_and_a_log_with_z_up_have_one_sentence);
+    RUN_TEST(test_heave_with_its_input_and_depth_upwards_may_look_like_a_wrong_pitch);
+    RUN_TEST(test_a_position_in_other_axes_is_named);
+    RUN_TEST(test_a_depth_above_the_surface_may_be_a_height);
     RUN_TEST(test_a_quaternion_that_begins_with_x_is_named);
     RUN_TEST(test_a_quaternion_in_order_is_not_accused);
     RUN_TEST(test_the_position_shows_an_offset_of_a_velocity);

@@ -9,7 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define GAP_S 0.5
+#define GAP_S 0.500001 /* rows each 0.5 s, as decimals, have no gap */
 #define CLASSES_PER_OCTAVE 6.0
 #define SHORTEST_S 0.001 /* of the classes of intervals */
 #define STILL_S 1.0      /* velocities that stand still for longer are counted */
@@ -103,6 +103,7 @@ void doctor_feed(doctor_t *d, const csv_row_t *row)
     }
     watch_velocity(d, row);
     doctor_velocity_add(d, row);
+    units_row(&d->units, row); /* after it: whether there was a velocity before */
     d->rows += 1.0;
     d->last_s = t;
     csv_row_t with_wrench = *row;

@@ -157,9 +157,11 @@ static bool has_pair(const doctor_t *d, int axis)
 
 void doctor_attitude_scan(doctor_t *d)
 {
+    char text[UNITS_TEXT];
     d->reordered = d->has[CSV_QUATERNION] && has_pair(d, 2) &&
                    (is_reordered(d, 1.0) || is_reordered(d, 1.0 / DEGREES));
-    if (d->reordered) {
+    d->degrees = units_angle_judge(&d->units, text, sizeof text) >= 0;
+    if (d->reordered || d->degrees) {
         return; /* there is no attitude */
     }
     for (int i = 2; i >= 0; --i) {
@@ -199,6 +201,18 @@ static bool find_units(doctor_t *d)
         }
     }
     return found;
+}
+
+/* Degrees that show in one column, or in both of a pair: as fit says it. */
+static bool find_degrees(doctor_t *d)
+{
+    char text[UNITS_TEXT];
+    int column = units_angle_judge(&d->units, text, sizeof text);
+    if (column >= 0) {
+        doctor_add(d, DOCTOR_ERROR, column < CSV_NU ? DOCTOR_ANGLE_DEGREES : DOCTOR_RATE_DEGREES,
+                   column, -1, NULL, "%s", text);
+    }
+    return column >= 0;
 }
 
 /* shift_llr: of a shift in time, which explains such a log as well. */
@@ -336,7 +350,7 @@ void doctor_attitude(doctor_t *d)
         return;
     }
     /* A reversed psi disturbs the other axes, and so what is said about them. */
-    bool found = d->turned[2].llr > 0.0 || find_units(d);
+    bool found = d->turned[2].llr > 0.0 || find_units(d) || find_degrees(d);
     doctor_range_t shift = doctor_scan(d, shift_score, 0);
     found = found || find_exchange(d, shift.llr) || find_shift(d, &shift);
     int before = d->findings;

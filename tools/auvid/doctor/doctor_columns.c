@@ -256,6 +256,11 @@ static void find_steps(doctor_t *d, int column)
     d->left_out |= too ? 1u << (column - CSV_NU) : 0u;
 }
 
+bool doctor_is_pulse(const doctor_column_t *c)
+{
+    return c->n > 0.0 && c->min > PWM_MIN && c->max < PWM_MAX;
+}
+
 static void find_limits(doctor_t *d)
 {
     for (int j = 0; j < 6 && d->inputs >= 0; ++j) {
@@ -267,7 +272,7 @@ static void find_limits(doctor_t *d)
                        "saturate, log the thrust that they give",
                        csv_name[d->inputs + j], c->limit, 100.0 * c->at_limit / c->n);
         }
-        if (d->inputs == CSV_COMMAND && c->n > 0.0 && c->min > PWM_MIN && c->max < PWM_MAX) {
+        if (d->inputs == CSV_COMMAND && doctor_is_pulse(c)) {
             doctor_add(d, DOCTOR_ERROR, DOCTOR_SCALE, d->inputs + j, -1, NULL,
                        "%s looks like pulse widths in microseconds (%.0f to %.0f): subtract the "
                        "neutral one, 1500, and divide by 400",

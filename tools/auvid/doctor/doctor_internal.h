@@ -118,7 +118,6 @@ typedef struct {
 
 /** A velocity: how plausible its samples are. */
 typedef struct {
-    units_speed_t speed;
     double last, last_s;
     double least;             /* smallest that is not 0 */
     double jumps, jump, at_s; /* number, largest, time of the first */
@@ -153,6 +152,7 @@ typedef struct {
     bool dropped;        /* the velocities went from motion to exactly zero */
     double drops, zeros; /* times of that; rows of it */
     doctor_velocity_t velocity[3];
+    units_t units;
     doctor_cells_t cells;
     doctor_cell_t past[DOCTOR_HISTORY];
     doctor_window_t window[DOCTOR_HISTORY];
@@ -166,11 +166,13 @@ typedef struct {
     doctor_range_t sunk;      /* depth and heave velocity have opposite signs there */
     doctor_range_t gone[2];   /* position and velocity, of surge and sway, likewise */
     bool reordered;           /* the quaternion is x, y, z, w */
+    bool degrees;             /* angles or rates are in degrees */
     bool in_world;            /* the velocities are to the north and east */
     bool answers[6];          /* a velocity follows its input */
     int lag[6];               /* .. by this, as an index of doctor_sums_t.own */
     const log_use_t *use;     /* the inputs are these thrusters; NULL: those of the log */
     double thruster[AUVID_MAX_THRUSTERS], voltage_V; /* last inputs of the thrusters; NaN: none */
+    double largest_thrust_N;                         /* of a thruster */
     double unit;                                     /* specific force of one m/s2 */
     double dry_mass_kg;                              /* 0: not known */
     double usable_s[6], time_constant_s[6];
@@ -260,11 +262,15 @@ void doctor_world(doctor_t *d);
 void doctor_scale(doctor_t *d);                                          /* doctor_scale.c */
 void doctor_column_add(doctor_t *d, int column, double t, double value); /* doctor_columns.c */
 void doctor_columns(doctor_t *d);
+/** Are they pulse widths? */
+bool doctor_is_pulse(const doctor_column_t *c);
 void doctor_time(doctor_t *d);  /* doctor_time.c */
 void doctor_force(doctor_t *d); /* doctor_force.c: needs a sound attitude */
 /** The forces of the thrusters in a row, and their wrench, which it writes into the row. */
 void doctor_thrusters_row(doctor_t *d, csv_row_t *row, double force_N[AUVID_MAX_THRUSTERS]);
-/** Finds a thruster with the wrong sign. Returns whether there is one. */
+/** Are the forces of the thrusters much larger than those of the vehicle? */
+bool doctor_thrust_is_wrong(const doctor_t *d);
+/** Finds thrusters in another unit, or with the wrong sign. Returns whether there is one. */
 bool doctor_thrusters(doctor_t *d); /* doctor_thrusters.c */
 
 /* doctor.c */

@@ -59,6 +59,7 @@ void doctor_thrusters_row(doctor_t *d, csv_row_t *row, double force_N[AUVID_MAX_
     }
     for (int k = 0; k < AUVID_MAX_THRUSTERS; ++k) {
         force_N[k] = known ? (double)thrust[k] : NAN;
+        d->largest_thrust_N = fmax(d->largest_thrust_N, fabs(force_N[k])); /* NaN does not count */
     }
 }
 
@@ -159,10 +160,31 @@ static void explain(const doctor_t *d, explained_t *best, explained_t *next)
     }
 }
 
+bool doctor_thrust_is_wrong(const doctor_t *d)
+{
+    char text[LOG_THRUST_TEXT];
+    return d->use != NULL && log_thrust_judge(d->use, d->largest_thrust_N, text, sizeof text) > 0;
+}
+
+/* Small forces may be those of one log of several. */
+static bool find_size(doctor_t *d)
+{
+    char text[LOG_THRUST_TEXT];
+    int wrong = log_thrust_judge(d->use, d->largest_thrust_N, text, sizeof text);
+    if (wrong != 0) {
+        doctor_add(d, wrong > 0 ? DOCTOR_ERROR : DOCTOR_WARNING, DOCTOR_SCALE, log_input(d->use, 0),
+                   -1, NULL, "%s", text);
+    }
+    return wrong > 0;
+}
+
 bool doctor_thrusters(doctor_t *d)
 {
     explained_t best = {0.0, 0}, next = {0.0, 0};
     double axes = 0.0;
+    if (find_size(d)) {
+        return true;
+    }
     explain(d, &best, &next);
     for (int j = 0; j < 6; ++j) {
         axes += d->pushed[j].llr;

@@ -12,6 +12,7 @@
 #define UNIT_S 5.0        /* rows further apart: t_s is in another unit */
 #define RECORD_S 6.0      /* fit needs a record between gaps that is as long */
 #define SLOW 0.6          /* interval of rows, relative to the time constant of a DoF */
+#define SLOW_S 0.36       /* .. and of any vehicle: linear drag is not told from quadratic */
 #define MIN_LENGTH_S 10.0 /* of a log: fit has too few sets below */
 #define MIN_MOTION_S 6.0  /* of a DoF, without the first seconds */
 #define MOVES 0.1         /* standard deviation of an input in a block, relative to its largest */
@@ -59,15 +60,30 @@ static void find_gaps(doctor_t *d)
                    d->gaps, d->gaps > 1.0 ? "s" : "", d->longest_gap_s, d->gap_at_s,
                    parts ? ", and none is 6 s long: log without gaps" : "");
     }
+}
+
+/* Rows that fit bridges, but that show too little of the motion. */
+static void find_slow_rows(doctor_t *d)
+{
+    double median = doctor_interval_quantile(d, 0.5);
+    bool quick = false;
     for (int j = 0; j < 6 && median <= GAP_S; ++j) {
         double constant = d->time_constant_s[j];
         if (constant > 0.0 && median > SLOW * constant) {
+            quick = true;
             doctor_add(d, DOCTOR_WARNING, DOCTOR_SLOW, CSV_T, CSV_NU + j, NULL,
                        "the rows are about %.2f s apart, but %s changes within %.2f s (time "
                        "constant): log "
                        "at %.0f Hz or faster",
                        median, csv_name[CSV_NU + j], constant, ceil(3.0 / constant));
         }
+    }
+    if (!quick && median > SLOW_S && median <= GAP_S) {
+        doctor_add(
+            d, DOCTOR_WARNING, DOCTOR_SLOW, CSV_T, -1, NULL,
+            "the rows are about %.2f s apart: fit identifies fewer parameters from them: log "
+            "at 5 Hz or faster",
+            median);
     }
 }
 
@@ -94,7 +110,8 @@ static void find_motion(doctor_t *d)
     double best = 0.0;
     bool slow = doctor_interval_quantile(d, 0.5) > GAP_S; /* then no motion is usable */
     for (int j = 0; j < 6 && d->inputs >= 0; ++j) {
-        double largest = d->column[d->inputs + j].limit;
+        const doctor_column_t *c = &d->column[d->inputs + j];
+        double largest = doctor_is_pulse(c) ? 0.5 * (c->max - c->min) : c->limit;
         if (!d->has[d->inputs + j] || !d->has[CSV_NU + j] || !(largest > 0.0)) {
             continue;
         }
@@ -118,6 +135,8 @@ static void find_motion(doctor_t *d)
     } else if (d->inputs < 0) {
         doctor_add(d, DOCTOR_ERROR, DOCTOR_MISSING, CSV_WRENCH, -1, NULL,
                    "no input column (X_N .. or cmd_surge ..): add forces, moments or commands");
+    } else if (doctor_thrust_is_wrong(d)) {
+        return; /* how much they vary is not known */
     } else if (!slow && (d->last_s - d->start_s < MIN_LENGTH_S || best < MIN_MOTION_S)) {
         doctor_add(d, DOCTOR_ERROR, DOCTOR_SHORT, -1, -1, NULL,
                    "too little motion: %s of inputs that vary in a log of %.0f s: excite each axis "
@@ -132,6 +151,7 @@ static void find_motion(doctor_t *d)
 void doctor_time(doctor_t *d)
 {
     find_gaps(d);
+    find_slow_rows(d);
     find_slow_inputs(d);
     find_motion(d);
 }

@@ -11,6 +11,9 @@
 #define MIN_RATE                                                                                   \
     0.05 /* rms [m/s]: a sensor that is mounted 2 degrees askew gives 0.02 at 0.5 m/s */
 #define MAX_DISCORD 0.5
+#define ABOVE_M 1.0 /* further above the surface a vehicle cannot be */
+#define ALIKE 0.8   /* correlation of velocities that agree */
+#define UNLIKE 0.5  /* .. and of those that do not */
 #define WINDOW_CELLS (2 * DOCTOR_WINDOW)
 
 enum { ONE, FROM_U, FROM_V, FROM_W, DEPTH_RATE, TOGETHER };
@@ -77,13 +80,15 @@ static double ground_score(const doctor_t *d, const doctor_sums_t *s, int axis, 
 
 static bool has_depth(const doctor_t *d)
 {
-    return !d->reordered && !d->in_world && d->has[CSV_POSITION + 2] && d->has[CSV_NU + 2];
+    return !d->reordered && !d->degrees && !d->in_world && d->has[CSV_POSITION + 2] &&
+           d->has[CSV_NU + 2];
 }
 
 static bool has_position(const doctor_t *d)
 {
-    return !d->reordered && !d->in_world && d->has[CSV_POSITION] && d->has[CSV_POSITION + 1] &&
-           d->has[CSV_ATTITUDE + 2] && d->has[CSV_NU] && d->has[CSV_NU + 1];
+    return !d->reordered && !d->degrees && !d->in_world && d->has[CSV_POSITION] &&
+           d->has[CSV_POSITION + 1] && d->has[CSV_ATTITUDE + 2] && d->has[CSV_NU] &&
+           d->has[CSV_NU + 1];
 }
 
 void doctor_travel_scan(doctor_t *d)
@@ -98,7 +103,8 @@ void doctor_travel_scan(doctor_t *d)
     d->sunk.llr = d->sunk.llr > MIN_LLR ? d->sunk.llr : 0.0;
 }
 
-/* The sign of depth against heave velocity; the input tells which of the two is wrong. */
+/* The sign of depth against heave velocity. If the latter follows its input, depth may be wrong, or
+ * heave and its input, alone or with all other columns of a log in axes with z up. */
 static void find_depth(doctor_t *d)
 {
     const doctor_range_t *r = &d->sunk;
@@ -111,13 +117,17 @@ static void find_depth(doctor_t *d)
         return; /* see doctor_attitude.c */
     }
     if (r->which == PITCH_REVERSED) {
-        doctor_add(d, DOCTOR_ERROR, DOCTOR_ANGLE_SIGN, CSV_ATTITUDE + 1, CSV_NU, r,
-                   "theta_rad, or u_mps, has the wrong sign: depth does not change as they say%s: "
-                   "change the wrong one",
-                   where);
+        doctor_add(
+            d, DOCTOR_ERROR, DOCTOR_ANGLE_SIGN, CSV_ATTITUDE + 1, CSV_NU, r,
+            "depth_m changes as w_mps says, but not as theta_rad and u_mps do%s: one of these "
+            "two has the wrong sign, or depth_m, w_mps and the heave input are all positive "
+            "upwards: change the wrong ones",
+            where);
     } else if (d->answers[2]) {
-        doctor_add(d, DOCTOR_WARNING, DOCTOR_DEPTH_SIGN, CSV_POSITION + 2, CSV_NU + 2, r,
-                   "depth_m is positive upwards, w_mps downwards%s: change the sign of depth_m",
+        doctor_add(d, DOCTOR_ERROR, DOCTOR_DEPTH_SIGN, CSV_POSITION + 2, CSV_NU + 2, r,
+                   "depth_m changes against w_mps, which follows its input%s: if depth_m is a "
+                   "height, change its sign; if w_mps and its input are positive upwards, give "
+                   "them, and all other columns that are in FLU and ENU axes, in FRD and NED",
                    where);
     } else {
         doctor_add(
@@ -138,6 +148,54 @@ static bool contradicts(const doctor_pair_t *p)
     return ab + error * sqrt(bb / aa) < 0.5 && ba + error * sqrt(aa / bb) < 0.5;
 }
 
+/* Does the position change as the velocity says only after a reflection: of east, or that of NED
+ * into ENU? No other heading does that. psi reversed turns the reflected position. */
+static bool is_reflected(const doctor_sums_t *s)
+{
+    const doctor_pair_t(*as_told)[2] = s->ground[0], (*p)[2] = s->ground[1];
+    bool of_east = doctor_correlation(&p[0][0]) > ALIKE && doctor_correlation(&p[1][1]) < -ALIKE;
+    bool agrees =
+        doctor_correlation(&as_told[0][0]) > UNLIKE && doctor_correlation(&as_told[1][1]) > UNLIKE;
+    bool exchanged = doctor_correlation(&p[0][1]) > ALIKE && doctor_correlation(&p[1][0]) > ALIKE;
+    return p[0][0].n > DOCTOR_MIN_WINDOWS * WINDOW_CELLS && !agrees && (of_east || exchanged);
+}
+
+/* A log in which all is of axes with z up does not contradict itself. */
+static void find_height(doctor_t *d)
+{
+    const doctor_column_t *c = &d->column[CSV_POSITION + 2];
+    if (has_depth(d) && !(d->sunk.llr > 0.0) && c->n > 0.0 && c->max < -ABOVE_M) {
+        doctor_add(
+            d, DOCTOR_WARNING, DOCTOR_DEPTH_SIGN, CSV_POSITION + 2, CSV_NU + 2, NULL,
+            "depth_m is negative in all rows (%.1f to %.1f), above the surface: if it is a height, "
+            "see whether the log is in axes with z up (ENU, FLU): give all columns in NED and FRD",
+            c->min, c->max);
+    }
+}
+
+/* Position against velocity. A velocity that runs against its input, too, is named there. */
+static void find_position(doctor_t *d, const doctor_sums_t *all)
+{
+    bool named = d->turned[2].llr > 0.0;
+    for (int i = 0; i < 2; ++i) {
+        named = named || (d->gone[i].llr > 0.0 && d->pushed[i].llr > 0.0);
+    }
+    bool reflected = is_reflected(all);
+    if (named || !has_position(d) ||
+        !(reflected || contradicts(&all->ground[0][0][0]) || contradicts(&all->ground[0][1][1]))) {
+        return;
+    }
+    bool reversed = doctor_correlation(&all->ground[1][0][0]) > ALIKE &&
+                    doctor_correlation(&all->ground[1][1][1]) > ALIKE;
+    doctor_add(d, DOCTOR_WARNING, DOCTOR_POSITION, CSV_POSITION, CSV_NU, NULL,
+               "north_m, east_m and the velocity contradict each other%s",
+               reversed ? "; they agree if the sign of psi_rad or of east_m is changed"
+               : reflected
+                   ? ", as if one were in NED and FRD axes (z down), the other in ENU and FLU (z "
+                     "up): give all columns in NED and FRD"
+                   : ", unexplained: see whether they are north and east");
+}
+
 void doctor_travel(doctor_t *d)
 {
     doctor_sums_t all;
@@ -154,16 +212,6 @@ void doctor_travel(doctor_t *d)
                 doctor_correlation(&p));
         }
     }
-    if (!has_position(d) || d->turned[2].llr > 0.0 || d->gone[0].llr > 0.0 ||
-        d->gone[1].llr > 0.0) {
-        return;
-    }
-    if (contradicts(&all.ground[0][0][0]) || contradicts(&all.ground[0][1][1])) {
-        bool reversed = doctor_correlation(&all.ground[1][0][0]) > 0.8 &&
-                        doctor_correlation(&all.ground[1][1][1]) > 0.8;
-        doctor_add(d, DOCTOR_WARNING, DOCTOR_POSITION, CSV_POSITION, CSV_NU, NULL,
-                   "north_m, east_m and the velocity contradict each other%s",
-                   reversed ? "; they agree if the sign of psi_rad or of east_m is changed"
-                            : ", unexplained: see whether they are north and east");
-    }
+    find_height(d);
+    find_position(d, &all);
 }

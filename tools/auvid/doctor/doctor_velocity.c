@@ -25,12 +25,11 @@ static void watch(doctor_t *d, int i, double t, double v)
     bool less = fabs(v) > 0.0 && (fabs(v) < w->least || !(w->least > 0.0));
     w->least = less ? fabs(v) : w->least;
     double change = fabs(v - w->last);
-    if (w->speed.n > 0.0 && change > JUMP && change > STEEP * (t - w->last_s)) {
+    if (d->units.speed[i].n > 0.0 && change > JUMP && change > STEEP * (t - w->last_s)) {
         w->at_s = w->jumps > 0.0 ? w->at_s : t;
         w->jump = fmax(w->jump, change);
         w->jumps += 1.0;
     }
-    units_speed_add(&w->speed, t, v);
     w->last = v;
     w->last_s = t;
 }
@@ -63,8 +62,8 @@ void doctor_velocity(doctor_t *d)
     for (int i = 0; i < 3; ++i) {
         const doctor_velocity_t *w = &d->velocity[i];
         const char *name = csv_name[CSV_NU + i];
-        char text[160];
-        units_speed_kind_t kind = units_speed_judge(&w->speed, name, text, sizeof text);
+        char text[UNITS_TEXT];
+        units_speed_kind_t kind = units_speed_judge(&d->units.speed[i], name, text, sizeof text);
         bool few = kind == UNITS_SPEED_OK || kind == UNITS_SPEED_OUTLIER;
         if (few && w->jumps > 0.0) {
             doctor_add(d, DOCTOR_ERROR, DOCTOR_OUTLIER, CSV_NU + i, -1, NULL,

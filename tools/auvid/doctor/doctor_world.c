@@ -60,7 +60,7 @@ static double position_score(const doctor_sums_t *s)
 void doctor_world_scan(doctor_t *d)
 {
     bool has = d->has[CSV_ATTITUDE + 2] && d->has[CSV_NU] && d->has[CSV_NU + 1];
-    bool sound = !d->reordered && !(d->turned[2].llr > 0.0);
+    bool sound = !d->reordered && !d->degrees && !(d->turned[2].llr > 0.0);
     bool inputs = d->inputs >= 0 && d->has[d->inputs] && d->has[d->inputs + 1];
     doctor_sums_t all;
     doctor_sum(d, 0, d->blocks - 1, &all);

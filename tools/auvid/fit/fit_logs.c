@@ -15,10 +15,6 @@
  * zero and does not count as excited. */
 #define NEGLIGIBLE 1e-3
 
-/* Relative to a thruster's largest force. Beyond, the forces are in another unit, or commands. */
-#define MOST_THRUST 2.0
-#define LEAST_THRUST 0.02
-
 /* ---- inputs ---- */
 
 /* Has the log inputs of the model in these six columns? */
@@ -236,26 +232,12 @@ static int open_further(job_t *job, log_t *log, const char *path)
 
 /* ---- what is excited ---- */
 
-/* Are the forces of the thrusters of the size that the vehicle's have? */
 static int check_thrust(const job_t *job)
 {
-    const auvid_allocation_config_t *cfg = &job->use.allocation.cfg;
-    double largest = job->survey.largest_thrust, capacity = 0.0;
-    if (!log_has_thrusters(&job->use)) {
-        return 0;
-    }
-    for (int k = 0; k < cfg->thrusters; ++k) {
-        capacity = fmax(capacity, (double)cfg->thruster[k].max_N);
-    }
-    bool wrong =
-        largest > MOST_THRUST * capacity || (largest > 0.0 && largest < LEAST_THRUST * capacity);
-    return wrong ? report_error("%s: the largest force of a thruster is %.3g N, but those of %s "
-                                "have up to %.3g N: %s",
-                                job->log[0].csv.path, largest, job->use.vehicle->word, capacity,
-                                job->use.kind == INPUT_THRUST
-                                    ? "are the columns thruster_1_N .. in newtons?"
-                                    : "are the commands in the unit of the vehicle's thrust map?")
-                 : 0;
+    char text[LOG_THRUST_TEXT];
+    bool right = !log_has_thrusters(&job->use) ||
+                 log_thrust_judge(&job->use, job->survey.largest_thrust, text, sizeof text) == 0;
+    return right ? 0 : report_error("%s: %s", job->log[0].csv.path, text);
 }
 
 /* Finds the DoF that can be identified, and the largest values of their inputs. */

@@ -1,10 +1,14 @@
 #include "log_samples.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <string.h>
 
 /* The attitude is not propagated for longer [s]. */
 #define PROPAGATION_S 1.0
+/* Relative to a thruster's largest force. Beyond, the forces are in another unit, or commands. */
+#define MOST_THRUST 2.0
+#define LEAST_THRUST 0.02
 /* A velocity counts as repeated before this part of the usual time between two new ones. */
 #define HELD_PART 0.75
 
@@ -74,6 +78,30 @@ void log_wrench(const log_use_t *use, const double *input, double voltage_V,
         double force = use->square ? fabs(input[j]) * input[j] : input[j];
         wrench[j] = log_has_thrusters(use) ? (double)total[j] : gain * force;
     }
+}
+
+int log_thrust_judge(const log_use_t *use, double largest_N, char *text, size_t size)
+{
+    const auvid_allocation_config_t *cfg = &use->allocation.cfg;
+    double capacity = 0.0;
+    for (int k = 0; k < cfg->thrusters; ++k) {
+        capacity = fmax(capacity, (double)cfg->thruster[k].max_N);
+    }
+    int wrong = largest_N > MOST_THRUST * capacity                       ? 1
+                : largest_N > 0.0 && largest_N < LEAST_THRUST * capacity ? -1
+                                                                         : 0;
+    if (wrong != 0) {
+        (void)snprintf(
+            text, size,
+            "the largest force of a thruster is %.3g N, but those of %s have up to %.3g "
+            "N: %s",
+            largest_N, use->vehicle->word, capacity,
+            use->kind == INPUT_THRUST
+                ? "are the columns thruster_1_N .. in newtons?"
+                : "give zero_command and full_command of the commands in the vehicle "
+                  "file (of pulse widths 1500 and 1900), or name forces thruster_1_N ..");
+    }
+    return wrong;
 }
 
 int log_reader_begin(log_reader_t *reader, log_t *log, const log_use_t *use)

@@ -109,6 +109,12 @@ int log_input(const log_use_t *use, int k);
 void log_wrench(const log_use_t *use, const double *input, double voltage_V,
                 double wrench[AUVID_DOF_COUNT], auvid_real_t *force_N);
 
+enum { LOG_THRUST_TEXT = 400 };
+
+/** Is the largest force of the log's thrusters of the size that the vehicle's have? Returns 0; or 1
+ * if it is too large, -1 if it is too small, and writes a sentence with the remedy. */
+int log_thrust_judge(const log_use_t *use, double largest_N, char *text, size_t size);
+
 /** Starts at the first row. Returns 0, or EXIT_REFUSED after one line on stderr. */
 int log_reader_begin(log_reader_t *reader, log_t *log, const log_use_t *use);
 

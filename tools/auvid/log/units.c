@@ -55,7 +55,7 @@ static void take_angle(units_axis_t *a, double t, double angle)
     a->rate = a->latest_rate;
 }
 
-void units_speed_add(units_speed_t *w, double t_s, double value)
+static void add_speed(units_speed_t *w, double t_s, double value)
 {
     w->n += 1.0;
     if (fabs(value) > FAST_MPS) {
@@ -100,7 +100,7 @@ void units_row(units_t *units, const csv_row_t *row)
         units_axis_t *a = &units->axis[k];
         int angle = CSV_ATTITUDE + k, rate = CSV_NU + 3 + k;
         if (csv_has(row, CSV_NU + k)) {
-            units_speed_add(&units->speed[k], row->value[CSV_T], row->value[CSV_NU + k]);
+            add_speed(&units->speed[k], row->value[CSV_T], row->value[CSV_NU + k]);
         }
         if (csv_has(row, rate)) {
             a->latest_rate = row->value[rate];
@@ -131,80 +131,96 @@ static double share(size_t part, size_t all)
 }
 
 /* An angle in radians jumps by at most one revolution. */
-static int check_steps(const units_axis_t *a, const char *path, int column)
+static bool judge_steps(const units_axis_t *a, int column, char *text, size_t size)
 {
-    return !(a->step > 0.0)
-               ? 0
-               : report_error(
-                     "%s: %s jumps by %.4g at t_s %.9g, but an angle in radians jumps by at "
-                     "most 6.28, one revolution: " CONVERT_ANGLES,
-                     path, csv_name[column], a->step, a->step_t);
+    bool wrong = a->step > 0.0;
+    if (wrong) {
+        (void)snprintf(text, size,
+                       "%s jumps by %.4g at t_s %.9g, but an angle in radians jumps by at most "
+                       "6.28, one revolution: " CONVERT_ANGLES,
+                       csv_name[column], a->step, a->step_t);
+    }
+    return wrong;
 }
 
-static int check_pitch(const units_t *units, const char *path)
+static bool judge_pitch(const units_t *units, char *text, size_t size)
 {
     double part = share(units->beyond, units->pitches);
-    return part <= FEW ? 0
-                       : report_error("%s: theta_rad is beyond +-pi/2 in %.0f %% of the rows, "
-                                      "which no pitch in radians can be: " CONVERT_ANGLES,
-                                      path, 100.0 * part);
+    bool wrong = !(part <= FEW);
+    if (wrong) {
+        (void)snprintf(text, size,
+                       "theta_rad is beyond +-pi/2 in %.0f %% of the rows, which no pitch in "
+                       "radians can be: " CONVERT_ANGLES,
+                       100.0 * part);
+    }
+    return wrong;
 }
 
-static int check_angle(const units_axis_t *a, const char *path, int axis)
+static bool judge_angle(const units_axis_t *a, int axis, char *text, size_t size)
 {
-    int angle = CSV_ATTITUDE + axis, rate = CSV_NU + 3 + axis;
+    const char *angle = csv_name[CSV_ATTITUDE + axis], *rate = csv_name[CSV_NU + 3 + axis];
     const units_change_t *c = &a->degrees;
-    if (follows(c, DEGREES)) {
-        return report_error("%s: %s changes 57 times as fast as %s says, so the attitude is in "
-                            "degrees: convert it to radians (times pi/180)",
-                            path, csv_name[angle], csv_name[rate]);
+    bool follow = follows(c, DEGREES), fast = c->windows >= WINDOWS && c->fast > FEW * c->windows;
+    if (follow) {
+        (void)snprintf(text, size,
+                       "%s changes 57 times as fast as %s says, so the attitude is in degrees: "
+                       "convert it to radians (times pi/180)",
+                       angle, rate);
+    } else if (fast) {
+        (void)snprintf(text, size,
+                       "%s changes by more than 9.4 per second in %.0f %% of the log, too fast for "
+                       "radians: " CONVERT_ANGLES,
+                       angle, 100.0 * c->fast / c->windows);
     }
-    return c->windows < WINDOWS || c->fast <= FEW * c->windows
-               ? 0
-               : report_error(
-                     "%s: %s changes by more than 9.4 per second in %.0f %% of the log, too "
-                     "fast for radians: " CONVERT_ANGLES,
-                     path, csv_name[angle], 100.0 * c->fast / c->windows);
+    return follow || fast;
 }
 
-static int check_rate(const units_axis_t *a, const char *path, int axis)
+static bool judge_rate(const units_axis_t *a, int axis, char *text, size_t size)
 {
-    int angle = CSV_ATTITUDE + axis, rate = CSV_NU + 3 + axis;
+    const char *angle = csv_name[CSV_ATTITUDE + axis], *rate = csv_name[CSV_NU + 3 + axis];
     double part = share(a->beyond, a->rates);
-    if (follows(&a->radians, 1.0 / DEGREES)) {
-        return report_error("%s: %s is 57 times as large as the change of %s, so the rates are "
-                            "in deg/s: convert them to rad/s (times pi/180)",
-                            path, csv_name[rate], csv_name[angle]);
+    bool follow = follows(&a->radians, 1.0 / DEGREES), fast = !(part <= FEW);
+    if (follow) {
+        (void)snprintf(text, size,
+                       "%s is 57 times as large as the change of %s, so the rates are in deg/s: "
+                       "convert them to rad/s (times pi/180)",
+                       rate, angle);
+    } else if (fast) {
+        (void)snprintf(text, size,
+                       "%s is beyond +-6.28, one revolution per second, in %.0f %% of the "
+                       "rows: " CONVERT_RATES,
+                       rate, 100.0 * part);
     }
-    return part <= FEW
-               ? 0
-               : report_error(
-                     "%s: %s is beyond +-6.28, one revolution per second, in %.0f %% of the "
-                     "rows: " CONVERT_RATES,
-                     path, csv_name[rate], 100.0 * part);
+    return follow || fast;
 }
 
-static int check_speed(const units_t *units, const char *path, int axis)
+int units_angle_judge(const units_t *units, char *text, size_t size)
 {
-    char text[160];
-    units_speed_kind_t kind =
-        units_speed_judge(&units->speed[axis], csv_name[CSV_NU + axis], text, sizeof text);
-    return kind == UNITS_SPEED_OK ? 0 : report_error("%s: %s", path, text);
+    if (judge_pitch(units, text, size)) {
+        return CSV_ATTITUDE + 1;
+    }
+    for (int axis = 2; axis >= 0; --axis) {
+        const units_axis_t *a = &units->axis[axis];
+        if (judge_steps(a, CSV_ATTITUDE + axis, text, size) || judge_angle(a, axis, text, size)) {
+            return CSV_ATTITUDE + axis;
+        }
+    }
+    for (int axis = 2; axis >= 0; --axis) {
+        if (judge_rate(&units->axis[axis], axis, text, size)) {
+            return CSV_NU + 3 + axis;
+        }
+    }
+    return -1;
 }
 
 int units_check(const units_t *units, const char *path)
 {
-    int status = check_pitch(units, path);
-    for (int axis = 0; axis < 3 && status == 0; ++axis) {
-        status = check_speed(units, path, axis);
+    char text[UNITS_TEXT];
+    bool wrong = false;
+    for (int axis = 0; axis < 3 && !wrong; ++axis) {
+        wrong = units_speed_judge(&units->speed[axis], csv_name[CSV_NU + axis], text,
+                                  sizeof text) != UNITS_SPEED_OK;
     }
-    for (int axis = 2; axis >= 0 && status == 0; --axis) {
-        const units_axis_t *a = &units->axis[axis];
-        status = check_steps(a, path, CSV_ATTITUDE + axis);
-        status = status != 0 ? status : check_angle(a, path, axis);
-    }
-    for (int axis = 2; axis >= 0 && status == 0; --axis) {
-        status = check_rate(&units->axis[axis], path, axis);
-    }
-    return status;
+    wrong = wrong || units_angle_judge(units, text, sizeof text) >= 0;
+    return wrong ? report_error("%s: %s", path, text) : 0;
 }

@@ -7,6 +7,8 @@
 
 #include "csv.h"
 
+enum { UNITS_TEXT = 240 }; /* longest sentence */
+
 /** Change of an angle and integral of its rate, in windows of a second. */
 typedef struct {
     double span, turned, expected; /* of the window that began last */
@@ -38,9 +40,6 @@ typedef enum {
     UNITS_SPEED_OUTLIER /**< few */
 } units_speed_kind_t;
 
-/** Takes a sample [m/s]. */
-void units_speed_add(units_speed_t *w, double t_s, double value);
-
 /** Judges all samples. Unless they are UNITS_SPEED_OK, writes a sentence with the remedy. */
 units_speed_kind_t units_speed_judge(const units_speed_t *w, const char *name, char *text,
                                      size_t size);
@@ -54,6 +53,10 @@ typedef struct {
 
 /** Takes a row. */
 void units_row(units_t *units, const csv_row_t *row);
+
+/** Judges angles and rates. Returns the column that shows another unit, and writes a sentence with
+ * the remedy; -1: none. */
+int units_angle_judge(const units_t *units, char *text, size_t size);
 
 /** Looks for values that no angle in radians, no rate in rad/s and no velocity in m/s of a vehicle
  * takes. Call it after the last row. Returns 0, or EXIT_REFUSED after one line on stderr with the
