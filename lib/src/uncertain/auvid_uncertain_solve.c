@@ -160,13 +160,18 @@ static uint8_t uncertain_next_dof(const uncertain_t *u, int j)
     return (uint8_t)j;
 }
 
+void auvid_uncertain_forget(auvid_uncertain_t *u)
+{
+    memcpy(u->pi, u->id->work.candidate, sizeof u->pi);
+    auvid_clear(u->shared, AUVID_UNCERTAIN_SHARED);
+    auvid_clear(u->own, AUVID_UNCERTAIN_OWN);
+    u->scale = AUVID_C(1.0);
+}
+
 void auvid_uncertain_begin(auvid_uncertain_t *u)
 {
     if (u->estimate.number == 0 && !u->given) {
-        memcpy(u->pi, u->id->work.candidate, sizeof u->pi);
-        auvid_clear(u->shared, AUVID_UNCERTAIN_SHARED);
-        auvid_clear(u->own, AUVID_UNCERTAIN_OWN);
-        u->scale = AUVID_C(1.0);
+        auvid_uncertain_forget(u);
     }
     u->given = false;
     auvid_zero(&u->work, sizeof u->work);

@@ -126,6 +126,34 @@ static void test_a_model_of_the_residual_path_is_refused(void)
     TEST_ASSERT_EQUAL(AUVID_ERR_MODEL, attach());
 }
 
+static void expect_no_start(auvid_status_t status, const auvid_uncertain_t *known)
+{
+    static auvid_uncertain_t as_before;
+    as_before = storage;
+    TEST_ASSERT_EQUAL(status, auvid_uncertain_start(&storage, known));
+    TEST_ASSERT_EQUAL_MEMORY(&as_before, &storage, sizeof storage);
+}
+
+static void test_it_starts_only_with_a_solution_for_the_same_columns(void)
+{
+    const auvid_real_t wrench[AUVID_DOF_COUNT] = {0};
+    expect_no_start(AUVID_ERR_STATE, &unchanged); /* not attached */
+    TEST_ASSERT_EQUAL(AUVID_OK, attach());
+    unchanged = storage;
+    unchanged.shared[AUVID_UNCERTAIN_LAG] = AUVID_C(0.1);
+    expect_no_start(AUVID_ERR_NULL, NULL);
+    TEST_ASSERT_EQUAL(AUVID_ERR_NULL, auvid_uncertain_start(NULL, &unchanged));
+    expect_no_start(AUVID_ERR_STATE, &unchanged); /* has no estimate */
+    unchanged.estimate.number = 1;
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_uncertain_start(&storage, &unchanged));
+    TEST_ASSERT_TRUE(storage.shared[AUVID_UNCERTAIN_LAG] == AUVID_C(0.1));
+    TEST_ASSERT_NULL(auvid_identifier_estimate(&chain.id));
+    ++unchanged.code[0];
+    expect_no_start(AUVID_ERR_MODEL, &unchanged);
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_applied(&chain.id, 1, wrench, NULL));
+    expect_no_start(AUVID_ERR_STARTED, &unchanged);
+}
+
 /* Moves for 100 s, with a tick of this length and a DVL of 5 Hz. Returns the sets; *first_us: when
  * the first one was complete. */
 static uint32_t sets_in_ticks_of(uint64_t tick_us, bool uncertain, uint64_t *first_us)
@@ -185,6 +213,7 @@ int main(void)
     RUN_TEST(test_eight_thrusters_fit);
 #endif
     RUN_TEST(test_a_model_of_the_residual_path_is_refused);
+    RUN_TEST(test_it_starts_only_with_a_solution_for_the_same_columns);
     RUN_TEST(test_no_cell_is_lost_and_a_set_is_at_most_seven_ticks_later);
     return UNITY_END();
 }

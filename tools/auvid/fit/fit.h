@@ -20,7 +20,6 @@ typedef struct {
     auvid_validation_t prediction;
     auvid_change_detector_t change;
     replay_inputs_t inputs;        /**< if the thrusters are known, or there is a reference */
-    auvid_uncertain_t solved;      /**< of the first replay, from which the second one starts */
     literal_t literal;             /**< if chosen */
     decoupled_t six;               /**< the model, if it has six DoF without coupling */
     auvid_calibrated_t calibrated; /**< the model, if a force is known */

@@ -254,9 +254,8 @@ static void forget(fitted_t *fitted)
 }
 
 /* Replays the logs with a model and searches. If the metric asks for longer cells, the logs are
- * replayed again; and once more from the solution with uncertain inputs, as the columns of motion
- * are formed with the last one. Returns NULL after a message. */
-static fitted_t *identify(job_t *job, const auvid_vehicle_t *vehicle)
+ * replayed again. Returns NULL after a message. */
+static fitted_t *search(job_t *job, const auvid_vehicle_t *vehicle, const auvid_uncertain_t *known)
 {
     bool literal = job->options->literal;
     auvid_status_t status;
@@ -265,9 +264,8 @@ static fitted_t *identify(job_t *job, const auvid_vehicle_t *vehicle)
         (void)report_error("fit: not enough memory");
         return NULL;
     }
-    bool solved = false, again = false;
     do {
-        if (!record(job, vehicle, solved ? &fitted->solved : NULL, fitted)) {
+        if (!record(job, vehicle, known, fitted)) {
             forget(fitted);
             return NULL;
         }
@@ -276,13 +274,31 @@ static fitted_t *identify(job_t *job, const auvid_vehicle_t *vehicle)
                              : auvid_identifier_work(&fitted->id, AUVID_DEFAULT_BUDGET);
         } while (status == AUVID_PENDING);
         job->cell_us = fitted->id.recorder.cell_us;
-        again = fitted->id.metric.result.doublings > 0;
-        if (!again && !solved && fitted->inputs.uncertain.estimate.number > 0) {
-            fitted->solved = fitted->inputs.uncertain;
-            solved = again = true;
-        }
-    } while (again);
+    } while (fitted->id.metric.result.doublings > 0);
     return fitted;
+}
+
+/* Does the estimate contain uncertain inputs? */
+static bool is_solved(const fitted_t *fitted)
+{
+    return fitted->inputs.uncertain.estimate.number > 0;
+}
+
+/* Identifies with a model, with uncertain inputs twice: the columns of motion are formed with the
+ * last solution, so the first sets of the first time lack one. Returns NULL after a message. */
+static fitted_t *identify(job_t *job, const auvid_vehicle_t *vehicle)
+{
+    fitted_t *first = search(job, vehicle, NULL);
+    if (first == NULL || !is_solved(first)) {
+        return first;
+    }
+    fitted_t *second = search(job, vehicle, &first->inputs.uncertain);
+    if (second != NULL && !is_solved(second)) {
+        forget(second);
+        return first;
+    }
+    forget(first);
+    return second;
 }
 
 void fit_forget_models(job_t *job)
