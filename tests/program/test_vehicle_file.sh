@@ -196,9 +196,14 @@ done
 cp minnow.ini mounted.ini
 printf '\n[mount]\ndvl_lever_m = -0.1 0 0.1\ndvl_euler_deg = 0 0 45\n' >>mounted.ini
 echo 'imu_euler_deg = 3 -2 90' >>mounted.ini
-check "mounted askew: demo identifies the same vehicle" exits 0 demo --vehicle mounted.ini --json
+check "mounted askew: demo identifies the same vehicle" exits 0 demo --vehicle mounted.ini --json \
+    --csv mounted.csv
 check "  its masses" is out 'assert all(abs(P[n]["estimate"] / P[n]["truth"] - 1) < 0.1
            for n in ("m_u", "m_w", "m_r")), P'
+check "  a log has velocities of the origin" exits 0 fit mounted.csv --vehicle mounted.ini --plain
+check "    no warning with --plain" sh -c '! grep -q mount err'
+exits 3 fit mounted.csv --vehicle mounted.ini --thrusters mounted.ini
+check "    else fit says that it must" grep -q '\[mount\] of the vehicle file is not applied' err
 
 # ---- the header ----
 cp "$ROOT/tests/program/vehicle_config.h" .

@@ -379,11 +379,11 @@ auvid_status_t auvid_identifier_needs(const auvid_identifier_config_t *cfg, auvi
  * @param cfg may be id->cfg, to save memory; then its contents are undefined afterwards.
  * @return AUVID_OK; AUVID_ERR_NULL (also a listener without its functions); AUVID_ERR_ARITHMETIC
  * (the self-test failed); AUVID_ERR_NOT_FINITE (also of the good point and the uncertainty);
- * AUVID_ERR_RANGE (velocity: unknown; dry mass below zero, or no number; an uncertainty below zero or
- * above 1); AUVID_ERR_DRY_MASS (not below the upper bound of a free mass, which could not be plausible); for
- * the search over the free parameters the errors of auvid_search_check; the errors of
- * auvid_vehicle_check, the errors of auvid_nav_init, the errors of auvid_recorder_init, the errors
- * of auvid_metric_init. */
+ * AUVID_ERR_RANGE (velocity: unknown; dry mass below zero, or no number; an uncertainty below zero
+ * or above 1); AUVID_ERR_DRY_MASS (not below the upper bound of a free mass, which could not be
+ * plausible); for the search over the free parameters the errors of auvid_search_check; the errors
+ * of auvid_vehicle_check, the errors of auvid_nav_init, the errors of auvid_recorder_init, the
+ * errors of auvid_metric_init. */
 auvid_status_t auvid_identifier_init(auvid_identifier_t *id, const auvid_identifier_config_t *cfg);
 
 #define auvid_identifier_step AUVID_SIZED(auvid_identifier_step)

@@ -139,8 +139,8 @@ auvid_status_t auvid_selftest(void);
  * What a configuration was refused for. Written by auvid_identifier_init, auvid_node_init (to its
  * identifier), auvid_identifier_attach_actuation (to its storage) and auvid_terms_init.
  * To print it: "cfg.<part>.<field>[<element>] is <value>, limit <limit>";
- * without "<part>." if part is empty, without "[<element>]" if element is -1. An empty field: all of
- * the part.
+ * without "<part>." if part is empty, without "[<element>]" if element is -1. An empty field: all
+ * of the part.
  */
 typedef struct {
     auvid_status_t status; /**< what was returned */

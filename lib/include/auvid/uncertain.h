@@ -99,7 +99,8 @@ typedef struct {
     auvid_real_t cross;      /**< sway by yaw rate, yaw by sway and lift, relative to drag, 0..1;
                                   default 0.15 */
     auvid_real_t force;      /**< constant, relative to tau_max, 0..1; default 0.03 */
-    auvid_real_t arm_m;      /**< lever arm of the DVL, ahead and aside [m], 0..1; default 0.05 */
+    auvid_real_t arm_m;      /**< lever arm of the DVL, ahead and aside [m], 0..1; default 0.05.
+                                Not its height, which matters in six DoF: give it exactly */
     auvid_real_t dvl_late_s; /**< delay of the DVL against the attitude [s], 0..1; default 0.05 */
     auvid_real_t gravity_m;  /**< centre of gravity ahead and aside [m], 0..1; default 0.01 */
     auvid_real_t nominal_lag_s; /**< no deviation, but the first-order lag of the propellers' speed

@@ -14,6 +14,8 @@
 #define SHORTEST_SET 20
 /* Capacity of the ring in rows (metric_config.h). */
 #define MAX_ROWS 60000u
+/* Longest time between samples of a slow velocity sensor [us]. */
+#define LONGEST_GAP_US 1.5e6
 /* Largest component of a current [m/s]. */
 #define MAX_CURRENT AUVID_C(1.5)
 
@@ -83,10 +85,15 @@ int fit_choose_free(job_t *job)
                : status;
 }
 
-/* Longest time between samples [us]. */
+/* Longest time between samples [us]. A velocity that usually comes that late, or nearly so, must
+ * not break the record each time, if there are rows in between. */
 static double gap_us(const job_t *job)
 {
-    return 1e6 * job->options->max_gap_s;
+    const survey_t *survey = &job->survey;
+    double gap = 1e6 * job->options->max_gap_s, usual = survey_velocity_us(survey);
+    double row = 1e6 * survey->span_s / fmax((double)survey->rows, 1.0);
+    return usual > 0.8 * gap && row < 0.5 * usual ? fmax(gap, fmin(1.5 * usual, LONGEST_GAP_US))
+                                                  : gap;
 }
 
 /* Velocity is sampled at the times of the rows. Only if these are further apart than the cells is
