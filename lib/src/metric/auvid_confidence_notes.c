@@ -253,10 +253,11 @@ static void confidence_discredit_equation(auvid_confidence_job_t *c, int j)
         auvid_real_t force =
             part > AUVID_C(0.0) ? part * auvid_confidence_column(c, j, p) : AUVID_C(0.0);
         bool sure = part > AUVID_HALF_WIDTH * to->sigma[p];
-        to->implausible |= (uint32_t)sure << p;
-        known |= (uint32_t)confidence_is_known(to, p) << p;
+        uint32_t bit = UINT32_C(1) << (p & 31);
+        to->implausible |= sure ? bit : 0u;
+        known |= confidence_is_known(to, p) ? bit : 0u;
         if (sure || force > max_force) {
-            beyond |= 1u << p;
+            beyond |= bit;
             culprit = force > worst ? (uint8_t)p : culprit;
             worst = auvid_max(worst, force);
         }
@@ -278,7 +279,7 @@ static void confidence_discredit_all(auvid_confidence_job_t *c)
         int p = c->parameter_of[k];
         bool sure = c->metric->cfg.vehicle->parameter[p].kind == AUVID_PARAMETER_MASS &&
                     (c->result.implausible >> p & 1u) != 0;
-        moved |= (uint32_t)(c->result.note[p] != AUVID_NOTE_NOT_EXCITED) << p;
+        moved |= c->result.note[p] != AUVID_NOTE_NOT_EXCITED ? UINT32_C(1) << (p & 31) : 0u;
         culprit = sure && masses == 0 ? (uint8_t)p : culprit;
         masses += sure;
     }

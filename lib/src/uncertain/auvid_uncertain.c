@@ -297,6 +297,19 @@ auvid_status_t auvid_identifier_attach_uncertain(auvid_identifier_t *id, auvid_u
     return status;
 }
 
+/* Have both the same columns? */
+static bool uncertain_is_same(const auvid_uncertain_t *u, const auvid_uncertain_t *known)
+{
+    bool same = true;
+    for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
+        same = same && u->equation[j].order == known->equation[j].order;
+    }
+    for (int k = 0; k < AUVID_UNCERTAIN_CHANNELS; ++k) {
+        same = same && u->code[k] == known->code[k];
+    }
+    return same;
+}
+
 auvid_status_t auvid_uncertain_start(auvid_uncertain_t *uncertain, const auvid_uncertain_t *known)
 {
     auvid_uncertain_t *u = uncertain;
@@ -310,8 +323,7 @@ auvid_status_t auvid_uncertain_start(auvid_uncertain_t *uncertain, const auvid_u
     if (status < 0) {
         return status;
     }
-    if (memcmp(u->equation, known->equation, sizeof u->equation) != 0 ||
-        memcmp(u->code, known->code, sizeof u->code) != 0) {
+    if (!uncertain_is_same(u, known)) {
         return AUVID_ERR_MODEL;
     }
     memcpy(u->pi, known->pi, sizeof u->pi);
