@@ -241,9 +241,6 @@ static void uncertain_publish(auvid_identifier_t *id)
         uncertain_assess(id);
     }
     auvid_uncertain_publish_causes(u);
-    if (u->contradicted) { /* such a vehicle is in no column of motion */
-        auvid_uncertain_forget(u);
-    }
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
         u->linear[j] = auvid_uncertain_linear_part(u, &id->metric, j);
     }

@@ -49,9 +49,6 @@ void auvid_uncertain_rotate(auvid_uncertain_t *u);
 /** Forget the rows. */
 void auvid_uncertain_restart(auvid_uncertain_t *u);
 
-/** Take the estimate without uncertain inputs for the last solution. */
-void auvid_uncertain_forget(auvid_uncertain_t *u);
-
 /** Begin the solution, from the last one or from the estimate without uncertain inputs. */
 void auvid_uncertain_begin(auvid_uncertain_t *u);
 

@@ -160,18 +160,13 @@ static uint8_t uncertain_next_dof(const uncertain_t *u, int j)
     return (uint8_t)j;
 }
 
-void auvid_uncertain_forget(auvid_uncertain_t *u)
-{
-    memcpy(u->pi, u->id->work.candidate, sizeof u->pi);
-    auvid_clear(u->shared, AUVID_UNCERTAIN_SHARED);
-    auvid_clear(u->own, AUVID_UNCERTAIN_OWN);
-    u->scale = AUVID_C(1.0);
-}
-
 void auvid_uncertain_begin(auvid_uncertain_t *u)
 {
     if (u->estimate.number == 0 && !u->given) {
-        auvid_uncertain_forget(u);
+        memcpy(u->pi, u->id->work.candidate, sizeof u->pi);
+        auvid_clear(u->shared, AUVID_UNCERTAIN_SHARED);
+        auvid_clear(u->own, AUVID_UNCERTAIN_OWN);
+        u->scale = AUVID_C(1.0);
     }
     u->given = false;
     auvid_zero(&u->work, sizeof u->work);
@@ -194,13 +189,12 @@ static uint32_t uncertain_rotation(int n)
     return (uint32_t)(n * (n + 8)) / 36u;
 }
 
-/* Is input i of DoF j the last to read its rows before the early ones fade? In closed loop they
- * stay: a controller moves the vehicle so little that each set counts. */
+/* Is input i of DoF j the last to read its rows before the early ones fade? Those of a passive
+ * vehicle stay: a controller moves it so little that each set counts. */
 static bool uncertain_fades(const uncertain_t *u, int j, int i)
 {
     bool moves = u->cfg.current + u->cfg.arm_m + u->cfg.dvl_late_s > AUVID_C(0.0);
-    bool open = u->excited || !auvid_metric_has_feedback(&u->id->metric);
-    return open && moves && u->informed < 2 && i == u->equation[j].inputs - 1;
+    return u->excited && moves && u->informed < 2 && i == u->equation[j].inputs - 1;
 }
 
 /* Returns the cost of the present step [units]: about 230 instructions each on a Cortex-M4F. */
