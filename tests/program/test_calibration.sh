@@ -36,6 +36,11 @@ assert P["k_tau"]["truth"] == 1 and d["thrust"].startswith("the known force "), 
 exits 1 fit strong1.csv --vehicle girona500 --json >/dev/null
 check "without the known force m_w is 15 to 25 % too large" is out '
 assert 0.15 < P["m_w"]["estimate"] / TRUTH["m_w"] - 1 < 0.25 and "thrust" not in d, P["m_w"]'
+awk -F, -v OFS=, 'NR == 1 { for (i = 1; i <= NF; i++) if ($i == "N_Nm") at = i }
+    NR > 1 { $at = -$at } { print }' strong1.csv >reversed.csv
+check "a known force makes nothing of a wrong log identifiable" \
+    exits 3 fit reversed.csv --vehicle dive.ini --json
+check "  nor any drag force" sh -c '! grep -q "\"identifiable\": true" out'
 
 # ---- the column of the log ----
 exits 0 fit strong1.csv --vehicle dive.ini --json >/dev/null

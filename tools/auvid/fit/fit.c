@@ -199,9 +199,6 @@ static void gather_logs(const job_t *job, result_t *result)
                                           .duration_s = test->last_s - test->first_s};
     }
     result->wrong_log = has_wrong_log(job);
-    if (result->wrong_log) {
-        result->estimate.confidence.identifiable = 0;
-    }
     result->trace = &job->trace;
     result->findings = &job->findings;
     result->maps = job->maps.count > 0 ? &job->maps : NULL;
@@ -276,6 +273,9 @@ static int run(job_t *job)
     if (options->validate != NULL && result.estimate.number > 0 &&
         heldout_r2(&job->test, &job->use, id, options->seed, &job->trace, &result) != 0) {
         return EXIT_LOG_REFUSED;
+    }
+    if (result.wrong_log) { /* last: report_calibrate judges again */
+        result.estimate.confidence.identifiable = 0;
     }
     int status = conclude(job, &result, id);
     if (options->json) {

@@ -203,6 +203,7 @@ static void ignore_unused(const job_t *job, csv_log_t *log)
     }
 }
 
+/* A user may take the lever arm for corrected. */
 static void warn_mount(const job_t *job, const csv_log_t *log)
 {
     const auvid_real_t *lever = job->options->vehicle->mount.dvl_lever;
