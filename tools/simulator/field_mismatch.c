@@ -112,6 +112,9 @@ static const field_mismatch_t kinds[FIELD_KINDS] = {
     [FIELD_THRUST_SHAPES] = {"thrust_shapes", "",
                              "1: the mismatches of thrust have other shapes, see field_thrust.c",
                              ALONE(0, 1)},
+    [FIELD_THRUST_BILINEAR] = {"thrust_bilinear", "",
+                               "1: thrust is lost with inflow times the propeller's speed",
+                               ALONE(0, 1)},
 };
 
 int field_mismatches(const field_mismatch_t **table)

@@ -4,7 +4,8 @@
  *   ESC        PWM pulse of 1 us steps, dead zone d: |c| = s^2, s -> (400 s - d) / (400 - d)
  *   propeller  |f|^(1 + e), weaker backward, minus the dead band, times gain, sag and battery
  *   speed      n = sign(f) sqrt|f|: with limited slope, then first-order lag; force n |n|
- *   inflow     times 1 - a v, with v the speed of the water along the force
+ *   inflow     times 1 - a v, with v the speed of the water along the force; bilinear: less
+ *              a v sqrt(f_max |f|), as of a propeller at speed n that loses b |n| v
  * The reported thrust is c, or the value of the pulse, or this times the voltage squared.
  *
  * Other shapes of the same sizes, which auvid's columns do not have (FIELD_THRUST_SHAPES):
@@ -161,6 +162,9 @@ static double inflow(const field_t *field, int j, double force)
     along = force < 0.0 ? -along : along;
     along = has_other_shapes(field) ? fmax(along, 0.0) : along;
     double loss = field->cfg.size[FIELD_THRUST_ADVANCE] * along;
+    if (field->cfg.size[FIELD_THRUST_BILINEAR] > 0.0) {
+        return force - copysign(loss * sqrt(sheet->thruster_max_N * fabs(force)), force);
+    }
     return force * fmax(0.0, fmin(2.0, 1.0 - loss));
 }
 
