@@ -13,7 +13,17 @@
 void auvid_metric_watch(auvid_metric_t *m, const auvid_sample_t *cell, const auvid_real_t *pi,
                         uint8_t dofs);
 
-/** Is the wrench feedback, in some set of the ring or in the newest one? */
-bool auvid_metric_has_feedback(const auvid_metric_t *m);
+/** DoF, a bit each. An autopilot often holds these two while the rest is driven in open loop. */
+#define AUVID_FEEDBACK_TILT (1u << AUVID_ROLL | 1u << AUVID_PITCH)
+#define AUVID_FEEDBACK_ALL ((1u << AUVID_DOF_COUNT) - 1u)
+
+/** Returns in which DoF the wrench is feedback, in some set of the ring or in the newest one, a bit
+ * each: in none, in roll and pitch, or in all. */
+uint32_t auvid_metric_feedback_dofs(const auvid_metric_t *m);
+
+static inline bool auvid_metric_has_feedback(const auvid_metric_t *m)
+{
+    return auvid_metric_feedback_dofs(m) != 0;
+}
 
 #endif

@@ -178,6 +178,21 @@ static void test_the_sum_over_the_degrees_of_freedom_decides(void)
     TEST_ASSERT_FALSE(auvid_metric_has_feedback(&id.metric));
 }
 
+static void test_roll_and_pitch_are_judged_by_themselves(void)
+{
+    give(AUVID_ROLL, 10.1, 100);
+    TEST_ASSERT_EQUAL_HEX32(AUVID_FEEDBACK_TILT, auvid_metric_feedback_dofs(&id.metric));
+    give(AUVID_PITCH, 4.0, 50);
+    give(AUVID_SURGE, 9.9, 100); /* together 24 of 17.3 */
+    TEST_ASSERT_EQUAL_HEX32(0, auvid_metric_feedback_dofs(&id.metric));
+    give(AUVID_SURGE, 10.1, 100);
+    TEST_ASSERT_EQUAL_HEX32(AUVID_FEEDBACK_ALL, auvid_metric_feedback_dofs(&id.metric));
+    give(AUVID_PITCH, 4.1, 50);
+    TEST_ASSERT_EQUAL_HEX32(AUVID_FEEDBACK_ALL, auvid_metric_feedback_dofs(&id.metric));
+    give(AUVID_SURGE, 9.9, 100);
+    TEST_ASSERT_EQUAL_HEX32(AUVID_FEEDBACK_TILT, auvid_metric_feedback_dofs(&id.metric));
+}
+
 /* Rows of the test after this many seconds. */
 static auvid_real_t watched_rows(bool passive, double seconds)
 {
@@ -210,6 +225,7 @@ int main(void)
     RUN_TEST(test_a_record_of_feedback_gives_no_prior);
     RUN_TEST(test_flags_return_after_the_controller);
     RUN_TEST(test_the_sum_over_the_degrees_of_freedom_decides);
+    RUN_TEST(test_roll_and_pitch_are_judged_by_themselves);
     RUN_TEST(test_neither_auvids_excitation_nor_motion_before_an_estimate_is_watched);
     return UNITY_END();
 }
