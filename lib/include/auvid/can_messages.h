@@ -16,7 +16,7 @@ extern "C" {
 #endif
 
 /** Version of the frames. Every heartbeat carries it. */
-#define AUVID_CAN_PROTOCOL 5u
+#define AUVID_CAN_PROTOCOL 6u
 /** Default first identifiers of the two blocks (auvid_can_ids_t). */
 #define AUVID_CAN_FAST_BASE 0x040u
 #define AUVID_CAN_SLOW_BASE 0x400u
@@ -134,7 +134,8 @@ enum {
     AUVID_CAN_NOTE_DISCREDITED = 11,
     AUVID_CAN_NOTE_THRUST_SCALE = 12,
     AUVID_CAN_NOTE_FEEDBACK = 13,
-    AUVID_CAN_NOTE_UNCHECKED = 14
+    AUVID_CAN_NOTE_UNCHECKED = 14,
+    AUVID_CAN_NOTE_INFLOW = 15
 };
 
 /** Values of `guard`. */
@@ -217,14 +218,15 @@ enum {
     AUVID_CAN_INPUT_CURRENT_EAST = 7,
     AUVID_CAN_INPUT_MOUNTING_ARM_AHEAD = 8,
     AUVID_CAN_INPUT_MOUNTING_ARM_STARBOARD = 9,
-    AUVID_CAN_INPUT_TIMING_DVL = 10,
-    AUVID_CAN_INPUT_TIMING_DELAY = 11,
-    AUVID_CAN_INPUT_ASYMMETRY = 12,
-    AUVID_CAN_INPUT_MOUNTING_FORCE = 13,
-    AUVID_CAN_INPUT_MOUNTING_CROSS = 14,
-    AUVID_CAN_INPUT_MOUNTING_LIFT = 15,
-    AUVID_CAN_INPUT_MOUNTING_GRAVITY_ASTERN = 16,
-    AUVID_CAN_INPUT_MOUNTING_GRAVITY_PORT = 17
+    AUVID_CAN_INPUT_MOUNTING_ARM_DOWN = 10,
+    AUVID_CAN_INPUT_TIMING_DVL = 11,
+    AUVID_CAN_INPUT_TIMING_DELAY = 12,
+    AUVID_CAN_INPUT_ASYMMETRY = 13,
+    AUVID_CAN_INPUT_MOUNTING_FORCE = 14,
+    AUVID_CAN_INPUT_MOUNTING_CROSS = 15,
+    AUVID_CAN_INPUT_MOUNTING_LIFT = 16,
+    AUVID_CAN_INPUT_MOUNTING_GRAVITY_ASTERN = 17,
+    AUVID_CAN_INPUT_MOUNTING_GRAVITY_PORT = 18
 };
 
 /** Values of `dof`. */
@@ -614,7 +616,7 @@ typedef struct {
     uint32_t number;
     /** Place of the class among those named; the first moves masses and drag most; 0..6 */
     uint32_t rank;
-    /** The class, and its most important input; 0..17 */
+    /** The class, and its most important input; 0..18 */
     uint32_t input;
     /** Degree of freedom in which its share is largest; 0..5 */
     uint32_t dof;

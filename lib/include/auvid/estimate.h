@@ -76,10 +76,13 @@ typedef enum {
     AUVID_NOTE_FEEDBACK,  /**< closed loop: the wrench answers the motion, so motion by the thrust
                               cannot be told from motion by a disturbance. Its sigma does not hold.
                               Then no parameter is identifiable, except by the reference of the
-                              controller (auvid_instruments_t) */
+                              controller (auvid_instruments_t). If it is so in roll and pitch only,
+                              no parameter of theirs */
     AUVID_NOTE_UNCHECKED, /**< identifiable if thrust and sensors are exact. They were not examined
                                for errors, or have too large ones: see auvid_confidence_t.unchecked
                              */
+    AUVID_NOTE_INFLOW, /**< linear drag that looks like thrust lost with speed, by a law that is not
+                            known (uncertain.h): more motion does not help */
     AUVID_NOTE_COUNT
 } auvid_note_t;
 
@@ -363,7 +366,7 @@ typedef struct {
  * checkpoint does not contain the force: give it again after a restore.
  *
  * Regressor path only. k_tau has a column in each equation, also of the uncertain inputs: a
- * BlueROV2 Heavy in six degrees of freedom then needs AUVID_MAX_UNCERTAIN 114, Girona500 the
+ * BlueROV2 Heavy in six degrees of freedom then needs AUVID_MAX_UNCERTAIN 120, Girona500 the
  * default. An equation gives no rows while any velocity is unmeasured. Cost of the
  * regressor: the wrapped one's, a rotation matrix and five cross products. Memory:
  * sizeof(auvid_calibrated_t), 2 KiB. None of it is in the paper. Unused code is not linked. It must

@@ -20,6 +20,11 @@
  * The common scale of the thrust is not observable. It stays in auvid_uncertainty_t. A known force
  * shows it (auvid_calibrated_t in estimate.h).
  *
+ * The law by which thrust is lost with speed v along a propeller is not known either: its column is
+ * f v, but in Fossen's bilinear model a propeller at speed n loses b |n| v. The difference looks
+ * like linear drag. It is 0.15 of the loss that was found, and part of that drag's sigma
+ * (AUVID_NOTE_INFLOW).
+ *
  * The priors may be wrong by a factor of two: they get a common scale, the one with the largest
  * likelihood of what was found. Above 1, the scales of thrust and DVL in auvid_uncertainty_t are
  * taken as less certain by the same factor: then few parameters are identifiable. From 2 on none
@@ -32,8 +37,9 @@
  *
  * A passive vehicle adds rows until the first excitation; from then on only the excitation does. In
  * closed loop nothing is identifiable from passive rows (AUVID_NOTE_FEEDBACK), unless the reference
- * of the controller is given (auvid_instruments_t, below). Each search is followed by a solution
- * with uncertain inputs: they are eliminated, and both phases of the optimizer search what is left,
+ * of the controller is given (auvid_instruments_t, below). Where only roll and pitch are in closed
+ * loop, their equations have no part in the solution. Each search is followed by a solution with
+ * uncertain inputs: they are eliminated, and both phases of the optimizer search what is left,
  * within the bounds. auvid_identifier_estimate then returns it. The estimate without uncertain
  * inputs is identifier.estimate; nothing in it is identifiable. After a change of the vehicle the
  * rows begin again. The rows hold about as much as the ring of sets.
@@ -79,6 +85,7 @@ typedef enum {
     AUVID_UNCERTAIN_CURRENT_Y, /**< current to the east [m/s] */
     AUVID_UNCERTAIN_ARM_X,     /**< the DVL is further ahead than configured [m] */
     AUVID_UNCERTAIN_ARM_Y,     /**< the DVL is further to starboard than configured [m] */
+    AUVID_UNCERTAIN_ARM_Z,     /**< the DVL is further down than configured [m] */
     AUVID_UNCERTAIN_DVL_LATE,  /**< the DVL is later than the attitude [s] */
     AUVID_UNCERTAIN_GAIN,      /**< the first thruster is stronger by this part */
     AUVID_UNCERTAIN_SHARED = AUVID_UNCERTAIN_GAIN + AUVID_MAX_THRUSTERS
@@ -99,8 +106,8 @@ typedef struct {
     auvid_real_t cross;      /**< sway by yaw rate, yaw by sway and lift, relative to drag, 0..1;
                                   default 0.15 */
     auvid_real_t force;      /**< constant, relative to tau_max, 0..1; default 0.03 */
-    auvid_real_t arm_m;      /**< lever arm of the DVL, ahead and aside [m], 0..1; default 0.05.
-                                Not its height, which matters in six DoF: give it exactly */
+    auvid_real_t arm_m;      /**< lever arm of the DVL, ahead and aside, and in a model of roll or
+                                pitch its height [m], 0..1; default 0.05 */
     auvid_real_t dvl_late_s; /**< delay of the DVL against the attitude [s], 0..1; default 0.05 */
     auvid_real_t gravity_m;  /**< centre of gravity ahead and aside [m], 0..1; default 0.01 */
     auvid_real_t nominal_lag_s; /**< no deviation, but the first-order lag of the propellers' speed
@@ -256,7 +263,8 @@ typedef struct {
     uint32_t strong; /* of the instruments, bit i: parameter i is strong; 0: rows not projected */
     auvid_optimizer_work_t searched;
     bool not_converged;
-    uint8_t reserved[7];
+    uint8_t left_out; /* DoF without part in it, a bit each */
+    uint8_t reserved[6];
     auvid_real_t joint[AUVID_UNCERTAIN_JOINT * (AUVID_UNCERTAIN_JOINT + 1) / 2];
     auvid_real_t own_rows[AUVID_UNCERTAIN_OWN_ROWS];
     auvid_real_t side[AUVID_DOF_COUNT][AUVID_UNCERTAIN_JOINT]; /* see auvid_uncertain_solve.c */

@@ -220,7 +220,8 @@ static auvid_real_t confidence_wrench_norm(const auvid_confidence_job_t *c, int 
 static bool confidence_is_known(const auvid_confidence_t *c, int p)
 {
     return c->note[p] == AUVID_NOTE_NONE || c->note[p] == AUVID_NOTE_UNCHECKED ||
-           c->note[p] == AUVID_NOTE_IMPLAUSIBLE || c->note[p] == AUVID_NOTE_THRUST_SCALE;
+           c->note[p] == AUVID_NOTE_IMPLAUSIBLE || c->note[p] == AUVID_NOTE_THRUST_SCALE ||
+           c->note[p] == AUVID_NOTE_INFLOW;
 }
 
 /* These parameters, a bit each, are not identifiable, because of an impossible one. */
@@ -326,8 +327,10 @@ void auvid_confidence_conclude(auvid_confidence_job_t *c, int i, const auvid_fin
     int j = (int)cfg->vehicle->parameter[p].dof;
     auvid_real_t sigma = found->sigma, bias = found->bias;
     auvid_real_t thrust = to->thrust_error[p], dvl = to->dvl_error[p];
+    auvid_real_t inflow = found->inflow;
     auvid_real_t relative = auvid_sqrt(sigma * sigma + dvl * dvl);
-    auvid_real_t all = auvid_sqrt(relative * relative + thrust * thrust);
+    auvid_real_t without = auvid_sqrt(relative * relative + thrust * thrust);
+    auvid_real_t all = auvid_sqrt(relative * relative + thrust * thrust + inflow * inflow);
     auvid_real_t total = auvid_sqrt(all * all + bias * bias);
     auvid_real_t half = AUVID_HALF_WIDTH * all + bias;
     auvid_real_t allowed = auvid_confidence_allowed(cfg, p, c->pi[p]);
@@ -355,6 +358,9 @@ void auvid_confidence_conclude(auvid_confidence_job_t *c, int i, const auvid_fin
                                       : AUVID_NOTE_NONE;
     } else if (auvid_abs(c->pi[p]) + half <= confidence_small_value(c, p)) {
         to->note[p] = AUVID_NOTE_SMALL;
+    } else if (known && (AUVID_HALF_WIDTH * without + bias <= allowed ||
+                         AUVID_HALF_WIDTH * inflow > allowed)) {
+        to->note[p] = AUVID_NOTE_INFLOW;
     } else if (known && AUVID_HALF_WIDTH * relative + bias <= allowed) {
         auvid_real_t max_sigma = (allowed - bias) / AUVID_HALF_WIDTH;
         to->note[p] = AUVID_NOTE_THRUST_SCALE;
@@ -380,13 +386,16 @@ void auvid_confidence_close_loop(auvid_confidence_job_t *c, const auvid_metric_t
     static const uint32_t kept = 1u << AUVID_NOTE_FIXED | 1u << AUVID_NOTE_NOT_EXCITED |
                                  1u << AUVID_NOTE_AT_BOUND | 1u << AUVID_NOTE_BESIDE_BOUND |
                                  1u << AUVID_NOTE_NOT_CONVERGED;
-    bool feedback = auvid_metric_has_feedback(m);
-    for (int k = 0; feedback && k < c->n; ++k) {
+    uint32_t feedback = auvid_metric_feedback_dofs(m);
+    for (int k = 0; k < c->n; ++k) {
         int p = c->parameter_of[k];
-        if (!(kept >> c->result.note[p] & 1u) && (strong >> p & 1u) == 0) {
+        if ((feedback >> m->cfg.vehicle->parameter[p].dof & 1u) == 0 || (strong >> p & 1u) != 0) {
+            continue;
+        }
+        if (!(kept >> c->result.note[p] & 1u)) {
             c->result.note[p] = AUVID_NOTE_FEEDBACK;
             c->result.partner[p] = 0;
         }
-        c->result.identifiable &= strong;
+        c->result.identifiable &= ~(UINT32_C(1) << (p & 31));
     }
 }

@@ -299,18 +299,19 @@ typedef struct {
 } uncertain_shift_t;
 
 /* Inputs from the current on that have one. */
-enum { SHIFTS = AUVID_UNCERTAIN_ARM_Y - AUVID_UNCERTAIN_CURRENT_X + 1 };
+enum { SHIFTS = AUVID_UNCERTAIN_ARM_Z - AUVID_UNCERTAIN_CURRENT_X + 1 };
 
 static void uncertain_shifts(const auvid_sample_t *cell, auvid_real_t r[3][3],
                              uncertain_shift_t shift[SHIFTS])
 {
-    static const auvid_real_t axis[2][3] = {{AUVID_C(1.0)}, {AUVID_C(0.0), AUVID_C(1.0)}};
-    for (int k = 0; k < 2; ++k) {
-        uncertain_shift_t *current = &shift[k], *arm = &shift[2 + k];
-        memcpy(current->velocity, r[k], sizeof current->velocity); /* the world's axis */
-        uncertain_cross(r[k], cell->nu + AUVID_ROLL, current->rate);
-        uncertain_cross(cell->nu + AUVID_ROLL, axis[k], arm->velocity);
-        uncertain_cross(cell->nu_dot + AUVID_ROLL, axis[k], arm->rate);
+    for (int k = 0; k < 2; ++k, ++shift) {
+        memcpy(shift->velocity, r[k], sizeof shift->velocity); /* the world's axis */
+        uncertain_cross(r[k], cell->nu + AUVID_ROLL, shift->rate);
+    }
+    for (int k = 0; k < 3; ++k, ++shift) {
+        const auvid_real_t arm[3] = {k == 0, k == 1, k == 2};
+        uncertain_cross(cell->nu + AUVID_ROLL, arm, shift->velocity);
+        uncertain_cross(cell->nu_dot + AUVID_ROLL, arm, shift->rate);
     }
 }
 
@@ -358,6 +359,13 @@ static void uncertain_move_parameters(auvid_uncertain_t *u, const auvid_metric_t
     }
 }
 
+/* Returns the equations with a column of this current or lever arm, a bit each. */
+static uint32_t uncertain_moved(const auvid_metric_t *m, int n)
+{
+    uint32_t tilted = n >= (int)AUVID_UNCERTAIN_ARM_X ? auvid_uncertain_tilted(m) : 0;
+    return n == (int)AUVID_UNCERTAIN_ARM_Z ? tilted : tilted | AUVID_UNCERTAIN_PLANAR;
+}
+
 static void uncertain_motion_columns(auvid_uncertain_t *u, const auvid_metric_t *m,
                                      const auvid_sample_t *cell, const auvid_sample_t *water,
                                      const uncertain_shift_t *shift, auvid_real_t sum[][SUMS])
@@ -374,16 +382,19 @@ static void uncertain_motion_columns(auvid_uncertain_t *u, const auvid_metric_t 
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
         uncertain_move_parameters(u, m, j, &y, &y_water);
     }
-    for (int n = AUVID_UNCERTAIN_CURRENT_X; n <= (int)AUVID_UNCERTAIN_ARM_Y; ++n) {
-        if (auvid_uncertain_configured(u, n) > AUVID_C(0.0)) {
-            uncertain_move(&moved, water, &shift[n - (int)AUVID_UNCERTAIN_CURRENT_X], LEAST_STEP);
-            uncertain_predict(u, m, &moved, AUVID_UNCERTAIN_PLANAR, after);
-            for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
-                if ((AUVID_UNCERTAIN_PLANAR >> j & 1u) != 0) {
-                    auvid_real_t column = (after[j] - predicted[j]) / LEAST_STEP;
-                    sum[j][MOTION_AT + n] = column;
-                    sum[j][SUM_THRUST] += column * u->shared[n];
-                }
+    for (int n = AUVID_UNCERTAIN_CURRENT_X; n <= (int)AUVID_UNCERTAIN_ARM_Z; ++n) {
+        uint32_t dofs = auvid_uncertain_configured(u, n) > AUVID_C(0.0) ? uncertain_moved(m, n) : 0;
+        if (dofs == 0) {
+            continue;
+        }
+        uncertain_move(&moved, water, &shift[n - (int)AUVID_UNCERTAIN_CURRENT_X], LEAST_STEP);
+        uncertain_predict(u, m, &moved, dofs, after);
+        for (int j = 0; dofs >> j != 0; ++j) {
+            if ((dofs >> j & 1u) != 0) {
+                sum[j][MOTION_AT + n] = (after[j] - predicted[j]) / LEAST_STEP;
+            }
+            if ((dofs & AUVID_UNCERTAIN_PLANAR) >> j & 1u) { /* about the last estimate */
+                sum[j][SUM_THRUST] += sum[j][MOTION_AT + n] * u->shared[n];
             }
         }
     }

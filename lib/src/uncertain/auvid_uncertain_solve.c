@@ -57,6 +57,12 @@ static void uncertain_add_shared_prior(uncertain_t *u, const auvid_metric_t *m, 
     auvid_qr_update(u->work.joint, JOINT_ORDER, code, row);
 }
 
+/* Does DoF j take part in the solution? */
+static bool uncertain_takes_part(const uncertain_t *u, int j)
+{
+    return auvid_uncertain_has_rows(u, j) && (u->work.left_out >> j & 1u) == 0;
+}
+
 /* Keep shared inputs and parameters, and solve for the own inputs of each DoF. */
 static void uncertain_keep(uncertain_t *u, const auvid_metric_t *m, const auvid_real_t *x)
 {
@@ -64,7 +70,7 @@ static void uncertain_keep(uncertain_t *u, const auvid_metric_t *m, const auvid_
     memcpy(u->pi, x + PARAMETERS_AT, sizeof u->pi);
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
         const auvid_uncertain_equation_t *e = &u->equation[j];
-        for (int i = auvid_uncertain_has_rows(u, j) ? e->own - 1 : -1; i >= 0; --i) {
+        for (int i = uncertain_takes_part(u, j) ? e->own - 1 : -1; i >= 0; --i) {
             const auvid_real_t *r = auvid_uncertain_own_row(u, e, i);
             auvid_real_t sum = AUVID_C(0.0);
             for (int k = i + 1; k < e->order; ++k) {
@@ -151,10 +157,10 @@ static void uncertain_find_covariance(uncertain_t *u, const auvid_metric_t *m, i
 
 /* ---- the steps ---- */
 
-/* The next DoF with rows, from j on. */
+/* The next DoF that takes part, from j on. */
 static uint8_t uncertain_next_dof(const uncertain_t *u, int j)
 {
-    while (j < AUVID_DOF_COUNT && !auvid_uncertain_has_rows(u, j)) {
+    while (j < AUVID_DOF_COUNT && !uncertain_takes_part(u, j)) {
         ++j;
     }
     return (uint8_t)j;
@@ -172,10 +178,14 @@ void auvid_uncertain_begin(auvid_uncertain_t *u)
     auvid_zero(&u->work, sizeof u->work);
     u->work.solving = true;
     u->work.sag_from = auvid_max(u->recorded.elapsed - LONGEST_SAG, AUVID_C(0.0));
-    u->work.dof = uncertain_next_dof(u, 0);
-    if (u->instruments != NULL && !u->excited && auvid_metric_has_feedback(&u->id->metric)) {
+    uint32_t feedback = u->excited ? 0 : auvid_metric_feedback_dofs(&u->id->metric);
+    if (u->instruments != NULL && feedback != 0) {
         u->work.strong = u->strong(u, &u->id->metric);
     }
+    /* held by an autopilot while the path is open loop: their equations would bend the masses */
+    bool tilt = feedback == AUVID_FEEDBACK_TILT && u->work.strong == 0;
+    u->work.left_out = (uint8_t)(tilt ? feedback : 0u);
+    u->work.dof = uncertain_next_dof(u, 0);
 }
 
 bool auvid_uncertain_reads(const auvid_uncertain_t *u, int j)

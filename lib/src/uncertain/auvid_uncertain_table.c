@@ -22,7 +22,8 @@ enum {
     PLANAR = AUVID_UNCERTAIN_PLANAR,
     ACTUATED = 1 << AUVID_DOF_COUNT,
     DRAGGED = ACTUATED << 1,
-    UNFORCED = ACTUATED << 2
+    UNFORCED = ACTUATED << 2,
+    TILTED = ACTUATED << 3
 };
 
 static bool table_acts(const auvid_uncertain_t *u, int thruster, int j)
@@ -43,11 +44,18 @@ static int table_parameter(const auvid_metric_t *m, auvid_parameter_kind_t kind,
     return -1;
 }
 
+uint32_t auvid_uncertain_tilted(const auvid_metric_t *m)
+{
+    bool tilts = auvid_metric_order(m, AUVID_ROLL) > 0 || auvid_metric_order(m, AUVID_PITCH) > 0;
+    return tilts ? 1u << AUVID_SURGE | 1u << AUVID_SWAY | 1u << AUVID_HEAVE : 0;
+}
+
 static int table_properties(const auvid_uncertain_t *u, const auvid_metric_t *m, int j)
 {
     int is = 1 << j;
     is |= table_parameter(m, AUVID_PARAMETER_QUADRATIC_DRAG, j) >= 0 ? DRAGGED : 0;
     is |= table_parameter(m, AUVID_PARAMETER_FORCE, j) < 0 ? UNFORCED : 0;
+    is |= (auvid_uncertain_tilted(m) >> j & 1u) != 0 ? TILTED : 0;
     for (int i = 0; i < u->allocation->cfg.thrusters; ++i) {
         is |= table_acts(u, i, j) ? ACTUATED : 0;
     }
@@ -136,6 +144,20 @@ static auvid_real_t table_lift(const auvid_uncertain_t *u, const auvid_metric_t 
            (j == AUVID_SWAY  ? AUVID_C(1.0)
             : j == AUVID_YAW ? AUVID_C(0.67) * table_half_length(u, m)
                              : AUVID_C(0.5));
+}
+
+/* Part of the loss at full thrust that looks like linear drag, if thrust is lost with the speed of
+ * the propeller instead of its square: 0.08 to 0.16 in the DoF of three simulated vehicles. */
+#define LIKE_DRAG AUVID_C(0.15)
+
+auvid_real_t auvid_uncertain_inflow_drag(const auvid_uncertain_t *u, int j)
+{
+    auvid_real_t loss = AUVID_C(0.0);
+    for (int i = 0; i < u->allocation->cfg.thrusters; ++i) {
+        const auvid_thruster_t *t = &u->allocation->cfg.thruster[i];
+        loss += t->wrench[j] * t->wrench[j] * auvid_max(t->max_N, -t->min_N);
+    }
+    return LIKE_DRAG * auvid_abs(u->shared[AUVID_UNCERTAIN_INFLOW]) * loss;
 }
 
 /* The lever of the vehicle's weight. */

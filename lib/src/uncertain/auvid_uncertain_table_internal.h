@@ -34,6 +34,10 @@ enum {
 /** Equations that current and lever arm change, a bit each: PLANAR in the table. */
 #define AUVID_UNCERTAIN_PLANAR (1u << AUVID_SURGE | 1u << AUVID_SWAY | 1u << AUVID_YAW)
 
+/** Equations of the forces, a bit each, if the model has one of roll or pitch: then the lever arm
+ * changes all of them. TILTED in the table. Else 0: roll and pitch are small. */
+uint32_t auvid_uncertain_tilted(const auvid_metric_t *m);
+
 #define UNCERTAIN_TIMING                                                                           \
     "thrust acts later than stamped, by ", "thrust acts earlier than stamped, by ", "s",           \
         "check time stamps and the propellers' lag"
@@ -49,7 +53,8 @@ enum {
  *   deviation  member of auvid_uncertain_config_t; 0: there is no column
  *   from       INPUT_FROM_<from>
  *   equations  of which DoF: a sum of names; or of those with thrust
- *              (ACTUATED), quadratic drag (DRAGGED), no constant force as parameter (UNFORCED)
+ *              (ACTUATED), quadratic drag (DRAGGED), no constant force as parameter (UNFORCED), or
+ *              of forces in a model of roll or pitch (TILTED)
  *   prior      the column's standard deviation: AS_CONFIGURED, or by a function of
  *              auvid_uncertain_table.c; then the cause's value is in the unit of the COLUMN(), or
  *              RELATIVE(), as configured
@@ -85,12 +90,15 @@ enum {
     ROW(AUVID_UNCERTAIN_CURRENT_Y, current, MOTION, PLANAR, AS_CONFIGURED, CURRENT,                \
         "a current sets to the east, with ", "a current sets to the west, with ", "m/s",           \
         UNCERTAIN_WATER)                                                                           \
-    ROW(AUVID_UNCERTAIN_ARM_X, arm_m, MOTION, PLANAR, AS_CONFIGURED, MOUNTING,                     \
+    ROW(AUVID_UNCERTAIN_ARM_X, arm_m, MOTION, PLANAR + TILTED, AS_CONFIGURED, MOUNTING,            \
         "the DVL is further ahead than configured, by ",                                           \
         "the DVL is further astern than configured, by ", "m", UNCERTAIN_ARM)                      \
-    ROW(AUVID_UNCERTAIN_ARM_Y, arm_m, MOTION, PLANAR, AS_CONFIGURED, MOUNTING,                     \
+    ROW(AUVID_UNCERTAIN_ARM_Y, arm_m, MOTION, PLANAR + TILTED, AS_CONFIGURED, MOUNTING,            \
         "the DVL is further to starboard than configured, by ",                                    \
         "the DVL is further to port than configured, by ", "m", UNCERTAIN_ARM)                     \
+    ROW(AUVID_UNCERTAIN_ARM_Z, arm_m, MOTION, TILTED, AS_CONFIGURED, MOUNTING,                     \
+        "the DVL is further down than configured, by ",                                            \
+        "the DVL is further up than configured, by ", "m", UNCERTAIN_ARM)                          \
     ROW(AUVID_UNCERTAIN_DVL_LATE, dvl_late_s, THRUST, PLANAR + HEAVE, AS_CONFIGURED, TIMING,       \
         "the DVL is later than the attitude, by ", "the attitude is later than the DVL, by ", "s", \
         "check their time stamps")                                                                 \
@@ -145,6 +153,10 @@ auvid_real_t auvid_uncertain_linear_part(const auvid_uncertain_t *u, const auvid
 /** Returns the standard deviation of the prior of a column of DoF j. */
 auvid_real_t auvid_uncertain_sigma(const auvid_uncertain_t *u, const auvid_metric_t *m, int input,
                                    int j);
+
+/** Returns the standard deviation of DoF j's linear drag by the law of inflow: part of the loss
+ * that was found. */
+auvid_real_t auvid_uncertain_inflow_drag(const auvid_uncertain_t *u, int j);
 
 /** Has DoF j's equation a column of this input? */
 bool auvid_uncertain_has(const auvid_uncertain_t *u, const auvid_metric_t *m, int input, int j);

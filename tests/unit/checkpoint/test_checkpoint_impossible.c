@@ -52,7 +52,7 @@ static void test_impossible_values_are_refused(void)
     IMPOSSIBLE(work.searching = true);
     IMPOSSIBLE(estimate.speed[0][0] = -1);
     IMPOSSIBLE(estimate.confidence.lost[0] = 101);
-    IMPOSSIBLE(estimate.confidence.note[0] = AUVID_NOTE_UNCHECKED + 1);
+    IMPOSSIBLE(estimate.confidence.note[0] = AUVID_NOTE_COUNT);
     IMPOSSIBLE(estimate.confidence.thrust_error[0] = AUVID_C(2e18));
     IMPOSSIBLE(estimate.confidence.dvl_error[0] = (auvid_real_t)NAN);
     IMPOSSIBLE(estimate.confidence.uncertainty.thrust_scale = AUVID_C(1.1));

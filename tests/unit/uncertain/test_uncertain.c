@@ -120,6 +120,27 @@ static void test_lever_arm_and_delay_of_the_dvl_are_found_and_would_bias_the_est
     }
 }
 
+/* By Fossen's bilinear law thrust is lost with the speed of the propeller; the column is of its
+ * square. What that leaves looks like linear drag. */
+static void test_a_loss_by_another_law_makes_linear_drag_uncertain(void)
+{
+    identify_rov("disturbance", 0.15, NULL);
+    for (int i = SIM_X_U; i <= SIM_N_R; i += SIM_Y_V - SIM_X_U) {
+        TEST_ASSERT_TRUE(record.flagged[i]);
+    }
+    choose("thrust_bilinear", 1.0);
+    choose("thrust_advance", 0.2);
+    identify();
+    TEST_ASSERT_TRUE(error(SIM_X_U) > 0.2 && error(SIM_N_R) > 0.2);
+    for (int i = SIM_X_U; i <= SIM_N_R; i += SIM_Y_V - SIM_X_U) {
+        TEST_ASSERT_FALSE(record.flagged[i]);
+        TEST_ASSERT_EQUAL(AUVID_NOTE_INFLOW, record.note[i]);
+    }
+    for (int i = SIM_M_U; i <= SIM_M_R; ++i) {
+        TEST_ASSERT_TRUE(record.flagged[i]);
+    }
+}
+
 /* Runs a mixture of mismatches. */
 static void identify_mixture(uint64_t seed, double strength)
 {
@@ -340,6 +361,7 @@ int main(void)
     UNITY_BEGIN();
     RUN_TEST(test_each_mismatch_is_found_and_leaves_the_parameters_right);
     RUN_TEST(test_lever_arm_and_delay_of_the_dvl_are_found_and_would_bias_the_estimate);
+    RUN_TEST(test_a_loss_by_another_law_makes_linear_drag_uncertain);
     RUN_TEST(test_with_inputs_less_exact_than_told_little_is_identifiable);
     RUN_TEST(test_inputs_far_less_exact_than_told_give_no_estimate);
     RUN_TEST(test_a_long_dive_keeps_its_flags);

@@ -375,7 +375,7 @@ static void test_impossible_values_are_refused(void)
     OF_INPUTS(pi[0] = (auvid_real_t)NAN);
     OF_INPUTS(scale = 3);
     OF_INPUTS(estimate.covariance[0] = AUVID_C(2e37));
-    OF_INPUTS(estimate.confidence.note[0] = AUVID_NOTE_UNCHECKED + 1);
+    OF_INPUTS(estimate.confidence.note[0] = AUVID_NOTE_COUNT);
     OF_INPUTS(causes.order[0] = AUVID_CAUSE_COUNT);
     uncertain.causes.cause[0].named = true;
     OF_INPUTS(causes.cause[0].input = AUVID_UNCERTAIN_GAIN); /* of no class */
