@@ -55,7 +55,7 @@
  *
  * Regressor path only. Attach it once; a program without it does not contain it. A checkpoint
  * (checkpoint.h) contains its state. Cost: a tick of the example on a Cortex-M4F takes 22 thousand
- * instructions instead of 17 on average, 68 instead of 64 at most. Memory:
+ * instructions instead of 17 on average, 65 instead of 64 at most. Memory:
  * sizeof(auvid_uncertain_t), 27 KiB with default sizes; AUVID_MAX_UNCERTAIN chooses for how many
  * columns.
  *
