@@ -359,13 +359,6 @@ static void uncertain_move_parameters(auvid_uncertain_t *u, const auvid_metric_t
     }
 }
 
-/* Returns the equations with a column of this current or lever arm, a bit each. */
-static uint32_t uncertain_moved(const auvid_metric_t *m, int n)
-{
-    uint32_t tilted = n >= (int)AUVID_UNCERTAIN_ARM_X ? auvid_uncertain_tilted(m) : 0;
-    return n == (int)AUVID_UNCERTAIN_ARM_Z ? tilted : tilted | AUVID_UNCERTAIN_PLANAR;
-}
-
 static void uncertain_motion_columns(auvid_uncertain_t *u, const auvid_metric_t *m,
                                      const auvid_sample_t *cell, const auvid_sample_t *water,
                                      const uncertain_shift_t *shift, auvid_real_t sum[][SUMS])
@@ -383,8 +376,8 @@ static void uncertain_motion_columns(auvid_uncertain_t *u, const auvid_metric_t 
         uncertain_move_parameters(u, m, j, &y, &y_water);
     }
     for (int n = AUVID_UNCERTAIN_CURRENT_X; n <= (int)AUVID_UNCERTAIN_ARM_Z; ++n) {
-        uint32_t dofs = auvid_uncertain_configured(u, n) > AUVID_C(0.0) ? uncertain_moved(m, n) : 0;
-        if (dofs == 0) {
+        uint32_t dofs = auvid_uncertain_moved(m, n);
+        if (dofs == 0 || !(auvid_uncertain_configured(u, n) > AUVID_C(0.0))) {
             continue;
         }
         uncertain_move(&moved, water, &shift[n - (int)AUVID_UNCERTAIN_CURRENT_X], LEAST_STEP);

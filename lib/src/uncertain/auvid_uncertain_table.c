@@ -44,7 +44,8 @@ static int table_parameter(const auvid_metric_t *m, auvid_parameter_kind_t kind,
     return -1;
 }
 
-uint32_t auvid_uncertain_tilted(const auvid_metric_t *m)
+/* Equations of the forces, a bit each, if the model has one of roll or pitch; else 0. */
+static uint32_t table_tilted(const auvid_metric_t *m)
 {
     bool tilts = auvid_metric_order(m, AUVID_ROLL) > 0 || auvid_metric_order(m, AUVID_PITCH) > 0;
     return tilts ? 1u << AUVID_SURGE | 1u << AUVID_SWAY | 1u << AUVID_HEAVE : 0;
@@ -55,7 +56,7 @@ static int table_properties(const auvid_uncertain_t *u, const auvid_metric_t *m,
     int is = 1 << j;
     is |= table_parameter(m, AUVID_PARAMETER_QUADRATIC_DRAG, j) >= 0 ? DRAGGED : 0;
     is |= table_parameter(m, AUVID_PARAMETER_FORCE, j) < 0 ? UNFORCED : 0;
-    is |= (auvid_uncertain_tilted(m) >> j & 1u) != 0 ? TILTED : 0;
+    is |= (table_tilted(m) >> j & 1u) != 0 ? TILTED : 0;
     for (int i = 0; i < u->allocation->cfg.thrusters; ++i) {
         is |= table_acts(u, i, j) ? ACTUATED : 0;
     }
@@ -70,6 +71,12 @@ bool auvid_uncertain_has(const auvid_uncertain_t *u, const auvid_metric_t *m, in
         row->from != INPUT_FROM_GAIN || (i < u->allocation->cfg.thrusters && table_acts(u, i, j));
     return acts && (row->equations & table_properties(u, m, j)) != 0 &&
            auvid_uncertain_configured(u, input) > AUVID_C(0.0);
+}
+
+uint32_t auvid_uncertain_moved(const auvid_metric_t *m, int input)
+{
+    uint32_t equations = auvid_uncertain_row(input)->equations;
+    return (equations & PLANAR) | ((equations & TILTED) != 0 ? table_tilted(m) : 0);
 }
 
 /* ---- priors ---- */

@@ -34,10 +34,6 @@ enum {
 /** Equations that current and lever arm change, a bit each: PLANAR in the table. */
 #define AUVID_UNCERTAIN_PLANAR (1u << AUVID_SURGE | 1u << AUVID_SWAY | 1u << AUVID_YAW)
 
-/** Equations of the forces, a bit each, if the model has one of roll or pitch: then the lever arm
- * changes all of them. TILTED in the table. Else 0: roll and pitch are small. */
-uint32_t auvid_uncertain_tilted(const auvid_metric_t *m);
-
 #define UNCERTAIN_TIMING                                                                           \
     "thrust acts later than stamped, by ", "thrust acts earlier than stamped, by ", "s",           \
         "check time stamps and the propellers' lag"
@@ -54,7 +50,8 @@ uint32_t auvid_uncertain_tilted(const auvid_metric_t *m);
  *   from       INPUT_FROM_<from>
  *   equations  of which DoF: a sum of names; or of those with thrust
  *              (ACTUATED), quadratic drag (DRAGGED), no constant force as parameter (UNFORCED), or
- *              of forces in a model of roll or pitch (TILTED)
+ *              of forces in a model of roll or pitch (TILTED): where the model has neither, both
+ *              are small
  *   prior      the column's standard deviation: AS_CONFIGURED, or by a function of
  *              auvid_uncertain_table.c; then the cause's value is in the unit of the COLUMN(), or
  *              RELATIVE(), as configured
@@ -157,6 +154,9 @@ auvid_real_t auvid_uncertain_sigma(const auvid_uncertain_t *u, const auvid_metri
 /** Returns the standard deviation of DoF j's linear drag by the law of inflow: part of the loss
  * that was found. */
 auvid_real_t auvid_uncertain_inflow_drag(const auvid_uncertain_t *u, int j);
+
+/** Returns the equations that a current or lever arm changes, a bit each. */
+uint32_t auvid_uncertain_moved(const auvid_metric_t *m, int input);
 
 /** Has DoF j's equation a column of this input? */
 bool auvid_uncertain_has(const auvid_uncertain_t *u, const auvid_metric_t *m, int input, int j);
