@@ -9,6 +9,7 @@
 #include "auvid/fossen.h"
 #include "auvid/uncertain.h"
 #include "metric/auvid_metric_feedback_internal.h"
+#include "uncertain/auvid_uncertain_table_internal.h"
 #include "simulator.h"
 #include "unity.h"
 
@@ -16,6 +17,7 @@ enum { SECONDS = 420, TICKS_PER_S = 1000000 / SIM_TICK_US };
 
 static sim_t sim;
 static sim_config_t world;
+static auvid_identifier_config_t cfg;
 static auvid_identifier_t id;
 static auvid_uncertain_t uncertain;
 static auvid_allocation_t allocation;
@@ -23,8 +25,6 @@ static double truth[SIM_FOSSEN_PARAMETERS];
 
 void setUp(void)
 {
-    auvid_identifier_config_t cfg;
-    auvid_uncertain_config_t inputs;
     sim_bluerov2(&world);
     world.seed = 5;
     world.disturbance_N = 1.0;
@@ -35,12 +35,6 @@ void setUp(void)
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
         cfg.metric.tau_max[j] = j < AUVID_ROLL ? AUVID_C(40.0) : AUVID_C(6.0);
     }
-    auvid_uncertain_defaults(&inputs);
-    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&id, &cfg));
-    TEST_ASSERT_EQUAL(AUVID_OK,
-                      auvid_allocation_init(&allocation, &auvid_allocation_bluerov2_heavy));
-    TEST_ASSERT_EQUAL(AUVID_OK,
-                      auvid_identifier_attach_uncertain(&id, &uncertain, &inputs, &allocation));
 }
 
 void tearDown(void)
@@ -83,11 +77,23 @@ static void record(const sim_output_t *seen)
     (void)auvid_identifier_work(&id, 10000);
 }
 
+static void attach(void)
+{
+    auvid_uncertain_config_t inputs;
+    auvid_uncertain_defaults(&inputs);
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&id, &cfg));
+    TEST_ASSERT_EQUAL(AUVID_OK,
+                      auvid_allocation_init(&allocation, &auvid_allocation_bluerov2_heavy));
+    TEST_ASSERT_EQUAL(AUVID_OK,
+                      auvid_identifier_attach_uncertain(&id, &uncertain, &inputs, &allocation));
+}
+
 static void dive(void)
 {
     sim_rng_t rng;
     auvid_real_t wrench[AUVID_DOF_COUNT] = {0};
     double until[AUVID_DOF_COUNT] = {0};
+    attach();
     TEST_ASSERT_TRUE(sim_init(&sim, &world));
     sim_rng_seed(&rng, 11, 1);
     for (int k = 0; k < SECONDS * TICKS_PER_S; ++k) {
@@ -132,6 +138,10 @@ static void test_an_autopilot_of_roll_and_pitch_leaves_the_path_identifiable(voi
         TEST_ASSERT_EQUAL(AUVID_NOTE_FEEDBACK, e->confidence.note[tilt[k]]);
         TEST_ASSERT_FALSE(e->confidence.identifiable >> tilt[k] & 1u);
     }
+    for (int i = AUVID_FOSSEN_M_P; i <= AUVID_FOSSEN_M_Q;
+         ++i) { /* with Munk's moments, of masses */
+        TEST_ASSERT_TRUE(fabs((double)e->pi[i] / truth[i] - 1.0) < 0.3);
+    }
 }
 
 /* If its height counts as exact, masses are 10 % too large. */
@@ -148,10 +158,48 @@ static void test_a_dvl_that_is_lower_than_configured_is_named_and_bends_no_mass(
     TEST_ASSERT_DOUBLE_WITHIN(0.01, 0.05, (double)mounting->value);
 }
 
+/* It tilts the vehicle, and tilt gives its weight a moment of yaw. That made N_r 0.5 Nm s, and N_rr
+ * a fifth too small. */
+static void test_a_centre_of_gravity_ahead_is_no_drag_of_yaw(void)
+{
+    auvid_causes_t causes;
+    world.fossen.r_g[0] = 0.02;
+    dive();
+    check_path();
+    const auvid_real_t *pi = auvid_identifier_estimate(&id)->pi;
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_uncertain_causes(&uncertain, &causes));
+    const auvid_cause_t *mounting = &causes.cause[AUVID_CAUSE_MOUNTING];
+    TEST_ASSERT_TRUE(mounting->named);
+    TEST_ASSERT_EQUAL(INPUT_ASTERN, mounting->input);
+    TEST_ASSERT_DOUBLE_WITHIN(0.004, -0.02, (double)mounting->value);
+    TEST_ASSERT_DOUBLE_WITHIN(0.15, truth[AUVID_FOSSEN_N_R], (double)pi[AUVID_FOSSEN_N_R]);
+    TEST_ASSERT_DOUBLE_WITHIN(0.15, truth[AUVID_FOSSEN_N_RR], (double)pi[AUVID_FOSSEN_N_RR]);
+}
+
+/* The moments of roll and pitch inform no parameter of other DoF. */
+static void test_wrong_inertias_of_roll_and_pitch_bend_no_mass(void)
+{
+    auvid_real_t right[3];
+    dive();
+    memcpy(right, auvid_identifier_estimate(&id)->pi + AUVID_FOSSEN_M_U, sizeof right);
+    for (int i = AUVID_FOSSEN_M_P; i <= AUVID_FOSSEN_M_Q; ++i) {
+        cfg.metric.free &= ~(UINT32_C(1) << i);
+        cfg.metric.fixed[i] = (auvid_real_t)(3.0 * truth[i]);
+    }
+    dive();
+    check_path();
+    for (int i = 0; i < 3; ++i) {
+        double mass = (double)auvid_identifier_estimate(&id)->pi[AUVID_FOSSEN_M_U + i];
+        TEST_ASSERT_DOUBLE_WITHIN(0.01 * (double)right[i], (double)right[i], mass);
+    }
+}
+
 int main(void)
 {
     UNITY_BEGIN();
     RUN_TEST(test_an_autopilot_of_roll_and_pitch_leaves_the_path_identifiable);
     RUN_TEST(test_a_dvl_that_is_lower_than_configured_is_named_and_bends_no_mass);
+    RUN_TEST(test_a_centre_of_gravity_ahead_is_no_drag_of_yaw);
+    RUN_TEST(test_wrong_inertias_of_roll_and_pitch_bend_no_mass);
     return UNITY_END();
 }

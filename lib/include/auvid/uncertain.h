@@ -15,7 +15,13 @@
  * the thrust would shrink it. What the inputs leave of their own errors is in the thrust, though:
  * 0.3 of e is ascribed to it, and 0.6 in the moments, which thrusters form as small differences.
  * Columns of the hull and its weight are made orthogonal to its drag, so that X_u and X_uu remain
- * the best drag of the model for the motion that was seen.
+ * the best drag of the model for the motion that was seen. In a model of roll or pitch the weight
+ * is no part of the drag.
+ *
+ * The equations of roll and pitch determine parameters of these two only, with inputs of their own:
+ * their moments are small differences of forces, and most often an autopilot's. What is wrong with
+ * them bends no mass or drag of other DoF, unless a parameter of theirs that is in other equations,
+ * too, is free (couplings, x_G, y_G).
  *
  * The common scale of the thrust is not observable. It stays in auvid_uncertainty_t. A known force
  * shows it (auvid_calibrated_t in estimate.h).
@@ -37,9 +43,8 @@
  *
  * A passive vehicle adds rows until the first excitation; from then on only the excitation does. In
  * closed loop nothing is identifiable from passive rows (AUVID_NOTE_FEEDBACK), unless the reference
- * of the controller is given (auvid_instruments_t, below). Where only roll and pitch are in closed
- * loop, their equations have no part in the solution. Each search is followed by a solution with
- * uncertain inputs: they are eliminated, and both phases of the optimizer search what is left,
+ * of the controller is given (auvid_instruments_t, below). Each search is followed by a solution
+ * with uncertain inputs: they are eliminated, and both phases of the optimizer search what is left,
  * within the bounds. auvid_identifier_estimate then returns it. The estimate without uncertain
  * inputs is identifier.estimate; nothing in it is identifiable. After a change of the vehicle the
  * rows begin again. The rows hold about as much as the ring of sets.
@@ -105,7 +110,8 @@ typedef struct {
     auvid_real_t asymmetry;  /**< of drag, relative, 0..1; default 0.12 */
     auvid_real_t cross;      /**< sway by yaw rate, yaw by sway and lift, relative to drag, 0..1;
                                   default 0.15 */
-    auvid_real_t force;      /**< constant, relative to tau_max, 0..1; default 0.03 */
+    auvid_real_t force;      /**< constant, relative to tau_max, 0..1; default 0.03. In roll and
+                                pitch it is gravity_m */
     auvid_real_t arm_m;      /**< lever arm of the DVL, ahead and aside, and in a model of roll or
                                 pitch its height [m], 0..1; default 0.05 */
     auvid_real_t dvl_late_s; /**< delay of the DVL against the attitude [s], 0..1; default 0.05 */
@@ -263,8 +269,7 @@ typedef struct {
     uint32_t strong; /* of the instruments, bit i: parameter i is strong; 0: rows not projected */
     auvid_optimizer_work_t searched;
     bool not_converged;
-    uint8_t left_out; /* DoF without part in it, a bit each */
-    uint8_t reserved[6];
+    uint8_t reserved[7];
     auvid_real_t joint[AUVID_UNCERTAIN_JOINT * (AUVID_UNCERTAIN_JOINT + 1) / 2];
     auvid_real_t own_rows[AUVID_UNCERTAIN_OWN_ROWS];
     auvid_real_t side[AUVID_DOF_COUNT][AUVID_UNCERTAIN_JOINT]; /* see auvid_uncertain_solve.c */

@@ -141,7 +141,8 @@ static bool causes_differ(const auvid_estimate_t *one, const auvid_estimate_t *o
 {
     auvid_real_t sigma = auvid_max(one->confidence.sigma[i], other->confidence.sigma[i]);
     return one->number == other->number && (one->identified >> i & 1u) != 0 &&
-           sigma < AUVID_LARGEST && auvid_abs(one->pi[i] - other->pi[i]) > AUVID_HALF_WIDTH * sigma;
+           one->confidence.note[i] != AUVID_NOTE_FEEDBACK && sigma < AUVID_LARGEST &&
+           auvid_abs(one->pi[i] - other->pi[i]) > AUVID_HALF_WIDTH * sigma;
 }
 
 /* Does a bound move a parameter? Then the inputs take a part of what it forbids. */
@@ -158,7 +159,8 @@ void auvid_uncertain_consider(auvid_uncertain_t *u, int j, int k)
 {
     const auvid_uncertain_equation_t *e = &u->equation[j];
     bool delayed = e->own > 0 && u->code[e->channel_at] == INPUT_DELAY;
-    if (!(delayed && u->code[e->channel_at + k] == AUVID_UNCERTAIN_LAG)) {
+    bool of_others = k >= e->own && auvid_uncertain_tilts(j); /* moves no parameter here */
+    if (!of_others && !(delayed && u->code[e->channel_at + k] == AUVID_UNCERTAIN_LAG)) {
         causes_consider(u, j, k);
     }
 }

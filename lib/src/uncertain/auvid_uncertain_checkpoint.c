@@ -25,7 +25,6 @@ static const auvid_checkpoint_limit_t checkpoint_limit_uncertain[] = {
     UP_TO(uncertain, recorded.wrench, recorded.difference, AUVID_LARGEST),
     BYTE(uncertain, work.pass, work.pass, 3),
     FLAG(uncertain, work.solving, work.solving),
-    DOF_BITS(uncertain, work.left_out, work.left_out),
     VALUE(uncertain, work.joint, work.weight),
     BYTE(uncertain, work.part.drag_at, work.part.sag_at, UNCERTAIN_MAX_ORDER),
     VALUE(uncertain, work.part.factor, work.part.scale),

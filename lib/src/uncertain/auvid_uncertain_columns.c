@@ -400,9 +400,9 @@ static auvid_real_t uncertain_drag(const auvid_uncertain_t *u, const auvid_sampl
     return speed * (linear + (AUVID_C(1.0) - linear) * speed);
 }
 
-/* Returns a column of DoF j that is formed from the motion. */
+/* Returns a column of DoF j that is formed from the motion. down: the vertical, in the body. */
 static auvid_real_t uncertain_motion(const auvid_uncertain_t *u, const auvid_sample_t *cell,
-                                     const auvid_real_t angle[2], int code, int j)
+                                     const auvid_real_t down[3], int code, int j)
 {
     const auvid_real_t *nu = cell->nu;
     switch (code) {
@@ -416,16 +416,16 @@ static auvid_real_t uncertain_motion(const auvid_uncertain_t *u, const auvid_sam
         return j == AUVID_SWAY  ? auvid_abs(nu[AUVID_SURGE]) * nu[AUVID_SWAY]
                : j == AUVID_YAW ? nu[AUVID_SURGE] * nu[AUVID_SWAY]
                                 : nu[AUVID_SURGE] * nu[AUVID_SURGE];
-    case INPUT_ROLL:
-        return angle[0];
-    default: /* INPUT_PITCH */
-        return angle[1];
+    case INPUT_ASTERN:
+        return j == AUVID_YAW ? down[1] : -down[2];
+    default: /* INPUT_PORT */
+        return j == AUVID_YAW ? -down[0] : down[2];
     }
 }
 
 /* Write the channels of DoF j's equation. */
 static void uncertain_write_channels(auvid_uncertain_t *u, const auvid_sample_t *cell,
-                                     const auvid_real_t angle[2], const auvid_real_t *sum,
+                                     const auvid_real_t down[3], const auvid_real_t *sum,
                                      const auvid_real_t *force, int j)
 {
     const auvid_uncertain_equation_t *e = &u->equation[j];
@@ -434,7 +434,7 @@ static void uncertain_write_channels(auvid_uncertain_t *u, const auvid_sample_t 
     auvid_real_t *channel = u->recorded.channel;
     for (; code < shared; ++code) {
         channel[*place++] =
-            *code == INPUT_DELAY ? sum[SUM_DELAY] : uncertain_motion(u, cell, angle, *code, j);
+            *code == INPUT_DELAY ? sum[SUM_DELAY] : uncertain_motion(u, cell, down, *code, j);
     }
     for (; code < end && *code < (int)AUVID_UNCERTAIN_GAIN; ++code) {
         bool thrust = *code <= (int)AUVID_UNCERTAIN_LAG;
@@ -470,8 +470,7 @@ void auvid_uncertain_channels(auvid_uncertain_t *u, const auvid_metric_t *m,
     }
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
         if (u->equation[j].order > 0) {
-            uncertain_write_channels(u, &water, (auvid_real_t[2]){r[2][1], -r[2][0]}, sum[j], force,
-                                     j);
+            uncertain_write_channels(u, &water, r[2], sum[j], force, j);
         }
     }
 }

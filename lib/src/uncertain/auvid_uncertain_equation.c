@@ -116,7 +116,7 @@ static void uncertain_prepare_values(uncertain_t *u, const auvid_metric_t *m, in
             p->sag_at = (uint8_t)k;
             p->residual[e->order - 1] += u->work.sag_from * p->value[k];
         }
-        if (auvid_uncertain_row(u->code[e->channel_at + k])->from < INPUT_FROM_HULL) {
+        if (!auvid_uncertain_of_hull(m, u->code[e->channel_at + k])) {
             continue;
         }
         uncertain_project(u, j, k);
@@ -345,19 +345,46 @@ void auvid_uncertain_add_own_prior(uncertain_t *u, const auvid_metric_t *m, int 
     auvid_qr_update(u->work.part.factor, e->order, k, row);
 }
 
+int auvid_uncertain_eliminated(const auvid_uncertain_t *u, int j)
+{
+    return auvid_uncertain_tilts(j) ? u->equation[j].inputs : u->equation[j].own;
+}
+
+/* Is column k, in the equation of roll or pitch, of a parameter of another DoF? */
+static bool uncertain_is_known(const uncertain_t *u, const auvid_metric_t *m, int j, int k)
+{
+    const auvid_uncertain_equation_t *e = &u->equation[j];
+    if (!auvid_uncertain_tilts(j) || k < e->inputs || k == e->order - 1) {
+        return false;
+    }
+    int parameter = auvid_metric_row_parameters(m, j)[k - e->inputs];
+    return !auvid_uncertain_tilts((int)m->cfg.vehicle->parameter[parameter].dof);
+}
+
+/* The side of column k. */
+static auvid_real_t *uncertain_side(uncertain_t *u, const auvid_metric_t *m, int j, int k)
+{
+    return k < u->equation[j].own ? &u->work.part.own_side[k]
+                                  : &u->work.side[j][auvid_uncertain_joint_column(u, m, j, k)];
+}
+
 void auvid_uncertain_keep_own(uncertain_t *u, const auvid_metric_t *m, int j)
 {
     const auvid_uncertain_equation_t *e = &u->equation[j];
-    auvid_real_t *factor = u->work.part.factor, *side = u->work.part.own_side;
+    auvid_real_t *factor = u->work.part.factor;
     memcpy(u->work.own_rows + e->own_rows_at, factor,
            (size_t)auvid_qr_row(e->order, e->own) * sizeof *factor);
-    for (int i = 0; i < e->own; ++i) {
-        const auvid_real_t *r = factor + auvid_qr_row(e->order, i) - i;
-        side[i] = auvid_abs(r[i]) > AUVID_C(0.0) ? side[i] / r[i] : AUVID_C(0.0);
-        for (int k = i + 1; k < e->order - 1; ++k) {
-            auvid_real_t *from =
-                k < e->own ? &side[k] : &u->work.side[j][auvid_uncertain_joint_column(u, m, j, k)];
-            *from -= r[k] * side[i];
+    for (int i = 0; i < e->order - 1; ++i) {
+        auvid_real_t *side = uncertain_side(u, m, j, i);
+        if (i < auvid_uncertain_eliminated(u, j)) {
+            const auvid_real_t *r = factor + auvid_qr_row(e->order, i) - i;
+            auvid_real_t part = auvid_abs(r[i]) > AUVID_C(0.0) ? *side / r[i] : AUVID_C(0.0);
+            for (int k = i + 1; k < e->order - 1; ++k) {
+                *uncertain_side(u, m, j, k) -= r[k] * part;
+            }
+            *side = AUVID_C(0.0);
+        } else if (uncertain_is_known(u, m, j, i)) {
+            *side = AUVID_C(0.0);
         }
     }
 }
@@ -369,7 +396,12 @@ void auvid_uncertain_transfer(uncertain_t *u, const auvid_metric_t *m, int j, in
     const auvid_real_t *r = u->work.part.factor + auvid_qr_row(e->order, i) - i;
     auvid_clear(row, JOINT_ORDER);
     for (int k = i; k < e->order; ++k) {
-        row[auvid_uncertain_joint_column(u, m, j, k)] = r[k];
+        int column = auvid_uncertain_joint_column(u, m, j, k);
+        if (uncertain_is_known(u, m, j, k)) {
+            row[JOINT_ORDER - 1] -= r[k] * u->pi[column - PARAMETERS_AT];
+        } else {
+            row[column] += r[k];
+        }
     }
     auvid_qr_update(u->work.joint, JOINT_ORDER, 0, row);
 }

@@ -61,6 +61,10 @@ auvid_status_t auvid_uncertain_solve(auvid_uncertain_t *u, const auvid_metric_t 
 bool auvid_uncertain_is_step(const auvid_uncertain_t *u, const auvid_metric_t *m, int phase, int j,
                              int i, bool projected);
 
+/** Returns the number of DoF j's columns that are eliminated within its equation, the first ones:
+ * its own inputs; in roll and pitch all inputs. */
+int auvid_uncertain_eliminated(const auvid_uncertain_t *u, int j);
+
 /** Column of the joint factor of column k of DoF j, k >= own. */
 int auvid_uncertain_joint_column(const auvid_uncertain_t *u, const auvid_metric_t *m, int j, int k);
 
@@ -74,13 +78,13 @@ void auvid_uncertain_fade_early(auvid_uncertain_t *u, const auvid_metric_t *m, i
 /** Rotate row i of one band, with its changed columns, into the DoF's factor. */
 void auvid_uncertain_add_row(auvid_uncertain_t *u, int j, int band, int i);
 
-/** Rotate the prior of its own input k into the DoF's factor. */
+/** Rotate the prior of its input k into the DoF's factor. */
 void auvid_uncertain_add_own_prior(auvid_uncertain_t *u, const auvid_metric_t *m, int j, int k);
 
-/** Keep the rows of the own inputs; eliminate these from the side. */
+/** Keep the rows of the own inputs; eliminate from the side what is eliminated. */
 void auvid_uncertain_keep_own(auvid_uncertain_t *u, const auvid_metric_t *m, int j);
 
-/** Rotate row i of the DoF's factor, an own input's no more, into the joint factor. */
+/** Rotate row i of the DoF's factor, of no column that is eliminated, into the joint factor. */
 void auvid_uncertain_transfer(auvid_uncertain_t *u, const auvid_metric_t *m, int j, int i);
 
 /** Channels of DoF j's equation: inputs, thrust, and what current and lever arm change in the

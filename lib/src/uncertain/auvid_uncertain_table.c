@@ -18,6 +18,8 @@ enum {
     SURGE = 1 << AUVID_SURGE,
     SWAY = 1 << AUVID_SWAY,
     HEAVE = 1 << AUVID_HEAVE,
+    ROLL = 1 << AUVID_ROLL,
+    PITCH = 1 << AUVID_PITCH,
     YAW = 1 << AUVID_YAW,
     PLANAR = AUVID_UNCERTAIN_PLANAR,
     ACTUATED = 1 << AUVID_DOF_COUNT,
@@ -55,7 +57,8 @@ static int table_properties(const auvid_uncertain_t *u, const auvid_metric_t *m,
 {
     int is = 1 << j;
     is |= table_parameter(m, AUVID_PARAMETER_QUADRATIC_DRAG, j) >= 0 ? DRAGGED : 0;
-    is |= table_parameter(m, AUVID_PARAMETER_FORCE, j) < 0 ? UNFORCED : 0;
+    bool unforced = table_parameter(m, AUVID_PARAMETER_FORCE, j) < 0 && !auvid_uncertain_tilts(j);
+    is |= unforced ? UNFORCED : 0;
     is |= (table_tilted(m) >> j & 1u) != 0 ? TILTED : 0;
     for (int i = 0; i < u->allocation->cfg.thrusters; ++i) {
         is |= table_acts(u, i, j) ? ACTUATED : 0;
@@ -77,6 +80,12 @@ uint32_t auvid_uncertain_moved(const auvid_metric_t *m, int input)
 {
     uint32_t equations = auvid_uncertain_row(input)->equations;
     return (equations & PLANAR) | ((equations & TILTED) != 0 ? table_tilted(m) : 0);
+}
+
+bool auvid_uncertain_of_hull(const auvid_metric_t *m, int input)
+{
+    int from = auvid_uncertain_row(input)->from;
+    return from == INPUT_FROM_HULL || (from == INPUT_FROM_WEIGHT && table_tilted(m) == 0);
 }
 
 /* ---- priors ---- */

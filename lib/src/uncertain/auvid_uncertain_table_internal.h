@@ -17,12 +17,13 @@ enum {
     INPUT_FORCE,
     INPUT_CROSS,
     INPUT_LIFT,
-    INPUT_ROLL,  /* centre of gravity astern */
-    INPUT_PITCH, /* centre of gravity to port */
+    INPUT_ASTERN, /* centre of gravity astern */
+    INPUT_PORT,   /* centre of gravity to port */
     INPUTS
 };
 
-/** What a column is formed from. Those from INPUT_FROM_HULL on are made orthogonal to the drag. */
+/** What a column is formed from. Those of the hull are made orthogonal to the drag; those of the
+ * weight if the model has neither roll nor pitch. */
 enum {
     INPUT_FROM_THRUST, /* of all thrusters */
     INPUT_FROM_GAIN,   /* of one thruster */
@@ -49,9 +50,9 @@ enum {
  *   deviation  member of auvid_uncertain_config_t; 0: there is no column
  *   from       INPUT_FROM_<from>
  *   equations  of which DoF: a sum of names; or of those with thrust
- *              (ACTUATED), quadratic drag (DRAGGED), no constant force as parameter (UNFORCED), or
- *              of forces in a model of roll or pitch (TILTED): where the model has neither, both
- *              are small
+ *              (ACTUATED), quadratic drag (DRAGGED), no constant force as parameter (UNFORCED; in
+ *              roll and pitch it is that of the weight), or of forces in a model of roll or pitch
+ *              (TILTED): where the model has neither, both are small
  *   prior      the column's standard deviation: AS_CONFIGURED, or by a function of
  *              auvid_uncertain_table.c; then the cause's value is in the unit of the COLUMN(), or
  *              RELATIVE(), as configured
@@ -110,10 +111,10 @@ enum {
         "sway and yaw act on each other", "sway and yaw act on each other", NULL, UNCERTAIN_MOUNT) \
     ROW(INPUT_LIFT, cross, HULL, SWAY + HEAVE + YAW, RELATIVE(table_lift), MOUNTING,               \
         "the hull has lift", "the hull has lift", NULL, UNCERTAIN_MOUNT)                           \
-    ROW(INPUT_ROLL, gravity_m, WEIGHT, YAW, RELATIVE(table_weight), MOUNTING,                      \
+    ROW(INPUT_ASTERN, gravity_m, WEIGHT, PITCH + YAW, RELATIVE(table_weight), MOUNTING,            \
         "the centre of gravity is astern, by ", "the centre of gravity is ahead, by ", "m",        \
         UNCERTAIN_TRIM)                                                                            \
-    ROW(INPUT_PITCH, gravity_m, WEIGHT, YAW, RELATIVE(table_weight), MOUNTING,                     \
+    ROW(INPUT_PORT, gravity_m, WEIGHT, ROLL + YAW, RELATIVE(table_weight), MOUNTING,               \
         "the centre of gravity is to port, by ", "the centre of gravity is to starboard, by ",     \
         "m", UNCERTAIN_TRIM)
 
@@ -157,6 +158,15 @@ auvid_real_t auvid_uncertain_inflow_drag(const auvid_uncertain_t *u, int j);
 
 /** Returns the equations that a current or lever arm changes, a bit each. */
 uint32_t auvid_uncertain_moved(const auvid_metric_t *m, int input);
+
+/** Is DoF j roll or pitch? */
+static inline bool auvid_uncertain_tilts(int j)
+{
+    return j == AUVID_ROLL || j == AUVID_PITCH;
+}
+
+/** Is the column of this input made orthogonal to the drag? */
+bool auvid_uncertain_of_hull(const auvid_metric_t *m, int input);
 
 /** Has DoF j's equation a column of this input? */
 bool auvid_uncertain_has(const auvid_uncertain_t *u, const auvid_metric_t *m, int input, int j);

@@ -130,7 +130,7 @@ static void test_the_weight_of_a_tilted_vehicle_leaves_the_best_drag(void)
 }
 
 /* A lawnmower does not excite heave; its rows are taken nevertheless. Without them as rows of
- * heave's own parameters, surge is 13 times off. In closed loop one run in ten is far off. */
+ * heave's own parameters 8 of 30 are far off. In closed loop one run in ten is. */
 static void test_rows_of_a_dof_that_is_not_excited_belong_to_its_parameters(void)
 {
     int far = 0;
@@ -141,7 +141,7 @@ static void test_rows_of_a_dof_that_is_not_excited_belong_to_its_parameters(void
         far += fabs(error(SIM_M_U)) > 0.3 || fabs(error(SIM_X_UU)) > 0.3;
     }
     printf("surge of a lawnmower: %d of 30 runs are far off\n", far);
-    TEST_ASSERT_LESS_OR_EQUAL_INT(8, far);
+    TEST_ASSERT_LESS_OR_EQUAL_INT(6, far);
 }
 
 int main(void)
