@@ -184,7 +184,7 @@ COUNTED_SHORT := build/firmware/count_plugin.so $(call counted_images,m4f-O2 m4f
     $(foreach level,O2 Os,build/firmware/m4f-$(level)/tests/unit/identifier/test_hostile_inputs.elf)
 COUNTED_IMAGES := $(COUNTED_SHORT) $(call counted_images,$(filter-out m4f-%,$(COUNTED)))
 UNIT_IMAGES := $(filter-out $(patsubst %.c,%.elf,$(call unit_listed,long)),\
-    $(UNIT_IMAGES_LONG))
+    $(filter build/firmware/m4f-O2/%,$(UNIT_IMAGES_LONG)))
 # The example with port/cortex_m/optional/soft_float.c, and that with link-time optimization.
 SOFT_FLOAT := port/cortex_m/optional/soft_float.c
 SOFT_FLOAT_IMAGES := $(addprefix build/firmware/m0plus-Os/,soft_float.elf soft_float_lto.elf)
@@ -353,7 +353,8 @@ $(foreach way,$(WAYS),$(foreach folder,unit vehicles golden,\
     $(eval $(call test_rules,$(way),$(folder)))))
 
 # The compiler reads Eigen once.
-WITH_EIGEN := $(shell grep -l 'include <Eigen/' $(REFERENCE) $(VEHICLES_REFERENCE))
+WITH_EIGEN := $(shell grep -lE 'include (<Eigen/|"bound.h"|"[a-z]*_reference.h")' \
+    $(REFERENCE) $(VEHICLES_REFERENCE))
 WITH_EIGEN := $(foreach way,$(WAYS),$(WITH_EIGEN:%.cpp=build/$(way)/%))
 $(WITH_EIGEN): EIGEN_FLAGS = -include build/eigen.h
 $(WITH_EIGEN): build/eigen.h.gch

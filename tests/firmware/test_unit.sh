@@ -1,10 +1,13 @@
 #!/usr/bin/env bash
-# The unit tests on emulated microcontrollers, with and without hardware floating point. unit.txt
-# lists those that do not run there, and why.
+# The unit tests on an emulated microcontroller; long form: also on one without hardware floating
+# point, of which test_same_bits.sh compares a whole dive. unit.txt lists those that do not run
+# there, and why.
 set -euo pipefail
 cd "$(dirname "$0")/../.."
 
-for built in m4f-O2 m0plus-Os; do
+boards=m4f-O2
+[ -z "${AUVID_TEST_LONG:-}" ] || boards+=' m0plus-Os'
+for built in $boards; do
     board=${built%-*}
     left_out='host|long'
     # Without hardware floating point these take hours.
