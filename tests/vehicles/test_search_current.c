@@ -49,7 +49,7 @@ static void identify_seed(uint64_t seed)
 
 static void test_first_and_later_searches_end_at_the_optimum(void)
 {
-    campaign_run(identify_seed, SETS, "current", 0);
+    campaign_run(identify_seed, SETS, "current");
 }
 
 int main(int argc, char **argv)

@@ -30,7 +30,7 @@ static void identify_seed(uint64_t seed)
 static void test_first_and_later_searches_end_at_the_optimum(void)
 {
     each_step = step;
-    campaign_run(identify_seed, SETS, "thrusters", 0);
+    campaign_run(identify_seed, SETS, "thrusters");
 }
 
 int main(int argc, char **argv)

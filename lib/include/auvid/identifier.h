@@ -296,6 +296,8 @@ typedef struct {
     uint8_t spent;       /* 0: merges; 1: finds the minimum; then units of the start cost + 2 */
     uint8_t untested;    /* completed sets still to be validated before the merge */
     uint8_t refuted;     /* polls of this search that found a better point than its start */
+    uint8_t beside;      /* searches that began beside the best end */
+    uint8_t sides_left;  /* of that end: 2: the later delay is next; 1: the earlier one; 0: none */
     bool set_pending, searching, not_converged;
     bool cold_start;                            /* search without the last estimate */
     bool seeks_optimum;                         /* in `optimum` */

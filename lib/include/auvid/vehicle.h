@@ -138,7 +138,8 @@ typedef struct {
      * the population. A wrong true may give a wrong estimate without any sign: no step along a
      * single parameter may lead out of a kink or a local minimum
      * (tests/unit/search/test_optimizer_minima.c). If in doubt, leave it false, the default: the
-     * steps' end is only one of the first points, and both algorithms run. */
+     * steps' end is only one of the first points, both algorithms run and, if the delay is
+     * searched, Algorithm 2 again from both sides of its end: twice the evaluations. */
     bool smooth;
 
     /** Residual path: cost of one call of `regressor` in the same units; default (zero): as work.

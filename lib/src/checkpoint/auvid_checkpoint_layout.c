@@ -38,7 +38,7 @@ const auvid_checkpoint_block_t auvid_checkpoint_block[CHECKPOINT_BLOCKS] = {
     OF_ID(metric.sets.until_us, metric.sets.changed, 0),
     OF_ID(metric.feedback, metric.feedback, 0),
     OF_ID(t_us, work.parameter_of, 0),
-    OF_ID(optimizer.cfg, optimizer.reserved, SEARCHING),
+    OF_ID(optimizer.cfg, optimizer.has_goal, SEARCHING),
     OF_ID(optimizer.crs.theta, optimizer.crs.worst, PART_GLOBAL),
     OF_ID(optimizer.line_search, optimizer.line_search, PART_LOCAL),
     OF_ID(optimum, optimum, PART_OPTIMUM),

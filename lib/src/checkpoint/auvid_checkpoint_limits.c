@@ -164,7 +164,7 @@ const auvid_checkpoint_limit_t auvid_checkpoint_limit[] = {
     EVALUATIONS(optimizer, work),
     WHOLE(optimizer, uint8_t, state, state, AUVID_OPTIMIZER_FRESH, AUVID_OPTIMIZER_STATE_COUNT - 1),
     COST(optimizer, least, allowed),
-    FLAG(optimizer, asked, certified),
+    FLAG(optimizer, asked, has_goal),
 
     VALUE(crs, theta, theta),
     COST(crs, cost, cost),
@@ -207,6 +207,8 @@ const auvid_checkpoint_limit_t auvid_checkpoint_limit[] = {
     COST(identifier, work.cost, work.minimum),
     BYTE(identifier, work.untested, work.untested, AUVID_MAX_SETS),
     BYTE(identifier, work.refuted, work.refuted, WORK_CONTINUATIONS + 1),
+    BYTE(identifier, work.beside, work.beside, WORK_SEARCHES_BESIDE),
+    BYTE(identifier, work.sides_left, work.sides_left, 2),
     FLAG(identifier, work.set_pending, work.seeks_optimum),
     FLAG(identifier, started, started),
 

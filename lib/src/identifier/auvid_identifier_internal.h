@@ -19,6 +19,9 @@ enum { SEARCH_START_COST = 25 };
 /** How often the steps of Gauss-Newton continue from a better point, in one search. */
 enum { WORK_CONTINUATIONS = 3 };
 
+/** How often a search of a model with kinks begins again, beside its best end. */
+enum { WORK_SEARCHES_BESIDE = 6 };
+
 /** Values of work.spent. */
 enum {
     WORK_OPTIMUM = 1, /* the start of the search is being found */
@@ -208,6 +211,11 @@ auvid_status_t auvid_identifier_begin_sets_search(auvid_identifier_t *id);
 
 /** The optimizer's search is over: take its best point, the cost and the work. */
 void auvid_identifier_end_search(auvid_identifier_t *id);
+
+/** A search of a model with kinks has ended: begin another one beside the best end, if that has not
+ * been done. @return false: there is none; the best end is in work.candidate, work.delay_s and
+ * work.cost */
+bool auvid_identifier_search_beside(auvid_identifier_t *id);
 
 /** A cost is known. If the line search has found a better point than the one that it had to
  * confirm, continue the steps of Gauss-Newton there or, if that has not helped, search. */

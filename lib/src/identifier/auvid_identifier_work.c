@@ -113,7 +113,9 @@ static void identifier_begin_merge(auvid_identifier_t *id)
     }
     auvid_metric_merge_begin(&id->metric);
     id->work.seeks_optimum = false;
+    id->work.searching = false;
     id->work.refuted = 0;
+    id->work.beside = 0;
     id->work.spent = 0;
     id->work.phase = AUVID_WORK_MERGE;
 }
@@ -237,7 +239,12 @@ static AUVID_NOINLINE auvid_status_t identifier_ask(auvid_identifier_t *id, uint
         auvid_identifier_expand(id, theta, id->optimizer.cfg.n);
     } else if (status != AUVID_PENDING) {
         auvid_identifier_end_search(id);
-        id->work.not_converged = status != AUVID_FINISHED || !identifier_found_minimum(id);
+        id->work.not_converged =
+            status != AUVID_FINISHED || (id->work.beside > 0 && id->work.not_converged);
+        if (auvid_identifier_search_beside(id)) {
+            return AUVID_PENDING;
+        }
+        id->work.not_converged = id->work.not_converged || !identifier_found_minimum(id);
         identifier_solve_coupled(id);
         identifier_begin_measure(id);
         status = AUVID_PENDING;

@@ -36,6 +36,8 @@
 #define RESTART_STEP AUVID_C(0.1)
 /* Longest pattern step: 2^10 sweeps at once. */
 #define PATTERN_MAX AUVID_C(1024.0)
+/* A goal is out of reach if this number of sweeps, each like the last one, end above it. */
+#define SWEEPS_LEFT AUVID_C(3.0)
 
 static void line_search_raise_steps(auvid_optimizer_t *o, auvid_real_t alpha)
 {
@@ -90,6 +92,13 @@ static void line_search_begin_line(auvid_optimizer_t *o, uint8_t direction)
     auvid_line_search_release(o);
 }
 
+/* Is the goal out of reach, after a sweep? */
+static bool line_search_misses_goal(const auvid_optimizer_t *o)
+{
+    const auvid_line_search_t *ls = &o->line_search;
+    return o->has_goal && ls->cost - o->least > SWEEPS_LEFT * (ls->previous_cost - ls->cost);
+}
+
 /* (3-6) At the end of a sweep, and before the first. */
 static void line_search_begin_sweep(auvid_optimizer_t *o)
 {
@@ -100,6 +109,10 @@ static void line_search_begin_sweep(auvid_optimizer_t *o)
             return;
         }
         line_search_refute(o);
+    }
+    if (o->state == AUVID_OPTIMIZER_LOCAL && line_search_misses_goal(o)) {
+        o->state = AUVID_OPTIMIZER_LOCAL_CONVERGED;
+        return;
     }
     const bool first =
         !o->cfg.paper && ls->restarts_left == o->cfg.restarts && o->state == AUVID_OPTIMIZER_LOCAL;

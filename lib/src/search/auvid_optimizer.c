@@ -71,6 +71,23 @@ auvid_status_t auvid_optimizer_add_point(auvid_optimizer_t *o, const auvid_real_
     return AUVID_OK;
 }
 
+auvid_status_t auvid_optimizer_set_goal(auvid_optimizer_t *o, auvid_real_t cost)
+{
+    if (o == NULL) {
+        return AUVID_ERR_NULL;
+    }
+    if (o->state != AUVID_OPTIMIZER_START || o->asked) {
+        return AUVID_ERR_STATE;
+    }
+    if (!auvid_is_finite(cost)) {
+        return AUVID_ERR_NOT_FINITE;
+    }
+    o->least = cost;
+    o->certified = false;
+    o->has_goal = true;
+    return AUVID_OK;
+}
+
 auvid_status_t auvid_optimizer_certify(auvid_optimizer_t *o, const auvid_real_t *theta,
                                        auvid_real_t least, auvid_real_t allowed)
 {
@@ -94,6 +111,7 @@ auvid_status_t auvid_optimizer_certify(auvid_optimizer_t *o, const auvid_real_t 
     o->least = least;
     o->allowed = allowed;
     o->certified = true;
+    o->has_goal = false;
     if (global) {
         uint16_t last = (uint16_t)(o->cfg.population - 1u);
         last = o->crs.known < last ? o->crs.known : last;

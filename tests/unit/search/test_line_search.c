@@ -465,6 +465,76 @@ static void test_each_restart_reduces_the_steps_again(void)
     }
 }
 
+/* The result of a search with this goal. */
+static double best_with_goal(cost_t cost, double goal)
+{
+    auvid_real_t best = 0;
+    init();
+    TEST_ASSERT_EQUAL_INT(AUVID_OK, auvid_optimizer_set_goal(&optimizer, (auvid_real_t)goal));
+    TEST_ASSERT_EQUAL_INT(AUVID_FINISHED, run(cost));
+    TEST_ASSERT_NOT_NULL(auvid_optimizer_best(&optimizer, &best));
+    return (double)best;
+}
+
+static void test_a_goal_within_reach_changes_nothing(void)
+{
+    static const cost_t costs[] = {coupled, strongly_coupled, absolute, dead_band};
+    for (size_t k = 0; k < sizeof costs / sizeof costs[0]; ++k) {
+        auvid_real_t best = 0;
+        init();
+        TEST_ASSERT_EQUAL_INT(AUVID_FINISHED, run(costs[k]));
+        TEST_ASSERT_NOT_NULL(auvid_optimizer_best(&optimizer, &best));
+        uint32_t evaluations = optimizer.work.line_search;
+        TEST_ASSERT_TRUE(best_with_goal(costs[k], 0.01) <= (double)best);
+        TEST_ASSERT_EQUAL_UINT32(evaluations, optimizer.work.line_search);
+    }
+}
+
+/* The least cost of the chain is 0: it gains less and less, so a goal below ends it early. */
+static void test_a_goal_out_of_reach_ends_the_search_early(void)
+{
+    init();
+    TEST_ASSERT_EQUAL_INT(AUVID_FINISHED, run(strongly_coupled));
+    uint32_t evaluations = optimizer.work.line_search;
+    TEST_ASSERT_TRUE(best_with_goal(strongly_coupled, -1.0) < 0.1);
+    TEST_ASSERT_TRUE(optimizer.work.line_search < evaluations * 2 / 3);
+    double best = best_with_goal(plateau, 2.9);
+    TEST_ASSERT_TRUE(best == 3.0);
+    TEST_ASSERT_TRUE(optimizer.work.line_search <= 2u * cfg.n + 1u);
+}
+
+static void test_a_goal_that_is_refused_changes_nothing(void)
+{
+    auvid_optimizer_t before;
+    init();
+    before = optimizer;
+    TEST_ASSERT_EQUAL_INT(AUVID_ERR_NULL, auvid_optimizer_set_goal(NULL, 0));
+    TEST_ASSERT_EQUAL_INT(AUVID_ERR_NOT_FINITE,
+                          auvid_optimizer_set_goal(&optimizer, (auvid_real_t)NAN));
+    TEST_ASSERT_EQUAL_INT(AUVID_ERR_NOT_FINITE,
+                          auvid_optimizer_set_goal(&optimizer, (auvid_real_t)INFINITY));
+    TEST_ASSERT_EQUAL_INT(0, memcmp(&before, &optimizer, sizeof before));
+    TEST_ASSERT_EQUAL_INT(AUVID_OK, auvid_optimizer_ask(&optimizer, theta));
+    before = optimizer;
+    TEST_ASSERT_EQUAL_INT(AUVID_ERR_STATE, auvid_optimizer_set_goal(&optimizer, 0));
+    memset(&optimizer, 0, sizeof optimizer);
+    TEST_ASSERT_EQUAL_INT(AUVID_ERR_STATE, auvid_optimizer_set_goal(&optimizer, 0));
+    cfg.phases = AUVID_SEARCH_BOTH;
+    init();
+    TEST_ASSERT_EQUAL_INT(AUVID_ERR_STATE, auvid_optimizer_set_goal(&optimizer, 0));
+}
+
+static void test_a_goal_replaces_a_certificate_and_the_reverse(void)
+{
+    auvid_real_t ones[AUVID_MAX_PARAMETERS] = {0};
+    init();
+    TEST_ASSERT_EQUAL_INT(AUVID_OK, auvid_optimizer_certify(&optimizer, ones, 1, 1));
+    TEST_ASSERT_EQUAL_INT(AUVID_OK, auvid_optimizer_set_goal(&optimizer, 0));
+    TEST_ASSERT_TRUE(optimizer.has_goal && !optimizer.certified);
+    TEST_ASSERT_EQUAL_INT(AUVID_OK, auvid_optimizer_certify(&optimizer, ones, 1, 1));
+    TEST_ASSERT_TRUE(optimizer.certified && !optimizer.has_goal);
+}
+
 static void test_a_step_without_room_is_pending(void)
 {
     auvid_status_t status = AUVID_OK;
@@ -496,6 +566,10 @@ int main(void)
     RUN_TEST(test_plateaus_and_failing_models_end);
     RUN_TEST(test_evaluations_are_capped);
     RUN_TEST(test_each_restart_reduces_the_steps_again);
+    RUN_TEST(test_a_goal_within_reach_changes_nothing);
+    RUN_TEST(test_a_goal_out_of_reach_ends_the_search_early);
+    RUN_TEST(test_a_goal_that_is_refused_changes_nothing);
+    RUN_TEST(test_a_goal_replaces_a_certificate_and_the_reverse);
     RUN_TEST(test_a_step_without_room_is_pending);
     return UNITY_END();
 }

@@ -132,13 +132,13 @@ typedef struct {
                                     for init */
     auvid_real_t scale[AUVID_MAX_PARAMETERS]; /**< unit of the steps [parameter's unit] */
     auvid_real_t trial[AUVID_MAX_PARAMETERS]; /**< the point last asked for */
-    auvid_real_t least, allowed;              /**< of the certificate [cost] */
+    auvid_real_t least, allowed;              /**< of the certificate, or least: the goal [cost] */
     auvid_optimizer_work_t work;              /**< since init */
     uint8_t state;                            /**< auvid_optimizer_state_t */
     bool asked;     /**< a point was returned, its cost is not yet received */
     bool certified; /**< there is a certificate, and no cost has refuted it */
-    uint8_t reserved[1];
-    union { /* one after the other: the global phase leaves its best point and its cost */
+    bool has_goal;  /**< auvid_optimizer_set_goal */
+    union {         /* one after the other: the global phase leaves its best point and its cost */
         auvid_crs_t crs;
         auvid_line_search_t line_search;
     };
@@ -200,6 +200,17 @@ auvid_status_t auvid_optimizer_add_point(auvid_optimizer_t *optimizer, const auv
  */
 auvid_status_t auvid_optimizer_certify(auvid_optimizer_t *optimizer, const auvid_real_t *theta,
                                        auvid_real_t least, auvid_real_t allowed);
+
+#define auvid_optimizer_set_goal AUVID_SIZED(auvid_optimizer_set_goal)
+/**
+ * Search only for a cost below this one, as that of another minimum: the local phase also ends, as
+ * converged, after a sweep that has gained less than a third of what is missing. It replaces a
+ * certificate.
+ * @return AUVID_OK; AUVID_ERR_NULL; AUVID_ERR_STATE (not initialised, a point was already asked
+ *         for, or there is a global phase); AUVID_ERR_NOT_FINITE. After an error nothing has
+ *         changed. Cost: constant.
+ */
+auvid_status_t auvid_optimizer_set_goal(auvid_optimizer_t *optimizer, auvid_real_t cost);
 
 #define auvid_optimizer_ask AUVID_SIZED(auvid_optimizer_ask)
 /**
