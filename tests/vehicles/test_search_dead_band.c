@@ -4,7 +4,7 @@
  * algorithms run.
  *
  * A cost with kinks has neighbouring minima: of delay and dead band. The search begins again from
- * both sides of its end (auvid_identifier_search.c).
+ * both sides of its end (auvid_identifier_beside.c).
  */
 #include "dead_band.h"
 #include "search_campaign.h"

@@ -149,12 +149,28 @@ struct auvid_path_start {
     auvid_status_t (*run)(auvid_identifier_t *id, uint32_t *budget);
     /** Writes the scale of each parameter, then that of the delay; 0: not known. */
     void (*scale)(const auvid_identifier_t *id, auvid_real_t *scale);
+    /** A search has ended: lets another one begin beside the best end. NULL: never.
+     * @return false: there is none; the best end is in work.candidate, work.delay_s, work.cost */
+    bool (*search_beside)(auvid_identifier_t *id);
+    /** Begins it. */
+    auvid_status_t (*begin_beside)(auvid_identifier_t *id);
 };
+
+/** A search of a model with kinks begins again beside its end: see auvid_identifier_beside.c and
+ * auvid_path_start_t. */
+bool auvid_identifier_search_beside(auvid_identifier_t *id);
+auvid_status_t auvid_identifier_begin_beside(auvid_identifier_t *id);
 
 /** Is the delay one of the parameters of the search? Then it is the last one. */
 static inline bool identifier_searches_delay(const auvid_identifier_t *id)
 {
     return auvid_metric_stores_rows(&id->metric) && id->metric.cfg.estimate_delay;
+}
+
+/** Is the minimum a certificate, or only a good point? Steps of Gauss-Newton may end at a kink. */
+static inline bool identifier_certifies(const auvid_identifier_t *id)
+{
+    return !auvid_metric_stores_rows(&id->metric) || identifier_vehicle(id)->smooth;
 }
 
 /** Write all parameters of the model to work.candidate, those of the search from theta; the others
@@ -211,11 +227,6 @@ auvid_status_t auvid_identifier_begin_sets_search(auvid_identifier_t *id);
 
 /** The optimizer's search is over: take its best point, the cost and the work. */
 void auvid_identifier_end_search(auvid_identifier_t *id);
-
-/** A search of a model with kinks has ended: begin another one beside the best end, if that has not
- * been done. @return false: there is none; the best end is in work.candidate, work.delay_s and
- * work.cost */
-bool auvid_identifier_search_beside(auvid_identifier_t *id);
 
 /** A cost is known. If the line search has found a better point than the one that it had to
  * confirm, continue the steps of Gauss-Newton there or, if that has not helped, search. */

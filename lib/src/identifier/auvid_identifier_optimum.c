@@ -55,8 +55,9 @@ static void identifier_scale_of_columns(const auvid_identifier_t *id, auvid_real
     auvid_metric_scale(&id->metric, scale);
 }
 
-const auvid_path_start_t auvid_start_optimum = {identifier_begin_minimum, auvid_identifier_optimum,
-                                                identifier_scale_of_columns};
+const auvid_path_start_t auvid_start_optimum = {.begin = identifier_begin_minimum,
+                                                .run = auvid_identifier_optimum,
+                                                .scale = identifier_scale_of_columns};
 
 /* Each row, and each step, costs n (n + 24) / 40 units. */
 auvid_status_t auvid_identifier_optimum(auvid_identifier_t *id, uint32_t *budget)

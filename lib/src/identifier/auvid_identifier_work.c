@@ -232,6 +232,7 @@ static void identifier_restart_linearise(auvid_identifier_t *id)
 
 static AUVID_NOINLINE auvid_status_t identifier_ask(auvid_identifier_t *id, uint32_t *budget)
 {
+    const auvid_path_start_t *start = auvid_metric_path(&id->metric)->start;
     auvid_real_t theta[AUVID_MAX_PARAMETERS];
     --*budget;
     auvid_status_t status = auvid_optimizer_ask(&id->optimizer, theta);
@@ -241,7 +242,7 @@ static AUVID_NOINLINE auvid_status_t identifier_ask(auvid_identifier_t *id, uint
         auvid_identifier_end_search(id);
         id->work.not_converged =
             status != AUVID_FINISHED || (id->work.beside > 0 && id->work.not_converged);
-        if (auvid_identifier_search_beside(id)) {
+        if (start->search_beside != NULL && start->search_beside(id)) {
             return AUVID_PENDING;
         }
         id->work.not_converged = id->work.not_converged || !identifier_found_minimum(id);
