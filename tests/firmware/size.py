@@ -45,7 +45,7 @@ PATHS = {
     r"start->begin\(": r":identifier_begin_(minimum|newton)$",
     r"start->run\(": r"^auvid_identifier_optimum$|:identifier_newton$",
     r"start->scale\(": r":identifier_scale_of_(columns|newton)$",
-    r"start->(search|begin)_beside\(": r"^auvid_identifier_(search|begin)_beside$",
+    r"start->(next|begin)_neighbour\(": r"^auvid_identifier_(next|begin)_neighbour$",
     r"path\(\w+\)->evaluate\(": r":metric_(evaluate_factor|sample_cost)$",
     r"path->merge\(": r"auvid_metric_merge_sets$",
     r"path\(\w+\)->linearise\(": r"auvid_metric_linearise_sets$",

@@ -285,19 +285,19 @@ typedef struct {
     auvid_real_t candidate[AUVID_MAX_PARAMETERS]; /* all parameters of the point under evaluation */
     auvid_real_t delay_s;                         /* its delay, if the search includes it */
     auvid_real_t cost;                            /* of the search's result */
-    auvid_minimum_t minimum;                      /* what the search has to confirm */
-    auvid_optimizer_work_t searched;              /* of the search that has ended */
-    uint32_t active;                              /* parameters in the present search */
-    uint32_t sets;       /* completed when the current sets were taken up */
-    uint32_t searches;   /**< begun so far */
-    uint32_t last_units; /**< used by the last call of work */
-    uint32_t max_units;  /**< most units used by any call of work so far */
-    uint8_t phase;       /**< auvid_work_phase_t */
-    uint8_t spent;       /* 0: merges; 1: finds the minimum; then units of the start cost + 2 */
-    uint8_t untested;    /* completed sets still to be validated before the merge */
-    uint8_t refuted;     /* polls of this search that found a better point than its start */
-    uint8_t beside;      /* searches that began beside the best end */
-    uint8_t sides_left;  /* of that end: 2: the later delay is next; 1: the earlier one; 0: none */
+    auvid_minimum_t minimum; /* what the search has to confirm; of neighbours: the best end */
+    auvid_optimizer_work_t searched; /* of the search that has ended */
+    uint32_t active;                 /* parameters in the present search */
+    uint32_t sets;                   /* completed when the current sets were taken up */
+    uint32_t searches;               /**< begun so far */
+    uint32_t last_units;             /**< used by the last call of work */
+    uint32_t max_units;              /**< most units used by any call of work so far */
+    uint8_t phase;                   /**< auvid_work_phase_t */
+    uint8_t spent;      /* 0: merges; 1: finds the minimum; then units of the start cost + 2 */
+    uint8_t untested;   /* completed sets still to be validated before the merge */
+    uint8_t refuted;    /* polls of this search that found a better point than its start */
+    uint8_t neighbours; /* searches of neighbouring minima that began; 0 after the last one */
+    uint8_t sides_left; /* of the best end: 2: the longer delay is next; 1: the shorter one */
     bool set_pending, searching, not_converged;
     bool cold_start;                            /* search without the last estimate */
     bool seeks_optimum;                         /* in `optimum` */

@@ -205,7 +205,7 @@ typedef struct {
                                     `paper` 3e-5 (1e-5 is recommended) */
     uint32_t max_evaluations_crs;  /**< cap on evaluations of the global phase; the first population
                                         is always evaluated; 0: 40 m */
-    uint32_t max_evaluations_line; /**< cap on those of the local phase; 0: 1000 n */
+    uint32_t max_evaluations_line; /**< cap on those of a local phase; 0: 1000 n */
     uint32_t max_rejections;       /**< cap on consecutive trials outside the box; 0: 50 m */
     uint16_t population; /**< m of Algorithm 1, n + 1..AUVID_MAX_POPULATION; 0: 4 n (at least n + 2,
                               at most AUVID_MAX_POPULATION) */

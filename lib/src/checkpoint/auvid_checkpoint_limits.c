@@ -207,7 +207,7 @@ const auvid_checkpoint_limit_t auvid_checkpoint_limit[] = {
     COST(identifier, work.cost, work.minimum),
     BYTE(identifier, work.untested, work.untested, AUVID_MAX_SETS),
     BYTE(identifier, work.refuted, work.refuted, WORK_CONTINUATIONS + 1),
-    BYTE(identifier, work.beside, work.beside, WORK_SEARCHES_BESIDE),
+    BYTE(identifier, work.neighbours, work.neighbours, WORK_NEIGHBOURS),
     BYTE(identifier, work.sides_left, work.sides_left, 2),
     FLAG(identifier, work.set_pending, work.seeks_optimum),
     FLAG(identifier, started, started),

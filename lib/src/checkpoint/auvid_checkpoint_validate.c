@@ -480,8 +480,10 @@ static bool checkpoint_search_matches_phase(const subject_t *s)
     bool finds_optimum = phase == AUVID_WORK_MERGE && WORD(work.spent) == WORK_OPTIMUM;
     bool steps = residual && phase == AUVID_WORK_MERGE && WORD(work.spent) > 0;
     bool must = phase == AUVID_WORK_ASK || phase == AUVID_WORK_COST || (residual && measures);
+    bool neighbours = WORD(work.neighbours) != 0;
     if ((phase >= AUVID_WORK_ASK && WORD(work.active) == 0) ||
-        (solves && !checkpoint_is_solving(s))) {
+        (solves && !checkpoint_is_solving(s)) ||
+        (neighbours && !(residual && searching && !measures && WORD(work.sides_left) > 0))) {
         return false;
     }
     if (WORD(work.seeks_optimum) != 0) {

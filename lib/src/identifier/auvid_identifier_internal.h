@@ -19,8 +19,8 @@ enum { SEARCH_START_COST = 25 };
 /** How often the steps of Gauss-Newton continue from a better point, in one search. */
 enum { WORK_CONTINUATIONS = 3 };
 
-/** How often a search of a model with kinks begins again, beside its best end. */
-enum { WORK_SEARCHES_BESIDE = 6 };
+/** How many searches of neighbouring minima may follow one search. */
+enum { WORK_NEIGHBOURS = 6 };
 
 /** Values of work.spent. */
 enum {
@@ -149,17 +149,17 @@ struct auvid_path_start {
     auvid_status_t (*run)(auvid_identifier_t *id, uint32_t *budget);
     /** Writes the scale of each parameter, then that of the delay; 0: not known. */
     void (*scale)(const auvid_identifier_t *id, auvid_real_t *scale);
-    /** A search has ended: lets another one begin beside the best end. NULL: never.
+    /** A search has ended: lets that of a neighbouring minimum begin (MERGE, with work.searching
+     * and the optimizer as they are). work.not_converged is that of the best end. NULL: never.
      * @return false: there is none; the best end is in work.candidate, work.delay_s, work.cost */
-    bool (*search_beside)(auvid_identifier_t *id);
-    /** Begins it. */
-    auvid_status_t (*begin_beside)(auvid_identifier_t *id);
+    bool (*next_neighbour)(auvid_identifier_t *id, bool converged);
+    /** Begins it: the optimizer still holds the last one. @return as auvid_optimizer_init */
+    auvid_status_t (*begin_neighbour)(auvid_identifier_t *id);
 };
 
-/** A search of a model with kinks begins again beside its end: see auvid_identifier_beside.c and
- * auvid_path_start_t. */
-bool auvid_identifier_search_beside(auvid_identifier_t *id);
-auvid_status_t auvid_identifier_begin_beside(auvid_identifier_t *id);
+/** Neighbouring minima of a model with kinks (auvid_identifier_neighbour.c): see above. */
+bool auvid_identifier_next_neighbour(auvid_identifier_t *id, bool converged);
+auvid_status_t auvid_identifier_begin_neighbour(auvid_identifier_t *id);
 
 /** Is the delay one of the parameters of the search? Then it is the last one. */
 static inline bool identifier_searches_delay(const auvid_identifier_t *id)

@@ -228,7 +228,7 @@ static void identifier_scale_of_newton(const auvid_identifier_t *id, auvid_real_
 const auvid_path_start_t auvid_start_newton = {.begin = identifier_begin_newton,
                                                .run = identifier_newton,
                                                .scale = identifier_scale_of_newton,
-                                               .search_beside = auvid_identifier_search_beside,
-                                               .begin_beside = auvid_identifier_begin_beside};
+                                               .next_neighbour = auvid_identifier_next_neighbour,
+                                               .begin_neighbour = auvid_identifier_begin_neighbour};
 
 #endif

@@ -104,13 +104,12 @@ auvid_status_t auvid_identifier_begin_sets_search(auvid_identifier_t *id)
 {
     auvid_real_t scale[SCALES] = {AUVID_C(0.0)}, delay_s = AUVID_C(0.0);
     bool known = id->work.minimum.cost < AUVID_COST_FAILED;
-    if (id->work.beside > 0) {
-        return auvid_metric_path(&id->metric)->start->begin_beside(id);
-    }
+    const auvid_path_start_t *start = auvid_metric_path(&id->metric)->start;
     if (id->work.searching) {
-        return identifier_begin_full_search(id);
+        return id->work.neighbours > 0 ? start->begin_neighbour(id)
+                                       : identifier_begin_full_search(id);
     }
-    auvid_metric_path(&id->metric)->start->scale(id, scale);
+    start->scale(id, scale);
     const auvid_real_t *last = auvid_identifier_known_point(id, &delay_s);
     auvid_status_t status =
         auvid_identifier_begin_search(id, scale, last, known ? &id->work.minimum : NULL,
@@ -158,6 +157,7 @@ void auvid_identifier_check_start(auvid_identifier_t *id)
     if (!again) {
         id->work.minimum.cost = AUVID_COST_FAILED; /* nothing is left to confirm */
     }
+    id->work.neighbours = 0;
     if (again || identifier_only_confirms(id)) {
         ++id->work.refuted;
         auvid_identifier_end_search(id);

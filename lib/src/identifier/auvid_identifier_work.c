@@ -12,7 +12,8 @@
  * minimum of the regressor path, part of MERGE, in auvid_identifier_optimum.c; its LINEARISE, with
  * uncertain inputs, in auvid_uncertain_solve.c. The start of the residual path, also part of MERGE,
  * is in auvid_identifier_newton.c. How a search begins, and what follows if it refutes that start,
- * is in auvid_identifier_search.c.
+ * is in auvid_identifier_search.c. With kinks, ASK leads to MERGE again, for neighbouring minima
+ * (auvid_identifier_neighbour.c).
  */
 #include <string.h>
 
@@ -27,6 +28,7 @@ static void identifier_rest(auvid_identifier_t *id)
     bool has_log = identifier_listener(id) != NULL && id->attached.listener->lead_us != NULL;
     uint64_t lead_us = has_log ? id->attached.listener->lead_us(id->attached.listener_context) : 0u;
     id->work.searching = id->work.seeks_optimum = false;
+    id->work.neighbours = 0;
     id->work.phase = AUVID_WORK_IDLE;
     identifier_take_set(id, auvid_metric_release(&id->metric, id->applied.t_us + lead_us));
 }
@@ -113,9 +115,7 @@ static void identifier_begin_merge(auvid_identifier_t *id)
     }
     auvid_metric_merge_begin(&id->metric);
     id->work.seeks_optimum = false;
-    id->work.searching = false;
-    id->work.refuted = 0;
-    id->work.beside = 0;
+    id->work.refuted = id->work.neighbours = 0;
     id->work.spent = 0;
     id->work.phase = AUVID_WORK_MERGE;
 }
@@ -240,12 +240,12 @@ static AUVID_NOINLINE auvid_status_t identifier_ask(auvid_identifier_t *id, uint
         auvid_identifier_expand(id, theta, id->optimizer.cfg.n);
     } else if (status != AUVID_PENDING) {
         auvid_identifier_end_search(id);
-        id->work.not_converged =
-            status != AUVID_FINISHED || (id->work.beside > 0 && id->work.not_converged);
-        if (start->search_beside != NULL && start->search_beside(id)) {
+        bool converged = status == AUVID_FINISHED && identifier_found_minimum(id);
+        if (start->next_neighbour == NULL) {
+            id->work.not_converged = !converged;
+        } else if (start->next_neighbour(id, converged)) {
             return AUVID_PENDING;
         }
-        id->work.not_converged = id->work.not_converged || !identifier_found_minimum(id);
         identifier_solve_coupled(id);
         identifier_begin_measure(id);
         status = AUVID_PENDING;

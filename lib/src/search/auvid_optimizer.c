@@ -76,14 +76,13 @@ auvid_status_t auvid_optimizer_set_goal(auvid_optimizer_t *o, auvid_real_t cost)
     if (o == NULL) {
         return AUVID_ERR_NULL;
     }
-    if (o->state != AUVID_OPTIMIZER_START || o->asked) {
+    if (o->state != AUVID_OPTIMIZER_START || o->asked || o->certified) {
         return AUVID_ERR_STATE;
     }
     if (!auvid_is_finite(cost)) {
         return AUVID_ERR_NOT_FINITE;
     }
     o->least = cost;
-    o->certified = false;
     o->has_goal = true;
     return AUVID_OK;
 }

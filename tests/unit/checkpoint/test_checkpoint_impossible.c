@@ -50,6 +50,7 @@ static void test_impossible_values_are_refused(void)
     IMPOSSIBLE(work.untested = 1);
     IMPOSSIBLE(work.active = 1u << 31);
     IMPOSSIBLE(work.searching = true);
+    IMPOSSIBLE(work.neighbours = 1); /* of no search */
     IMPOSSIBLE(estimate.speed[0][0] = -1);
     IMPOSSIBLE(estimate.confidence.lost[0] = 101);
     IMPOSSIBLE(estimate.confidence.note[0] = AUVID_NOTE_COUNT);

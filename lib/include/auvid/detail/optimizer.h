@@ -43,7 +43,8 @@
  * - the local phase searches along conjugate directions, with pattern steps and parabolas
  *   (auvid_line_search.c). A recorded 13-parameter problem takes 290 evaluations instead of 4550;
  * - the box is also searched from points that are known to be good;
- * - with a certificate (auvid_optimizer_certify) both phases only confirm it;
+ * - with a certificate (auvid_optimizer_certify) both phases only confirm it; with a goal
+ *   (auvid_optimizer_set_goal) the local one ends if it will not reach that;
  * - both phases have caps on evaluations, the global one also on consecutive trials outside the box
  *   (the paper's loops are unbounded; with m = n + 1, or an optimum in a corner, they do not end);
  * - the local phase restarts with a tenth of alpha0: in float32 it may end too early;
@@ -75,7 +76,8 @@ typedef enum {
     AUVID_OPTIMIZER_GLOBAL_CAPPED,    /**< ended by a cap, or no point has a cost */
     AUVID_OPTIMIZER_START,            /**< the starting point of the line search is evaluated */
     AUVID_OPTIMIZER_LOCAL,            /**< line search */
-    AUVID_OPTIMIZER_LOCAL_CONVERGED,  /**< all steps are short, restarts included */
+    AUVID_OPTIMIZER_LOCAL_CONVERGED,  /**< all steps are short, restarts included, or the goal is
+                                           out of reach */
     AUVID_OPTIMIZER_LOCAL_CAPPED,     /**< ended by the cap on evaluations */
     AUVID_OPTIMIZER_STATE_COUNT
 } auvid_optimizer_state_t;
@@ -132,13 +134,14 @@ typedef struct {
                                     for init */
     auvid_real_t scale[AUVID_MAX_PARAMETERS]; /**< unit of the steps [parameter's unit] */
     auvid_real_t trial[AUVID_MAX_PARAMETERS]; /**< the point last asked for */
-    auvid_real_t least, allowed;              /**< of the certificate, or least: the goal [cost] */
-    auvid_optimizer_work_t work;              /**< since init */
-    uint8_t state;                            /**< auvid_optimizer_state_t */
-    bool asked;     /**< a point was returned, its cost is not yet received */
-    bool certified; /**< there is a certificate, and no cost has refuted it */
-    bool has_goal;  /**< auvid_optimizer_set_goal */
-    union {         /* one after the other: the global phase leaves its best point and its cost */
+    auvid_real_t least, allowed; /**< least: of the certificate, or the goal; allowed: of the
+                                      certificate [cost] */
+    auvid_optimizer_work_t work; /**< since init */
+    uint8_t state;               /**< auvid_optimizer_state_t */
+    bool asked;                  /**< a point was returned, its cost is not yet received */
+    bool certified;              /**< there is a certificate, and no cost has refuted it */
+    bool has_goal;               /**< auvid_optimizer_set_goal */
+    union { /* one after the other: the global phase leaves its best point and its cost */
         auvid_crs_t crs;
         auvid_line_search_t line_search;
     };
@@ -203,12 +206,11 @@ auvid_status_t auvid_optimizer_certify(auvid_optimizer_t *optimizer, const auvid
 
 #define auvid_optimizer_set_goal AUVID_SIZED(auvid_optimizer_set_goal)
 /**
- * Search only for a cost below this one, as that of another minimum: the local phase also ends, as
- * converged, after a sweep that has gained less than a third of what is missing. It replaces a
- * certificate.
+ * Set the cost that the local phase has to fall below, as that of another minimum: it also ends,
+ * as converged, after a sweep that has gained less than a third of what is missing.
  * @return AUVID_OK; AUVID_ERR_NULL; AUVID_ERR_STATE (not initialised, a point was already asked
- *         for, or there is a global phase); AUVID_ERR_NOT_FINITE. After an error nothing has
- *         changed. Cost: constant.
+ *         for, there is a global phase or a certificate); AUVID_ERR_NOT_FINITE. After an error
+ *         nothing has changed. Cost: constant.
  */
 auvid_status_t auvid_optimizer_set_goal(auvid_optimizer_t *optimizer, auvid_real_t cost);
 
