@@ -15,12 +15,12 @@
 #if AUVID_MAX_COMMANDS > 0
 
 /* A lower minimum is lower by this part. */
-#define MIN_GAIN AUVID_C(1e-4)
+#define NEIGHBOUR_GAIN AUVID_C(1e-4)
 /* From the best end to where a search of its neighbours begins, and the least [cells]. */
-#define STEP AUVID_C(1.5)
-#define LEAST_STEP AUVID_C(0.1)
+#define NEIGHBOUR_STEP AUVID_C(1.5)
+#define NEIGHBOUR_LEAST AUVID_C(0.1)
 /* Unit of the steps over that of the last search, for the first two of its neighbours. */
-#define STEP_RATIO AUVID_C(0.3)
+#define NEIGHBOUR_RATIO AUVID_C(0.3)
 
 /* From the best end's delay to that at which the next search begins [cells]. */
 static auvid_real_t identifier_step_to_neighbour(const auvid_identifier_t *id)
@@ -28,7 +28,8 @@ static auvid_real_t identifier_step_to_neighbour(const auvid_identifier_t *id)
     const auvid_search_config_t *search = &id->optimizer.cfg;
     int n = search->n - 1;
     auvid_real_t cell_s = AUVID_C(1e-6) * (auvid_real_t)auvid_metric_cell_us(&id->metric);
-    auvid_real_t at = search->good[n] + (id->work.sides_left == 2 ? STEP : -STEP) * cell_s;
+    auvid_real_t at =
+        search->good[n] + (id->work.sides_left == 2 ? NEIGHBOUR_STEP : -NEIGHBOUR_STEP) * cell_s;
     return (auvid_clamp(at, search->lower[n], search->upper[n]) - search->good[n]) / cell_s;
 }
 
@@ -39,7 +40,7 @@ auvid_status_t auvid_identifier_begin_neighbour(auvid_identifier_t *id)
     auvid_real_t cell_s = AUVID_C(1e-6) * (auvid_real_t)auvid_metric_cell_us(&id->metric);
     auvid_real_t end_s = *delay_s;
     for (int i = 0; i < o->cfg.n; ++i) {
-        scale[i] = (id->work.neighbours <= 2 ? STEP_RATIO : AUVID_C(1.0)) * o->scale[i];
+        scale[i] = (id->work.neighbours <= 2 ? NEIGHBOUR_RATIO : AUVID_C(1.0)) * o->scale[i];
     }
     *delay_s += identifier_step_to_neighbour(id) * cell_s;
     o->cfg.phases = AUVID_SEARCH_LOCAL;
@@ -47,7 +48,7 @@ auvid_status_t auvid_identifier_begin_neighbour(auvid_identifier_t *id)
     auvid_status_t status = auvid_optimizer_init(o, &o->cfg, scale);
     *delay_s = end_s;
     return status < 0 ? status
-                      : auvid_optimizer_set_goal(o, (1 - MIN_GAIN) * id->work.minimum.cost);
+                      : auvid_optimizer_set_goal(o, (1 - NEIGHBOUR_GAIN) * id->work.minimum.cost);
 }
 
 /* Are there neighbours to search? */
@@ -70,12 +71,13 @@ static void identifier_take_end(auvid_identifier_t *id, bool converged)
 bool auvid_identifier_next_neighbour(auvid_identifier_t *id, bool converged)
 {
     const auvid_search_config_t *search = &id->optimizer.cfg;
-    if (id->work.neighbours == 0 || id->work.cost < (1 - MIN_GAIN) * id->work.minimum.cost) {
+    if (id->work.neighbours == 0 || id->work.cost < (1 - NEIGHBOUR_GAIN) * id->work.minimum.cost) {
         identifier_take_end(id, converged);
     } else {
         --id->work.sides_left;
     }
-    while (id->work.sides_left > 0 && auvid_abs(identifier_step_to_neighbour(id)) < LEAST_STEP) {
+    while (id->work.sides_left > 0 &&
+           auvid_abs(identifier_step_to_neighbour(id)) < NEIGHBOUR_LEAST) {
         --id->work.sides_left;
     }
     if (!identifier_has_neighbours(id) || id->work.sides_left == 0 ||
