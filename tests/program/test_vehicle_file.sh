@@ -267,9 +267,15 @@ configured() { # NAME FILE
     ./from_program "$2" >"$1.program"
     [ "$(wc -l <"$1.header")" -gt 100 ] && cmp "$1.header" "$1.program"
 }
-for name in minnow:mounted.ini bluerov2:bluerov2 surface:surface; do
+cp mounted.ini inputs.ini
+printf '\n[uncertain]\narm_m = 0.2\ndvl_late_s = 0.03\n' >>inputs.ini
+for name in minnow:inputs.ini bluerov2:bluerov2 surface:surface; do
     check "${name%%:*}: the header gives the same bits" configured "${name%%:*}" "${name#*:}"
 done
+sed 's/^\[guard\]/&\noff = altitude/' inputs.ini >deep.ini
+check "what is assumed, and the limits" exits 0 check deep.ini
+check "  of the DVL" grep -q 'DVL: lever arm 0.2 m, 0.03 s late' out
+check "  none that is off" sh -c 'grep -q "roll at most" out && ! grep -q "the bottom" out'
 guide() {
     "$AUVID" check minnow.ini --header >minnow.h
     block c >guide.c

@@ -49,7 +49,7 @@ static const auvid_field_t metric_fields[] = {
     METRIC_WHOLE(velocity_us, 1, 0, 1000000),
     METRIC_WHOLE(row_cells, 1, 1, 65535),
     METRIC_WHOLE(set_rows, 1, 1, 65535),
-    METRIC_WHOLE(sets, 1, 1, AUVID_MAX_SETS),
+    METRIC_WHOLE(sets, 1, 1, 255),
     METRIC_WHOLE(half_width, 2, 1, 255),
     METRIC_WHOLE(lag, 2, 1, AUVID_METRIC_LAGS),
     METRIC_WHOLE(passes, 1, 1, 2),
@@ -117,6 +117,7 @@ static void metric_check(const auvid_metric_config_t *cfg, auvid_refusal_t *why)
     if (why->status != AUVID_OK) {
         return;
     }
+    auvid_check_count(why, AUVID_ERR_SIZE, "sets", cfg->sets, AUVID_MAX_SETS);
     uint32_t max_rows = 60000u / cfg->sets;
     uint32_t mask = (uint32_t)(((uint64_t)1 << cfg->vehicle->parameters) - 1);
     auvid_check_limit(why, cfg->set_rows <= max_rows, AUVID_ERR_RANGE, "set_rows",

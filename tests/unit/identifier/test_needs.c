@@ -101,7 +101,7 @@ static void test_each_size_that_is_too_small_is_reported(void)
     TOO_LARGE(AUVID_ERR_PARAMETERS, parameters, 32, vehicle.parameters = 32);
     TOO_LARGE(AUVID_ERR_POPULATION, population, AUVID_MAX_POPULATION + 1,
               cfg.search.population = AUVID_MAX_POPULATION + 1);
-    TOO_LARGE(AUVID_ERR_RANGE, sets, AUVID_MAX_SETS + 1, cfg.metric.sets = AUVID_MAX_SETS + 1);
+    TOO_LARGE(AUVID_ERR_SIZE, sets, AUVID_MAX_SETS + 1, cfg.metric.sets = AUVID_MAX_SETS + 1);
     TOO_LARGE(AUVID_ERR_SIZE, taps, AUVID_MAX_TAPS + 1,
               (use_residual_path(), cfg.metric.row_cells = AUVID_MAX_TAPS + 1));
     TOO_LARGE(AUVID_ERR_SIZE, overlap, AUVID_MAX_OVERLAP + 2, cfg.metric.row_cells = 4);

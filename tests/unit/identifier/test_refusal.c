@@ -191,7 +191,9 @@ static void test_a_field_of_the_metric_is_named(void)
     WHOLE(metric, row_cells, 0, 1);
     WHOLE(metric, set_rows, 0, 1);
     WHOLE(metric, set_rows, 60001, 60000 / AUVID_MAX_SETS);
-    WHOLE(metric, sets, AUVID_MAX_SETS + 1, AUVID_MAX_SETS);
+    WHOLE(metric, sets, 0, 1);
+    NAMED(SIZE, "metric", "sets", -1, AUVID_MAX_SETS + 1, AUVID_MAX_SETS,
+          cfg.metric.sets = AUVID_MAX_SETS + 1);
     WHOLE(metric, passes, 3, 2);
     NAMED(RANGE, "metric", "tau_max", 4, -1, 0, cfg.metric.tau_max[4] = -1);
     NAMED(NOT_FINITE, "metric", "fixed", 3, NAN, -(double)AUVID_LARGEST,

@@ -43,7 +43,7 @@ static void test_init_refuses_a_field_out_of_its_range_and_changes_nothing(void)
     REFUSED(AUVID_ERR_RANGE, cfg.set_rows = 0);
     REFUSED(AUVID_ERR_RANGE, cfg.set_rows = 60000 / AUVID_MAX_SETS + 1);
     REFUSED(AUVID_ERR_RANGE, cfg.sets = 0);
-    REFUSED(AUVID_ERR_RANGE, cfg.sets = AUVID_MAX_SETS + 1);
+    REFUSED(AUVID_ERR_SIZE, cfg.sets = AUVID_MAX_SETS + 1);
     REFUSED(AUVID_ERR_RANGE, cfg.lag[0] = 0);
     REFUSED(AUVID_ERR_RANGE, cfg.lag[1] = AUVID_METRIC_LAGS + 1);
     REFUSED(AUVID_ERR_RANGE, cfg.passes = 0);

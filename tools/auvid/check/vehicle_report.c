@@ -114,9 +114,33 @@ static void print_missing(const vehicle_t *v)
     }
 }
 
+/* Those that the guard watches. */
+static void print_limits(const auvid_guard_config_t *g)
+{
+    const struct {
+        const char *what, *unit;
+        auvid_guard_cause_t cause;
+        auvid_real_t limit;
+    } limits[] = {{"depth at least", "m", AUVID_GUARD_DEPTH_MIN, g->depth_min_m},
+                  {"depth at most", "m", AUVID_GUARD_DEPTH_MAX, g->depth_max_m},
+                  {"above the bottom at least", "m", AUVID_GUARD_ALTITUDE, g->altitude_min_m},
+                  {"from where it was armed at most", "m", AUVID_GUARD_DISTANCE, g->distance_max_m},
+                  {"roll at most", "rad", AUVID_GUARD_ROLL, g->roll_max_rad},
+                  {"pitch at most", "rad", AUVID_GUARD_PITCH, g->pitch_max_rad},
+                  {"speed at most", "m/s", AUVID_GUARD_SPEED, g->speed_max},
+                  {"yaw rate at most", "rad/s", AUVID_GUARD_YAW_RATE, g->yaw_rate_max},
+                  {"time at most", "s", AUVID_GUARD_RUN_TIME, (auvid_real_t)g->run_max_s}};
+    puts("  limits of the excitation");
+    for (size_t i = 0; i < sizeof limits / sizeof *limits; ++i) {
+        uint32_t off = g->off | (g->surface ? AUVID_GUARD_BIT(AUVID_GUARD_DEPTH_MIN) : 0u);
+        if ((off & AUVID_GUARD_BIT(limits[i].cause)) == 0) {
+            printf("    %s %.4g %s\n", limits[i].what, (double)limits[i].limit, limits[i].unit);
+        }
+    }
+}
+
 static void print_assumed(const vehicle_t *v)
 {
-    const auvid_guard_config_t *g = &v->guard;
     const auvid_uncertain_config_t *u = &v->uncertain;
     printf("\n  assumed (1 sigma)\n    thrust scale %.3g %%, DVL scale %.3g %%, delay %.3g s\n",
            100.0 * (double)v->uncertainty.thrust_scale, 100.0 * (double)v->uncertainty.dvl_scale,
@@ -125,15 +149,11 @@ static void print_assumed(const vehicle_t *v)
            "about %.3g s\n",
            100.0 * (double)u->backward, 100.0 * (double)u->dead_band, 100.0 * (double)u->gain,
            (double)u->lag_s, (double)u->nominal_lag_s);
-    printf("    hull: asymmetry of drag %.3g %%; water: current %.3g m/s\n",
-           100.0 * (double)u->asymmetry, (double)u->current);
-    printf("  limits of the excitation\n    %s%.3g .. %.3g m deep, %.3g m above the bottom, "
-           "%.3g m from where it was armed\n    roll %.3g, pitch %.3g rad, %.3g m/s, %.3g rad/s, "
-           "%u s\n",
-           g->surface ? "at the surface, or " : "", (double)g->depth_min_m, (double)g->depth_max_m,
-           (double)g->altitude_min_m, (double)g->distance_max_m, (double)g->roll_max_rad,
-           (double)g->pitch_max_rad, (double)g->speed_max, (double)g->yaw_rate_max,
-           (unsigned)g->run_max_s);
+    printf(
+        "    hull: asymmetry of drag %.3g %%, centre of gravity %.3g m; water: current %.3g m/s\n",
+        100.0 * (double)u->asymmetry, (double)u->gravity_m, (double)u->current);
+    printf("    DVL: lever arm %.3g m, %.3g s late\n", (double)u->arm_m, (double)u->dvl_late_s);
+    print_limits(&v->guard);
 }
 
 /* ---- which measurement helps most ---- */
