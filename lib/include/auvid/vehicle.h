@@ -139,7 +139,7 @@ typedef struct {
      * single parameter may lead out of a kink or a local minimum
      * (tests/unit/search/test_optimizer_minima.c). If in doubt, leave it false, the default: the
      * steps' end is only one of the first points, both algorithms run and, if the delay is
-     * searched, Algorithm 2 runs again from both sides of its end, two to six times
+     * searched, Algorithm 2 runs again from both sides of its end, at most six times
      * (auvid_identifier_neighbour.c). */
     bool smooth;
 

@@ -5,7 +5,8 @@
  * each makes a kink of the cost, so it has several minima whose delays differ by a part of a cell.
  * Algorithm 2 ends in any of them. It therefore runs again from delays that are 1.5 cells longer
  * and shorter, outside of these minima on both sides, with the other parameters of the best end,
- * until neither ends lower. Its first steps are shorter each time, so that it takes other ways.
+ * until neither ends lower. The first two times its first steps are shorter, so that it takes
+ * other ways.
  */
 #include <string.h>
 
