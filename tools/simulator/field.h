@@ -10,7 +10,7 @@
  *
  * Two vehicles: Girona500, and an ROV of 20 kg with six thrusters, four of them vectored; and any
  * number of others, drawn at random, with the thrusters of one of these. All of them hover, and
- * thrusters act in surge, sway, heave and yaw. Four drivers: the identifier's excitation, a
+ * thrusters act in surge, sway, heave and yaw. Five drivers: the identifier's excitation, a
  * joystick pilot, a PID lawnmower, station keeping. The sensors are always noisy: IMU 50 Hz, 0.2
  * deg and 0.1 deg/s; DVL 5 Hz, 7 mm/s; depth 10 Hz, 15 mm; no GPS.
  *
@@ -65,6 +65,8 @@ typedef enum {
                           more than 3 m from the initial depth; with a wall, a strong damped one
                           more than 0.1 m from it */
     FIELD_JOYSTICK,  /**< sticks of a pilot: open loop, except for occasional depth corrections */
+    FIELD_ASSISTED,  /**< the same in surge and sway; the other sticks move the references of a
+                          PID of depth and one of heading */
     FIELD_LAWNMOWER, /**< PID of position, heading and depth along parallel legs of 18 m */
     FIELD_STATION,   /**< PID of position, depth and heading at one place */
     FIELD_DRIVERS
@@ -199,7 +201,7 @@ typedef struct {
     double euler[3], rates[3], velocity[3]; /* last measured */
     bool has_velocity;
     double sum[4]; /* integrals of the controllers [N, Nm] */
-    double reference[2], reference_speed, reference_heading;
+    double reference[3], reference_speed, reference_heading;
     double from[2];                 /* start of the leg */
     double aside[4], aside_rate[4]; /* of the reference: ahead, to starboard, down, heading */
     double aside_to[4], aside_s[4]; /* its target; end of its validity */

@@ -25,6 +25,9 @@ enum { X, Y, Z, N, WANTED };
 #define PILOT_NEAR_M 0.5
 #define PILOT_NEAR_BOTTOM 0.15
 #define PILOT_HAND_S 0.3
+/* What a full stick asks of the holds of depth and heading. */
+#define DIVE_M_S 0.2
+#define TURN_RAD_S 0.4
 #define LEG_M 18.0
 #define LANE_M 3.0
 #define LANES 6
@@ -39,6 +42,7 @@ void field_pilot_init(field_t *field)
     field_pilot_t *p = &field->pilot;
     memset(p, 0, sizeof *p);
     p->position[2] = field->truth.position[2];
+    p->reference[2] = FIELD_START_M;
     sim_rng_seed(&p->rng, field->cfg.seed, FIELD_STREAM_PILOT);
     sim_rng_seed(&p->aside_rng, field->cfg.seed, FIELD_STREAM_ALTERNATE);
     for (int i = 0; i < WANTED; ++i) { /* T' (T T')^-1 */
@@ -109,10 +113,8 @@ static void excited(field_t *field, double want[WANTED])
 }
 
 /* Each stick moves to a new position at random times, usually away from the centre. */
-static void joystick(field_t *field, double want[WANTED])
+static void move_sticks(field_t *field)
 {
-    static const int axis[WANTED] = {0, 1, 2, 5};
-    const field_sheet_t *sheet = &field->sheet;
     field_pilot_t *p = &field->pilot;
     double now = 1e-6 * (double)field->t_us, low = p->position[2] - FIELD_START_M;
     double care = field->cfg.size[FIELD_WALL] > 0.0 ? PILOT_NEAR_BOTTOM : 1.0;
@@ -127,7 +129,15 @@ static void joystick(field_t *field, double want[WANTED])
         }
         double to = i == Z && p->deep ? copysign(0.6, -low) : p->stick_to[i];
         p->stick[i] += (to - p->stick[i]) * TICK_S / PILOT_HAND_S;
-        want[i] = p->stick[i] * sheet->amplitude[axis[i]];
+    }
+}
+
+static void joystick(field_t *field, double want[WANTED])
+{
+    static const int axis[WANTED] = {0, 1, 2, 5};
+    move_sticks(field);
+    for (int i = 0; i < WANTED; ++i) {
+        want[i] = field->pilot.stick[i] * field->sheet.amplitude[axis[i]];
     }
 }
 
@@ -180,7 +190,7 @@ static void hold(field_t *field, const double rate[2], double turn, double want[
     p->reference_nu[2] = v[Z];
     p->reference_nu[5] = turn + v[N];
     double off = remainder(heading - p->euler[2], 2.0 * FIELD_PI);
-    double down = FIELD_START_M + d[Z] - p->position[2];
+    double down = p->reference[2] + d[Z] - p->position[2];
     c = cos(p->euler[2]), s = sin(p->euler[2]);
     want[X] = pid(&p->sum[X], c * north + s * east, c * over[0] + s * over[1] - p->velocity[0],
                   mass[0], b, limit[0]);
@@ -188,6 +198,25 @@ static void hold(field_t *field, const double rate[2], double turn, double want[
                   mass[1], b, limit[1]);
     want[Z] = pid(&p->sum[Z], down, v[Z] - p->velocity[2], mass[2], b, limit[2]);
     want[N] = pid(&p->sum[N], off, v[N] - p->rates[2], mass[3], 2.0 * b, limit[5]);
+}
+
+/* Sticks act as thrust in surge and sway, and move the references of depth and heading. */
+static void assisted(field_t *field, double want[WANTED])
+{
+    const field_sheet_t *sheet = &field->sheet;
+    const double *mass = sheet->parameter + SIM_M_U, *limit = sheet->amplitude;
+    double b = sheet->bandwidth;
+    field_pilot_t *p = &field->pilot;
+    move_sticks(field);
+    double dive = DIVE_M_S * p->stick[Z], turn = TURN_RAD_S * p->stick[N];
+    p->reference[2] += dive * TICK_S;
+    p->reference_heading += turn * TICK_S;
+    double off = remainder(p->reference_heading - p->euler[2], 2.0 * FIELD_PI);
+    want[X] = p->stick[X] * limit[0];
+    want[Y] = p->stick[Y] * limit[1];
+    want[Z] = pid(&p->sum[Z], p->reference[2] - p->position[2], dive - p->velocity[2], mass[2], b,
+                  limit[2]);
+    want[N] = pid(&p->sum[N], off, turn - p->rates[2], mass[3], 2.0 * b, limit[5]);
 }
 
 static void station(field_t *field, double want[WANTED])
@@ -230,6 +259,7 @@ void field_pilot_drive(field_t *field, const double *thruster_N, double command_
     static void (*const drive[FIELD_DRIVERS])(field_t *,
                                               double[WANTED]) = {[FIELD_EXCITED] = excited,
                                                                  [FIELD_JOYSTICK] = joystick,
+                                                                 [FIELD_ASSISTED] = assisted,
                                                                  [FIELD_LAWNMOWER] = lawnmower,
                                                                  [FIELD_STATION] = station};
     const field_sheet_t *sheet = &field->sheet;

@@ -75,9 +75,9 @@ typedef enum {
                                  uncertainty of the thrust scale makes the half-width too large */
     AUVID_NOTE_FEEDBACK,  /**< closed loop: the wrench answers the motion, so motion by the thrust
                               cannot be told from motion by a disturbance. Its sigma does not hold.
-                              Then no parameter is identifiable, except by the reference of the
-                              controller (auvid_instruments_t). If it is so in roll and pitch only,
-                              no parameter of theirs */
+                              `partner` 0: no parameter is identifiable, except by the reference of
+                              the controller (auvid_instruments_t); 1: none of this DoF, which the
+                              configuration says is held, or of roll and pitch */
     AUVID_NOTE_UNCHECKED, /**< identifiable if thrust and sensors are exact. They were not examined
                                for errors, or have too large ones: see auvid_confidence_t.unchecked
                              */

@@ -81,6 +81,11 @@ typedef struct {
     bool estimate_delay;     /**< default true */
     uint8_t first_order_lag; /**< bit j: delay_s of DoF j is that of a first-order lag, not a shift;
                                   default 0 */
+    uint8_t held; /**< bit j: a controller holds DoF j, such as depth (AUVID_HEAVE) and heading
+                       (AUVID_YAW), while a pilot drives the others in open loop. Of these DoF
+                       nothing is identifiable (AUVID_NOTE_FEEDBACK). The test for feedback is then
+                       of the others; else it is of all together, and depth hold alone leaves
+                       nothing identifiable. Default 0 */
 } auvid_metric_config_t;
 
 #ifdef __cplusplus

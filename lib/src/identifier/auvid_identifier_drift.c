@@ -12,13 +12,14 @@
  *     t = sum_j F_j0 (F_j - F_j0) / s_j^2  /  sqrt(sum_j F_j0^2 / s_j^2)
  *
  * The variances hold if thrust and DVL scale are exact. A constant error of these scales is in both
- * estimates and cancels; one that varies is a drift.
+ * estimates and cancels; one that varies is a drift. DoF in closed loop are left out.
  */
 #include "auvid_identifier_internal.h"
 
 #include <string.h>
 
 #include "../base/auvid_math_internal.h"
+#include "../metric/auvid_metric_feedback_internal.h"
 
 /* Limit of |t|. None of 41194 unchanged sets without mismatch exceeds it, and none of 40956 with
  * mixtures of usual size. */
@@ -93,9 +94,14 @@ void auvid_identifier_test_drift(auvid_identifier_t *id)
     auvid_change_test_t *test = &id->change_test;
     auvid_drift_reference_t *first = &id->attached.change->first;
     drift_common_t common = {AUVID_C(0.0), AUVID_C(0.0)};
+    uint32_t feedback = auvid_metric_feedback_dofs(&id->metric);
     int clearest = 0;
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
         const auvid_real_t *speed = id->estimate.speed[j];
+        if ((feedback >> j & 1u) != 0) {
+            test->drift[j] = AUVID_C(0.0);
+            continue;
+        }
         if (!(first->variance[DRIFT_DRAG][j] > AUVID_C(0.0))) {
             first->speed[j] = DRIFT_SPEED * auvid_max(speed[0], speed[1]);
         }

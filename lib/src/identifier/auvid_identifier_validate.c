@@ -264,7 +264,7 @@ static void identifier_conclude_test(auvid_identifier_t *id)
         identifier_judge_uncertain(id, true);
         auvid_identifier_restart_drift(id);
     } else if (id->estimate.accepted && id->estimate.confidence.sets >= ENOUGH - 1 &&
-               !auvid_metric_has_feedback(&id->metric)) {
+               auvid_metric_feedback_dofs(&id->metric) != AUVID_FEEDBACK_ALL) {
         auvid_identifier_test_drift(id);
     }
 }

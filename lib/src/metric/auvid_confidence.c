@@ -39,6 +39,7 @@
 #include <string.h>
 
 #include "auvid_confidence_notes_internal.h"
+#include "auvid_metric_feedback_internal.h"
 #include "../base/auvid_linalg_internal.h"
 #include "auvid_metric_evaluator_internal.h"
 
@@ -318,7 +319,8 @@ static void confidence_step(job_t *c)
                 dofs |= (uint32_t)confidence_is_informative(c, j) << j;
             }
             auvid_confidence_discredit(c, dofs);
-            auvid_confidence_close_loop(c, c->metric, 0);
+            auvid_confidence_close_loop(c, c->metric->cfg.vehicle,
+                                        auvid_metric_feedback_dofs(c->metric), 0);
         }
         break;
     }

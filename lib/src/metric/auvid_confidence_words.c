@@ -222,7 +222,9 @@ static bool confidence_is_same_sentence(const auvid_confidence_t *c, const auvid
     if (c->note[k] != c->note[i]) {
         return false;
     }
-    return c->note[i] == AUVID_NOTE_NOT_CONVERGED || c->note[i] == AUVID_NOTE_FEEDBACK ||
+    return c->note[i] == AUVID_NOTE_NOT_CONVERGED ||
+           (c->note[i] == AUVID_NOTE_FEEDBACK &&
+            (c->partner[i] == OF_ALL || vehicle->parameter[k].dof == vehicle->parameter[i].dof)) ||
            c->note[i] == AUVID_NOTE_UNCHECKED || c->note[i] == AUVID_NOTE_INFLOW ||
            (confidence_is_unexplained(c, i) && confidence_is_unexplained(c, k) &&
             vehicle->parameter[k].dof == vehicle->parameter[i].dof) ||
@@ -281,9 +283,10 @@ static void confidence_append_sentence(auvid_words_t *w, const auvid_confidence_
                            "the search has not converged; narrow the bounds, or give a good start");
         return;
     }
-    if (note == AUVID_NOTE_FEEDBACK) {
+    if (note == AUVID_NOTE_FEEDBACK && c->partner[i] == OF_ALL) {
         auvid_words_append(w, "closed loop: the wrench is feedback of a controller; excite the "
-                              "vehicle, or drive it in open loop");
+                              "vehicle, drive it in open loop, or name the degrees of freedom "
+                              "that it holds");
         return;
     }
     if (note == AUVID_NOTE_UNCHECKED) {
@@ -298,7 +301,9 @@ static void confidence_append_sentence(auvid_words_t *w, const auvid_confidence_
         return;
     }
     auvid_words_append_dof(w, parameter->dof);
-    if (note == AUVID_NOTE_NOT_EXCITED) {
+    if (note == AUVID_NOTE_FEEDBACK) {
+        auvid_words_append(w, "held by a controller; excite it, or drive it in open loop");
+    } else if (note == AUVID_NOTE_NOT_EXCITED) {
         confidence_append_idle(w, c == NULL ? IDLE : c->partner[i]);
     } else if (note == AUVID_NOTE_COMBINATION) {
         confidence_append_pair(w, parameter, &vehicle->parameter[c->partner[i]]);

@@ -93,7 +93,8 @@ static void feedback_add_row(auvid_metric_t *m, int j)
         next += scale / (auvid_real_t)block * feedback_wrench(m, ago)[j];
     }
     auvid_real_t step = next - last;
-    auvid_real_t row[AUVID_FEEDBACK_ORDER] = {last - scale * feedback_wrench(m, block + 1u)[j],
+    auvid_real_t row[AUVID_FEEDBACK_ORDER] = {AUVID_C(1.0),
+                                              last - scale * feedback_wrench(m, block + 1u)[j],
                                               last - f->wrench[j], scale * feedback_residual(m, j),
                                               step};
     auvid_real_t weight = AUVID_C(1.0) / auvid_sqrt(FEEDBACK_STEP * FEEDBACK_STEP + step * step);
@@ -167,8 +168,10 @@ uint32_t auvid_metric_feedback_dofs(const auvid_metric_t *m)
 {
     const auvid_metric_feedback_t *f = &m->feedback;
     bool recent = m->sets.stored - f->stored < m->cfg.sets;
-    if (recent && feedback_in(f, AUVID_FEEDBACK_ALL & ~AUVID_FEEDBACK_TILT)) {
+    uint32_t held = m->cfg.held, tested = AUVID_FEEDBACK_ALL & ~held;
+    if (recent && feedback_in(f, tested & ~AUVID_FEEDBACK_TILT)) {
         return AUVID_FEEDBACK_ALL;
     }
-    return recent && feedback_in(f, AUVID_FEEDBACK_TILT) ? AUVID_FEEDBACK_TILT : 0;
+    return recent && feedback_in(f, tested & AUVID_FEEDBACK_TILT) ? held | AUVID_FEEDBACK_TILT
+                                                                   : held;
 }

@@ -8,6 +8,7 @@
 #include "../identifier/auvid_identifier_internal.h"
 #include "auvid_uncertain_parts_internal.h"
 #include "../base/auvid_refusal_internal.h"
+#include "../metric/auvid_metric_feedback_internal.h"
 
 /* Linear part of the drag at 1 m/s or rad/s before the first solution: as large as the quadratic
  * one at 0.33. */
@@ -221,9 +222,9 @@ static void uncertain_assess(auvid_identifier_t *id)
     for (int i = 0; i < job->n; ++i) {
         uncertain_assess_parameter(id, i, sigma, free);
     }
-    if (!u->excited) {
-        auvid_confidence_close_loop(job, &id->metric, u->work.strong);
-    }
+    auvid_confidence_close_loop(
+        job, vehicle, u->excited ? id->metric.cfg.held : auvid_metric_feedback_dofs(&id->metric),
+        u->work.strong);
     e->confidence = job->result;
 }
 

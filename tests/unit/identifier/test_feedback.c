@@ -7,6 +7,7 @@
 
 #include "auvid/identifier.h"
 #include "auvid/prior.h"
+#include "base/auvid_linalg_internal.h"
 #include "chain.h"
 #include "metric/auvid_metric_feedback_internal.h"
 #include "simulator.h"
@@ -109,6 +110,22 @@ static void test_a_controllers_wrench_is_feedback_and_nothing_is_identifiable(vo
     TEST_ASSERT_FALSE(drag.identifiable);
 }
 
+static void test_of_a_held_degree_of_freedom_nothing_is_identifiable(void)
+{
+    char text[160];
+    id.metric.cfg.held = 1u << DOF;
+    run(400.0, false);
+    TEST_ASSERT_EQUAL(0, id.estimate.confidence.identifiable);
+    TEST_ASSERT_EQUAL(AUVID_NOTE_FEEDBACK, note(AUVID_G500_M_U));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_confidence_missing(&id.estimate.confidence, &auvid_girona500,
+                                                         0, 0, text, sizeof text));
+    TEST_ASSERT_EQUAL_STRING("surge: held by a controller; excite it, or drive it in open loop",
+                             text);
+    TEST_ASSERT_EQUAL(AUVID_FINISHED,
+                      auvid_confidence_missing(&id.estimate.confidence, &auvid_girona500,
+                                               id.metric.cfg.free, 1, text, sizeof text));
+}
+
 static void test_the_sentence_names_the_closed_loop_once(void)
 {
     char text[160];
@@ -116,7 +133,8 @@ static void test_the_sentence_names_the_closed_loop_once(void)
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_confidence_missing(&id.estimate.confidence, &auvid_girona500,
                                                          0, 0, text, sizeof text));
     TEST_ASSERT_EQUAL_STRING("closed loop: the wrench is feedback of a controller; excite the "
-                             "vehicle, or drive it in open loop",
+                             "vehicle, drive it in open loop, or name the degrees of freedom that it "
+                             "holds",
                              text);
     TEST_ASSERT_EQUAL(AUVID_FINISHED,
                       auvid_confidence_missing(&id.estimate.confidence, &auvid_girona500, 0, 1,
@@ -147,35 +165,38 @@ static void test_flags_return_after_the_controller(void)
 static void give(int j, double statistic, double rows)
 {
     auvid_metric_feedback_t *f = &id.metric.feedback;
-    f->factor[j][8] = (auvid_real_t)sqrt(statistic / (rows - 3.0)); /* row 2, column 3 */
-    f->factor[j][9] = 1;
+    enum { LAST = AUVID_FEEDBACK_ORDER - 1 }; /* column of the wrench, after that of the residual */
+    auvid_real_t *left = &f->factor[j][AUVID_QR_FACTOR(AUVID_FEEDBACK_ORDER) - 1];
+    left[-1] = (auvid_real_t)sqrt(statistic / (rows - LAST));
+    left[0] = 1;
     f->rows[j] = (auvid_real_t)rows;
 }
 
 static void test_the_sum_over_the_degrees_of_freedom_decides(void)
 {
-    TEST_ASSERT_FALSE(auvid_metric_has_feedback(&id.metric));
+    TEST_ASSERT_EQUAL_HEX32(0, auvid_metric_feedback_dofs(&id.metric));
     give(AUVID_SURGE, 9.9, 100);
-    TEST_ASSERT_FALSE(auvid_metric_has_feedback(&id.metric));
+    TEST_ASSERT_EQUAL_HEX32(0, auvid_metric_feedback_dofs(&id.metric));
     give(AUVID_SURGE, 10.1, 100);
-    TEST_ASSERT_TRUE(auvid_metric_has_feedback(&id.metric));
+    TEST_ASSERT_EQUAL_HEX32(AUVID_FEEDBACK_ALL, auvid_metric_feedback_dofs(&id.metric));
     give(AUVID_YAW, 4.0, 50); /* the limit is 10 sqrt(2) = 14.14 */
-    TEST_ASSERT_FALSE(auvid_metric_has_feedback(&id.metric));
+    TEST_ASSERT_EQUAL_HEX32(0, auvid_metric_feedback_dofs(&id.metric));
     give(AUVID_YAW, 4.1, 50);
-    TEST_ASSERT_TRUE(auvid_metric_has_feedback(&id.metric));
+    TEST_ASSERT_EQUAL_HEX32(AUVID_FEEDBACK_ALL, auvid_metric_feedback_dofs(&id.metric));
     give(AUVID_YAW, 1000, 39); /* too few rows: does not count */
-    TEST_ASSERT_TRUE(auvid_metric_has_feedback(&id.metric));
+    TEST_ASSERT_EQUAL_HEX32(AUVID_FEEDBACK_ALL, auvid_metric_feedback_dofs(&id.metric));
     give(AUVID_SURGE, 9.9, 100);
-    TEST_ASSERT_FALSE(auvid_metric_has_feedback(&id.metric));
+    TEST_ASSERT_EQUAL_HEX32(0, auvid_metric_feedback_dofs(&id.metric));
     give(AUVID_YAW, 1000, 40);
-    TEST_ASSERT_TRUE(auvid_metric_has_feedback(&id.metric));
+    TEST_ASSERT_EQUAL_HEX32(AUVID_FEEDBACK_ALL, auvid_metric_feedback_dofs(&id.metric));
     id.metric.sets.stored += id.metric.cfg.sets - 1u;
-    TEST_ASSERT_TRUE(auvid_metric_has_feedback(&id.metric));
+    TEST_ASSERT_EQUAL_HEX32(AUVID_FEEDBACK_ALL, auvid_metric_feedback_dofs(&id.metric));
     ++id.metric.sets.stored; /* no set of the ring is watched */
-    TEST_ASSERT_FALSE(auvid_metric_has_feedback(&id.metric));
+    TEST_ASSERT_EQUAL_HEX32(0, auvid_metric_feedback_dofs(&id.metric));
     id.metric.sets.stored = 0;
-    id.metric.feedback.factor[AUVID_YAW][9] = 0; /* a wrench without change */
-    TEST_ASSERT_FALSE(auvid_metric_has_feedback(&id.metric));
+    id.metric.feedback.factor[AUVID_YAW][AUVID_QR_FACTOR(AUVID_FEEDBACK_ORDER) - 1] = 0;
+    /* a wrench without change */
+    TEST_ASSERT_EQUAL_HEX32(0, auvid_metric_feedback_dofs(&id.metric));
 }
 
 static void test_roll_and_pitch_are_judged_by_themselves(void)
@@ -191,6 +212,30 @@ static void test_roll_and_pitch_are_judged_by_themselves(void)
     TEST_ASSERT_EQUAL_HEX32(AUVID_FEEDBACK_ALL, auvid_metric_feedback_dofs(&id.metric));
     give(AUVID_SURGE, 9.9, 100);
     TEST_ASSERT_EQUAL_HEX32(AUVID_FEEDBACK_TILT, auvid_metric_feedback_dofs(&id.metric));
+}
+
+static void test_the_others_are_tested_without_those_that_are_held(void)
+{
+    const uint32_t held = 1u << AUVID_HEAVE | 1u << AUVID_ROLL;
+    id.metric.cfg.held = (uint8_t)held;
+    TEST_ASSERT_EQUAL_HEX32(held, auvid_metric_feedback_dofs(&id.metric));
+    give(AUVID_HEAVE, 1000, 100);
+    give(AUVID_ROLL, 1000, 100);
+    give(AUVID_SURGE, 9.9, 100);
+    TEST_ASSERT_EQUAL_HEX32(held, auvid_metric_feedback_dofs(&id.metric));
+    give(AUVID_SURGE, 10.1, 100);
+    TEST_ASSERT_EQUAL_HEX32(AUVID_FEEDBACK_ALL, auvid_metric_feedback_dofs(&id.metric));
+    give(AUVID_SURGE, 9.9, 100);
+    give(AUVID_PITCH, 10.1, 100);
+    TEST_ASSERT_EQUAL_HEX32(held | AUVID_FEEDBACK_TILT, auvid_metric_feedback_dofs(&id.metric));
+}
+
+static void test_only_degrees_of_freedom_can_be_held(void)
+{
+    auvid_identifier_config_t cfg;
+    auvid_identifier_defaults(&cfg, &auvid_girona500);
+    cfg.metric.held = 1u << AUVID_DOF_COUNT;
+    TEST_ASSERT_EQUAL(AUVID_ERR_RANGE, auvid_identifier_init(&id, &cfg));
 }
 
 /* Rows of the test after this many seconds. */
@@ -221,11 +266,14 @@ int main(void)
     UNITY_BEGIN();
     RUN_TEST(test_a_pilots_wrench_is_no_feedback);
     RUN_TEST(test_a_controllers_wrench_is_feedback_and_nothing_is_identifiable);
+    RUN_TEST(test_of_a_held_degree_of_freedom_nothing_is_identifiable);
     RUN_TEST(test_the_sentence_names_the_closed_loop_once);
     RUN_TEST(test_a_record_of_feedback_gives_no_prior);
     RUN_TEST(test_flags_return_after_the_controller);
     RUN_TEST(test_the_sum_over_the_degrees_of_freedom_decides);
     RUN_TEST(test_roll_and_pitch_are_judged_by_themselves);
+    RUN_TEST(test_the_others_are_tested_without_those_that_are_held);
+    RUN_TEST(test_only_degrees_of_freedom_can_be_held);
     RUN_TEST(test_neither_auvids_excitation_nor_motion_before_an_estimate_is_watched);
     return UNITY_END();
 }

@@ -61,7 +61,8 @@ static void expect_row(int n, int count, int j)
         bool past = (uint32_t)(between * CELL_US) << metric.result.doublings >= cfg.velocity_us;
         e += past ? mean(residual, n - gap - k * block, j) * pow(0.5, k - 1) : 0.0;
     }
-    double row[COLUMNS] = {scale * (last - before_last), scale * (last - earlier), scale * e, step};
+    double row[COLUMNS] = {1.0, scale * (last - before_last), scale * (last - earlier), scale * e,
+                           step};
     for (int a = 0; a < COLUMNS; ++a) {
         for (int b = 0; b < COLUMNS; ++b) {
             normal[j][a][b] += weight * row[a] * weight * row[b];
@@ -168,11 +169,31 @@ static void test_longer_cells_have_shorter_blocks(void)
     check_rows();
 }
 
+/* sqrt(F / rows) of surge: the part of the residual in the wrench's change, over what is left. */
+static double surge_after(double constant_N)
+{
+    setUp();
+    truth[AUVID_G500_X_0] = (auvid_real_t)constant_N;
+    start();
+    feed_cells();
+    const auvid_real_t *left =
+        &metric.feedback.factor[AUVID_SURGE][AUVID_QR_FACTOR(AUVID_FEEDBACK_ORDER) - 1];
+    return fabs((double)(left[-1] / left[0]));
+}
+
+static void test_a_constant_residual_makes_no_difference(void)
+{
+    double none = surge_after(0.0);
+    TEST_ASSERT_TRUE(none > 0.01);
+    TEST_ASSERT_DOUBLE_WITHIN(2e-3 * none, none, surge_after(50.0));
+}
+
 int main(void)
 {
     UNITY_BEGIN();
     RUN_TEST(test_the_rows_are_those_of_the_definition);
     RUN_TEST(test_residuals_that_contain_the_next_sample_of_a_slow_sensor_do_not_count);
+    RUN_TEST(test_a_constant_residual_makes_no_difference);
     RUN_TEST(test_longer_cells_have_shorter_blocks);
     return UNITY_END();
 }

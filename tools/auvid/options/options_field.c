@@ -7,7 +7,8 @@
 #include "../base/report_error.h"
 #include "options_reader.h"
 
-const char *const options_drivers[FIELD_DRIVERS] = {"excited", "joystick", "lawnmower", "station"};
+const char *const options_drivers[FIELD_DRIVERS] = {"excited", "joystick", "assisted", "lawnmower",
+                                                     "station"};
 const char *const options_field_vehicles[FIELD_VEHICLES] = {
     [FIELD_GIRONA500] = "girona500", [FIELD_ROV20] = "rov20", [FIELD_ANY] = "any"};
 
@@ -28,7 +29,7 @@ static int take_driver(reader_t *r, field_driver_t *driver)
             return 0;
         }
     }
-    return report_error("%s: '%s' is not one of excited, joystick, lawnmower, station", r->name,
+    return report_error("%s: '%s' is not one of excited, joystick, assisted, lawnmower, station", r->name,
                         text);
 }
 

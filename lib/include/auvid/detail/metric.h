@@ -166,7 +166,7 @@ typedef struct {
 } auvid_metric_sets_t;
 
 /** Columns of the test for feedback: two of the wrench's past, the residual, the wrench. */
-#define AUVID_FEEDBACK_ORDER 4
+#define AUVID_FEEDBACK_ORDER 5
 
 /** Is the wrench feedback? Private: see auvid_metric_feedback.c. */
 typedef struct {
