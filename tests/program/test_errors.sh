@@ -200,6 +200,9 @@ check "and a third that is missing" rejects 'none.csv: No such file' fit log.csv
 for bad in surge surge= surge=x surge=0 surge=-1 surge=nan =5 north=5; do
     check "--gain $bad" refuses 'is not AXIS=NEWTONS' fit log.csv "--gain=$bad"
 done
+for bad in jaw heave, heave,yaw, 4; do
+    check "--held '$bad'" refuses 'is not AXIS,AXIS' fit log.csv "--held=$bad"
+done
 for bad in 0 0.05 2 x; do
     check "--max-gap $bad" refuses "--max-gap: '$bad' is .* from 0.1 to 1$" \
         fit log.csv --max-gap $bad

@@ -76,7 +76,7 @@ done
 for bad in -1 11 nan x; do
     check "--field $bad" refuses -- '--field: .* is not a number from 0 to 10' demo "--field=$bad"
 done
-check "an unknown driver" refuses "'cat' is not one of excited, joystick, lawnmower, station" \
+check "an unknown driver" refuses "'cat' is not one of excited, joystick, assisted, lawnmower, station" \
     demo --field 1 --driver cat
 for other in "--driver joystick" "--vehicle rov20" "--vehicle any" --perfect-inputs \
     --perfect-thrust; do
@@ -115,7 +115,7 @@ for line in ("mismatches   mixture of strength 1", "uncertainty  thrust scale", 
     assert line in text, (line, text)'
 check "  no line is longer than 100 columns" awk 'length > 100 { exit 1 }' out
 for vehicle in girona500 rov20 any; do
-    for driver in excited joystick lawnmower station; do
+    for driver in excited joystick assisted lawnmower station; do
         check "$vehicle, $driver" exits 0 demo --field 1 --vehicle "$vehicle" --driver "$driver" \
             --runs 2 --seed 11 --json
         check "  the figures are those of the runs" holds out "whole(d, 2)"
@@ -172,6 +172,15 @@ done
 exits 0 demo --field 1 --runs 4 --seed 21 --json --then lawnmower
 check "in closed loop no drift is reported" holds out '
 assert all(run["drifted"] == 0 for run in d["each"])'
+
+# ---- a pilot with depth and heading held ----
+exits 0 demo --field 1 --driver assisted --runs 4 --json
+check "numbers of surge and sway are flagged, of heave and yaw none" holds out '
+free = {0, 1, 5, 6, 7, 8}
+for run in d["each"]:
+    assert sum(run["flagged"]) >= 2 and sum(run["wrong"]) == 0, run
+    for i, (flag, note) in enumerate(zip(run["flagged"], run["note"])):
+        assert i in free or (not flag and note == 13), (i, note)'
 
 # ---- the reference of a controller ----
 loop="demo --field 0 --driver lawnmower --alternate 0.5 --runs 4 --json"

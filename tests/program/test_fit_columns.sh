@@ -257,6 +257,13 @@ check "--dry-mass" exits 0 fit train.csv --plain --json --dry-mass 300
 check "  a smaller mass is marked" is out '
 assert {P[n]["note"] for n in ("m_u", "X_u", "X_uu")} == {"m_u is impossible"}, P'
 
+check "--held" exits 0 fit train.csv --plain --json --held heave,yaw
+check "  nothing of these is identifiable, the others are" is out '
+for n, p in P.items():
+    loop = p["note"] == "closed loop: the wrench is feedback"
+    assert loop == (n in ("m_w", "m_r", "W-B", "Z_w", "Z_ww", "N_r", "N_rr")), (n, p)
+    assert not (loop and p["identifiable"]) and (n != "m_u" or p["identifiable"])'
+
 # ---- six degrees of freedom without coupling ----
 python3 - >axes.csv <<'END'
 import random

@@ -5,6 +5,19 @@
 #include "../base/report_error.h"
 #include "../vehicle/decoupled.h"
 
+static const char *const axes[AUVID_DOF_COUNT] = {"surge", "sway", "heave", "roll", "pitch", "yaw"};
+
+/* The axis whose name has this length; -1: there is none. */
+static int axis_named(const char *text, size_t length)
+{
+    for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
+        if (strlen(axes[j]) == length && strncmp(text, axes[j], length) == 0) {
+            return j;
+        }
+    }
+    return -1;
+}
+
 /* fit --vehicle: its model, thrusters and uncertainties. */
 static int take_whole_vehicle(reader_t *r, options_t *options)
 {
@@ -37,26 +50,41 @@ static int take_choice(reader_t *r, options_t *options)
 /* AXIS=NEWTONS: of one unit of this axis' command. */
 static int take_gain(reader_t *r, options_t *options)
 {
-    static const char *const axes[AUVID_DOF_COUNT] = {"surge", "sway",  "heave",
-                                                      "roll",  "pitch", "yaw"};
     const char *text = NULL, *end = NULL;
+    double x = 0.0;
     if (take_value(r, &text) != 0) {
         return EXIT_REFUSED;
     }
     size_t length = strcspn(text, "=");
-    for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
-        double x = 0.0;
-        if (strlen(axes[j]) == length && strncmp(text, axes[j], length) == 0 &&
-            text[length] == '=' && to_real(text + length + 1, &end, &x) && *end == '\0' &&
-            x > 0.0 && x <= 1e6) {
-            options->gain[j] = x;
-            options->has_gain = true;
-            return 0;
-        }
+    int axis = axis_named(text, length);
+    if (axis >= 0 && text[length] == '=' && to_real(text + length + 1, &end, &x) && *end == '\0' &&
+        x > 0.0 && x <= 1e6) {
+        options->gain[axis] = x;
+        options->has_gain = true;
+        return 0;
     }
     return report_error("--gain: '%s' is not AXIS=NEWTONS, as in surge=40; newtons above 0, at "
                         "most 1e6",
                         text);
+}
+
+/* AXIS,AXIS,..: a controller holds them. */
+static int take_held(reader_t *r, options_t *options)
+{
+    const char *text = NULL;
+    if (take_value(r, &text) != 0) {
+        return EXIT_REFUSED;
+    }
+    for (const char *name = text;; name += strcspn(name, ",") + 1) {
+        int axis = axis_named(name, strcspn(name, ","));
+        if (axis < 0) {
+            return report_error("--held: '%s' is not AXIS,AXIS,.., as in heave,yaw", text);
+        }
+        options->held |= AUVID_DOF_BIT(axis);
+        if (strchr(name, ',') == NULL) {
+            return 0;
+        }
+    }
 }
 
 /* Gaps that the cells of the recorder span [s]. */
@@ -122,6 +150,9 @@ static int fit_option(reader_t *r, options_t *options)
     }
     if (option_is(r, "--gain")) {
         return take_gain(r, options);
+    }
+    if (option_is(r, "--held")) {
+        return take_held(r, options);
     }
     if (option_is(r, "--vehicle")) {
         return take_whole_vehicle(r, options);

@@ -1,6 +1,7 @@
 """What a user must know of a converted log: rates, rest, gaps. A sentence each, with a remedy."""
 import numpy as np
 
+from auvid import modes
 from auvid.series import ATTITUDE, QUATERNION, RATES
 from auvid.streams import VELOCITIES
 from auvid.write_csv import WINDOW_S
@@ -76,6 +77,7 @@ def advise(recording, streams):
     if rate < VELOCITY_HZ:
         said.append(f"velocity at {rate:.2g} Hz: a small vehicle needs {VELOCITY_HZ:.0f} Hz or "
                     "more")
+    said += modes.advise(recording.modes, velocity.series.first, velocity.series.last)
     count, total = _gaps(velocity)
     if count and rate >= VELOCITY_HZ:
         said.append(f"{velocity.series.label}: {count} gaps longer than {GAP_S:.0f} s, "

@@ -3,14 +3,14 @@ import struct
 
 from pymavlink.DFReader import FORMAT_TO_STRUCT, DFFormat
 
-from auvid import ardupilot
+from auvid import ardupilot, modes
 from auvid.log_error import LogError
 from auvid.series import Recording
 
 HEAD = b"\xa3\x95"
 FMT = 0x80
 CHUNK = 1 << 20
-WANTED = {"ATT", "IMU", "VISO", "XKF1", "RCOU", "BAT", "PARM"}
+WANTED = {"ATT", "IMU", "VISO", "XKF1", "RCOU", "BAT", "MODE", "PARM"}
 DEGREE = 0.017453292519943295
 
 
@@ -93,6 +93,8 @@ def _take(recording, name, m):
     t = m["TimeUS"] * 1e-6
     if name == "PARM":
         recording.parameters[m["Name"].split(b"\0")[0].decode("ascii", "replace")] = m["Value"]
+    elif name == "MODE":
+        recording.add_mode(t, modes.ARDUSUB, m["ModeNum"])
     elif name == "ATT":
         recording.add("attitude", t, [m[k] * DEGREE for k in ("Roll", "Pitch", "Yaw")], "ATT")
     elif name == "IMU" and m.get("I", 0) == 0:

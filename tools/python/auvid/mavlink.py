@@ -1,5 +1,7 @@
 """MAVLink messages of ArduSub, from a .tlog or a recording of BlueOS, as series."""
-from auvid import ardupilot
+import math
+
+from auvid import ardupilot, modes
 from auvid.log_error import LogError
 
 #: Messages that are used.
@@ -31,6 +33,9 @@ class Vehicle:
             self.recording.parameters[name] = float(m["param_value"])
         elif name != "HEARTBEAT":
             self._sample(name, m, received_s)
+        elif "custom_mode" in m:
+            t = self._time(m, received_s)
+            self.recording.add_mode(-math.inf if t is None else t, modes.ARDUSUB, m["custom_mode"])
 
     def _time(self, m, received_s):
         """The vehicle's time of a message; of one without, from the offset to the log's clock."""

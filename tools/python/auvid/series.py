@@ -9,6 +9,7 @@ import tempfile
 
 import numpy as np
 
+from auvid import modes
 from auvid.log_error import LogError
 
 DOFS = ["surge", "sway", "heave", "roll", "pitch", "yaw"]
@@ -128,12 +129,14 @@ class Recording:
     notes: sentences about what the conversion would lose.
     derived: by the name of a series, (columns, function of its values) that replaces it.
     geometry: [thrusters, 6] axes along which each thruster of the log pushes, or None.
+    modes: (t, name, degrees of freedom held), where the autopilot's mode changes.
     remedies: what to do about a missing series, by a word of the sentence.
     """
 
     def __init__(self, path, kind):
         self.path, self.kind = path, kind
         self.series, self.parameters = {}, {}
+        self.modes = []
         self.notes, self.derived, self.remedies, self.geometry = [], {}, {}, None
 
     def add(self, name, t, values, label, columns=None):
@@ -145,6 +148,12 @@ class Recording:
                                                        range(len(values))]
             self.series[name] = Series(label, columns)
         self.series[name].add(t, values)
+
+    def add_mode(self, t, table, number):
+        """The autopilot's mode, by its number in a table of modes.py."""
+        mode = table.get(number, (f"mode {number}", modes.ALL))
+        if not self.modes or self.modes[-1][1:] != mode:
+            self.modes.append((t, *mode))
 
     def first(self, *names):
         """The first of these series that the log has, by name; None if it has none."""

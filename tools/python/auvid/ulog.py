@@ -4,6 +4,7 @@ import struct
 import numpy as np
 from pyulog import ULog
 
+from auvid import modes
 from auvid.log_error import LogError
 from auvid.series import COMMANDS, Recording
 
@@ -13,9 +14,8 @@ BODY_FRD, NED = 3, 1       # velocity_frame of vehicle_odometry
 THRUST = {"vehicle_thrust_setpoint": "surge sway heave", "vehicle_torque_setpoint":
           "roll pitch yaw"}
 WANTED = {"vehicle_attitude", "vehicle_angular_velocity", "vehicle_acceleration",
-          "vehicle_local_position",
-          "vehicle_odometry", "vehicle_visual_odometry", "actuator_motors", "battery_status",
-          *THRUST}
+          "vehicle_local_position", "vehicle_odometry", "vehicle_visual_odometry",
+          "actuator_motors", "battery_status", "vehicle_status", *THRUST}
 
 
 class _Topic:
@@ -133,6 +133,8 @@ def _take(recording, name, m):
     elif name in THRUST:
         columns = ["cmd_" + dof for dof in THRUST[name].split()]
         add(name, t, m.three([f"xyz[{k}]" for k in range(3)]), name, columns)
+    elif name == "vehicle_status" and "nav_state" in m.fields:
+        recording.add_mode(t, modes.PX4, m.get("nav_state"))
     elif name == "battery_status":
         add("voltage", t, [m.get("voltage_v", np.nan)], name)
 

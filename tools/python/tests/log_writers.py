@@ -76,8 +76,9 @@ FORMATS = {  # name: type, letters, columns
     "XKF1": (44, "QBccCfffffff", "TimeUS,C,Roll,Pitch,Yaw,VN,VE,VD,dPD,PN,PE,PD"),
     "RCOU": (45, "Q" + 14 * "H", "TimeUS," + ",".join(f"C{k}" for k in range(1, 15))),
     "BAT": (46, "QBf", "TimeUS,Inst,Volt"),
+    "MODE": (47, "QMBB", "TimeUS,Mode,ModeNum,Rsn"),
 }
-LETTERS = {"Q": "Q", "N": "16s", "f": "f", "c": "h", "C": "H", "B": "B", "H": "H"}
+LETTERS = {"Q": "Q", "N": "16s", "f": "f", "c": "h", "C": "H", "B": "B", "H": "H", "M": "B"}
 
 
 def bin_format(name, length=None):
@@ -97,12 +98,13 @@ def degrees(angle):
     return int(np.rint(np.degrees(angle) * 100))
 
 
-def bin_log(run, skip=(), parameters=PARAMETERS, base=BASE_S, viso_shift=0.0):
-    """The bytes of a .BIN. skip: messages that are not logged."""
+def bin_log(run, skip=(), parameters=PARAMETERS, base=BASE_S, viso_shift=0.0, modes=()):
+    """The bytes of a .BIN. skip: messages that are not logged. modes: (row, number) of changes."""
     out, pwm, ned = [bin_format(name) for name in FORMATS], pwm_of(run), run.ned
     out += [bin_message("PARM", int(base * 1e6), k.encode(), v) for k, v in parameters.items()]
     for i, t in enumerate(run.t):
         us = int(np.rint((base + t) * 1e6))
+        out += [bin_message("MODE", us, mode, mode, 1) for row, mode in modes if row == i]
         roll, pitch, yaw = run.attitude[i]
         rows = {"ATT": (0, degrees(roll), 0, degrees(pitch), 0, degrees(yaw % (2 * np.pi)), 0, 0),
                 "IMU": (0, *run.nu[i, 3:], 0, 0, -9.8),
@@ -116,8 +118,8 @@ def bin_log(run, skip=(), parameters=PARAMETERS, base=BASE_S, viso_shift=0.0):
     return b"".join(out)
 
 
-def tlog(run, systems=(1,), heartbeat=True, parameters=PARAMETERS):
-    """The bytes of a .tlog, with the DVL, from a vehicle of each system id."""
+def tlog(run, systems=(1,), heartbeat=True, parameters=PARAMETERS, modes=()):
+    """The bytes of a .tlog, with the DVL, from a vehicle of each system id. modes: as bin_log."""
     from pymavlink.dialects.v20 import ardupilotmega as dialect
     out, pwm, ned = [], pwm_of(run), run.ned
 
@@ -132,6 +134,8 @@ def tlog(run, systems=(1,), heartbeat=True, parameters=PARAMETERS):
     for i, t in enumerate(run.t):
         ms = int(np.rint((BASE_S + t) * 1e3))
         for system in systems:
+            for mode in [mode for row, mode in modes if row <= i][-1:]:
+                put(t, system, 1, dialect.MAVLink_heartbeat_message(12, 3, 81, mode, 5, 3))
             put(t, system, 1, dialect.MAVLink_attitude_message(ms, *run.attitude[i],
                                                                *run.nu[i, 3:]))
             put(t, system, 1, dialect.MAVLink_local_position_ned_message(
@@ -153,6 +157,7 @@ TOPICS = {  # name: fields of a ULog message
     "vehicle_thrust_setpoint": "uint64_t timestamp;uint64_t timestamp_sample;float[3] xyz;",
     "vehicle_torque_setpoint": "uint64_t timestamp;uint64_t timestamp_sample;float[3] xyz;",
     "battery_status": "uint64_t timestamp;float voltage_v;",
+    "vehicle_status": "uint64_t timestamp;uint8_t nav_state;",
 }
 
 
@@ -160,8 +165,8 @@ def ulg_record(kind, data):
     return struct.pack("<HB", len(data), ord(kind)) + data
 
 
-def ulg_log(run, skip=(), parameters=None):
-    """The bytes of a .ulg."""
+def ulg_log(run, skip=(), parameters=None, modes=()):
+    """The bytes of a .ulg. modes: (row, number) of changes."""
     out = [b"ULog\x01\x12\x35\x01" + struct.pack("<Q", 0),
            ulg_record("B", bytes(40))]
     for name, fields in TOPICS.items():
@@ -191,6 +196,8 @@ def ulg_log(run, skip=(), parameters=None):
                                       struct.pack(f"<{len(values)}f", *values) +
                                       tail.get(name, b"")))
         out.append(ulg_record("D", struct.pack("<HQf", number["battery_status"], us, 16.0)))
+        out += [ulg_record("D", struct.pack("<HQB", number["vehicle_status"], us, mode))
+                for row, mode in modes if row == i]
     return b"".join(out)
 
 
