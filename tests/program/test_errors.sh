@@ -201,7 +201,7 @@ for bad in surge surge= surge=x surge=0 surge=-1 surge=nan =5 north=5; do
     check "--gain $bad" refuses 'is not AXIS=NEWTONS' fit log.csv "--gain=$bad"
 done
 for bad in jaw heave, heave,yaw, 4; do
-    check "--held '$bad'" refuses 'is not AXIS,AXIS' fit log.csv "--held=$bad"
+    check "--closed-loop '$bad'" refuses 'is not AXIS,AXIS' fit log.csv "--closed-loop=$bad"
 done
 for bad in 0 0.05 2 x; do
     check "--max-gap $bad" refuses "--max-gap: '$bad' is .* from 0.1 to 1$" \

@@ -76,8 +76,8 @@ done
 for bad in -1 11 nan x; do
     check "--field $bad" refuses -- '--field: .* is not a number from 0 to 10' demo "--field=$bad"
 done
-check "an unknown driver" refuses "'cat' is not one of excited, joystick, assisted, lawnmower, station" \
-    demo --field 1 --driver cat
+drivers="excited, joystick, assisted, lawnmower, station"
+check "an unknown driver" refuses "'cat' is not one of $drivers" demo --field 1 --driver cat
 for other in "--driver joystick" "--vehicle rov20" "--vehicle any" --perfect-inputs \
     --perfect-thrust; do
     # shellcheck disable=SC2086

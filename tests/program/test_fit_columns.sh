@@ -257,7 +257,7 @@ check "--dry-mass" exits 0 fit train.csv --plain --json --dry-mass 300
 check "  a smaller mass is marked" is out '
 assert {P[n]["note"] for n in ("m_u", "X_u", "X_uu")} == {"m_u is impossible"}, P'
 
-check "--held" exits 0 fit train.csv --plain --json --held heave,yaw
+check "--closed-loop" exits 0 fit train.csv --plain --json --closed-loop heave,yaw
 check "  nothing of these is identifiable, the others are" is out '
 for n, p in P.items():
     loop = p["note"] == "closed loop: the wrench is feedback"

@@ -11,8 +11,9 @@
  * Two vehicles: Girona500, and an ROV of 20 kg with six thrusters, four of them vectored; and any
  * number of others, drawn at random, with the thrusters of one of these. All of them hover, and
  * thrusters act in surge, sway, heave and yaw. Five drivers: the identifier's excitation, a
- * joystick pilot, a PID lawnmower, station keeping. The sensors are always noisy: IMU 50 Hz, 0.2
- * deg and 0.1 deg/s; DVL 5 Hz, 7 mm/s; depth 10 Hz, 15 mm; no GPS.
+ * joystick pilot, the same with depth and heading held, a PID lawnmower, station keeping. The
+ * sensors are always noisy: IMU 50 Hz, 0.2 deg and 0.1 deg/s; DVL 5 Hz, 7 mm/s; depth 10 Hz, 15 mm;
+ * no GPS.
  *
  * The state is the velocity through the water: a constant current leaves the equations of motion
  * unchanged (Fossen 2011, property 8.1). RK4 at 5 ms, four steps per tick; one core simulates more

@@ -76,8 +76,8 @@ typedef enum {
     AUVID_NOTE_FEEDBACK,  /**< closed loop: the wrench answers the motion, so motion by the thrust
                               cannot be told from motion by a disturbance. Its sigma does not hold.
                               `partner` 0: no parameter is identifiable, except by the reference of
-                              the controller (auvid_instruments_t); 1: none of this DoF, which the
-                              configuration says is held, or of roll and pitch */
+                              the controller (auvid_instruments_t); 1: none of this DoF, which is
+                              so by the configuration (closed_loop), or is roll or pitch */
     AUVID_NOTE_UNCHECKED, /**< identifiable if thrust and sensors are exact. They were not examined
                                for errors, or have too large ones: see auvid_confidence_t.unchecked
                              */
@@ -225,8 +225,9 @@ typedef struct {
                             threshold 6. In the DoF with the most evidence, at least that for a
                             common relative difference of all drag forces. Above 1: the vehicle has
                             drifted. 0: none, or no estimate of five sets that knew them was
-                            accepted before. Kept while none is accepted, and in closed loop, where
-                            parameters are biased */
+                            accepted before, or the DoF is in closed loop, where parameters are
+                            biased. Kept while none is accepted, and while all are in closed loop
+                            */
     uint32_t set;      /**< number of the set, from 1; 0: none was validated yet */
     uint32_t estimate; /**< number of the estimate that predicted it */
     uint8_t excited;   /**< bit j: DoF j was excited in it and in the estimate's data */

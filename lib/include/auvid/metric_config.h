@@ -81,11 +81,12 @@ typedef struct {
     bool estimate_delay;     /**< default true */
     uint8_t first_order_lag; /**< bit j: delay_s of DoF j is that of a first-order lag, not a shift;
                                   default 0 */
-    uint8_t held; /**< bit j: a controller holds DoF j, such as depth (AUVID_HEAVE) and heading
-                       (AUVID_YAW), while a pilot drives the others in open loop. Of these DoF
-                       nothing is identifiable (AUVID_NOTE_FEEDBACK). The test for feedback is then
-                       of the others; else it is of all together, and depth hold alone leaves
-                       nothing identifiable. Default 0 */
+    /** bit j: a controller makes the wrench of DoF j from its motion, as where an autopilot holds
+     * depth (AUVID_HEAVE) and heading (AUVID_YAW) while a pilot drives the others. Nothing of these
+     * DoF is identifiable (AUVID_NOTE_FEEDBACK): do not excite them. The test for feedback is of
+     * the others; with 0 it is of all together: then the controller makes nothing identifiable, or
+     * it is not recognised, and the parameters of its DoF are biased. Default 0 */
+    uint8_t closed_loop;
 } auvid_metric_config_t;
 
 #ifdef __cplusplus

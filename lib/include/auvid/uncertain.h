@@ -42,8 +42,9 @@
  * there is a current.
  *
  * A passive vehicle adds rows until the first excitation; from then on only the excitation does. In
- * closed loop nothing is identifiable from passive rows (AUVID_NOTE_FEEDBACK), unless the reference
- * of the controller is given (auvid_instruments_t, below). Each search is followed by a solution
+ * closed loop nothing is identifiable from passive rows (AUVID_NOTE_FEEDBACK), unless it is that of
+ * a few DoF (closed_loop in metric_config.h), or the reference of the controller is given
+ * (auvid_instruments_t, below). Each search is followed by a solution
  * with uncertain inputs: they are eliminated, and both phases of the optimizer search what is left,
  * within the bounds. auvid_identifier_estimate then returns it. The estimate without uncertain
  * inputs is identifier.estimate; nothing in it is identifiable. After a change of the vehicle the
@@ -418,11 +419,11 @@ typedef struct {
  * The size of e is that of the whole rows; it is larger where the projected ones disagree more
  * (Sargan's test).
  *
- * Only if the wrench is feedback, before any excitation, and if a reference was given. A parameter
- * is strong if the instruments explain its column beyond those of the DoF's other parameters: F of
- * that regression >= 10. The others are not identifiable (AUVID_NOTE_FEEDBACK), nor is a constant
- * force. If none is strong, the estimate is as without instruments. Read it from
- * auvid_identifier_estimate.
+ * Only if the wrench is feedback in all DoF (not of single ones: closed_loop in metric_config.h),
+ * before any excitation, and if a reference was given. A parameter is strong if the instruments
+ * explain its column beyond those of the DoF's other parameters: F of that regression >= 10. The
+ * others are not identifiable (AUVID_NOTE_FEEDBACK), nor is a constant force. If none is strong,
+ * the estimate is as without instruments. Read it from auvid_identifier_estimate.
  *
  * A reference that is itself computed from measurements is not one: it must be what would be the
  * same in another dive with the same orders. A vehicle that keeps its place shows nothing; let the

@@ -167,7 +167,8 @@ static void adaptive_assess_parameter(auvid_identifier_t *id, int i, auvid_real_
     bool known = (adaptive_is_identifiable(e, i) && !(excitable && (e->coupled >> j & 1))) ||
                  e->confidence.note[i] == AUVID_NOTE_SMALL ||
                  e->confidence.note[i] == AUVID_NOTE_THRUST_SCALE || /* excitation does not help */
-                 e->confidence.note[i] == AUVID_NOTE_FIXED;
+                 e->confidence.note[i] == AUVID_NOTE_FIXED ||
+                 (id->metric.cfg.closed_loop >> j & 1) != 0;
     auvid_real_t rows = (auvid_real_t)id->metric.result.dof_rows[j];
     a->missing &= ~(1u << i);
     a->abandoned &= ~((uint32_t)known << i);

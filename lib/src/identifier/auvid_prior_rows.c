@@ -76,6 +76,7 @@ auvid_status_t auvid_prior_add_rows(auvid_metric_t *m, uint32_t *budget)
     }
     for (; at->dof < AUVID_DOF_COUNT; ++at->dof) {
         int j = at->dof;
+        bool biased = (m->cfg.closed_loop >> j & 1) != 0; /* then its rows contradict nothing */
         if (!auvid_metric_is_excited(m, j)) {
             continue;
         }
@@ -83,7 +84,7 @@ auvid_status_t auvid_prior_add_rows(auvid_metric_t *m, uint32_t *budget)
         if (!auvid_metric_spend(at, budget, price)) {
             return AUVID_PENDING;
         }
-        if (!prior_apply(m, prior, j)) {
+        if (!prior_apply(m, prior, j) && !biased) {
             prior->known = 0;
             auvid_metric_restart_pass(m, PASS_LAST);
             return AUVID_EMPTY;

@@ -319,8 +319,7 @@ static void confidence_step(job_t *c)
                 dofs |= (uint32_t)confidence_is_informative(c, j) << j;
             }
             auvid_confidence_discredit(c, dofs);
-            auvid_confidence_close_loop(c, c->metric->cfg.vehicle,
-                                        auvid_metric_feedback_dofs(c->metric), 0);
+            auvid_confidence_close_loop(c, c->metric, auvid_metric_feedback_dofs(c->metric), 0);
         }
         break;
     }

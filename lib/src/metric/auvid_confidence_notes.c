@@ -380,20 +380,21 @@ void auvid_confidence_conclude(auvid_confidence_job_t *c, int i, const auvid_fin
     }
 }
 
-void auvid_confidence_close_loop(auvid_confidence_job_t *c, const auvid_vehicle_t *vehicle,
+void auvid_confidence_close_loop(auvid_confidence_job_t *c, const auvid_metric_t *m,
                                  uint32_t feedback, uint32_t strong)
 {
     static const uint32_t kept = 1u << AUVID_NOTE_FIXED | 1u << AUVID_NOTE_NOT_EXCITED |
                                  1u << AUVID_NOTE_AT_BOUND | 1u << AUVID_NOTE_BESIDE_BOUND |
                                  1u << AUVID_NOTE_NOT_CONVERGED;
+    uint32_t found = feedback & ~(m->cfg.closed_loop | AUVID_FEEDBACK_TILT);
     for (int k = 0; k < c->n; ++k) {
         int p = c->parameter_of[k];
-        if ((feedback >> vehicle->parameter[p].dof & 1u) == 0 || (strong >> p & 1u) != 0) {
+        if ((feedback >> m->cfg.vehicle->parameter[p].dof & 1u) == 0 || (strong >> p & 1u) != 0) {
             continue;
         }
         if (!(kept >> c->result.note[p] & 1u)) {
             c->result.note[p] = AUVID_NOTE_FEEDBACK;
-            c->result.partner[p] = feedback == AUVID_FEEDBACK_ALL ? OF_ALL : OF_ONE;
+            c->result.partner[p] = found != 0 ? OF_ALL : OF_SOME;
         }
         c->result.identifiable &= ~(UINT32_C(1) << (p & 31));
     }

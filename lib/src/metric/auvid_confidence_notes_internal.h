@@ -15,8 +15,8 @@ enum { IDLE, UNACTUATED, UNACTUATED_ROWS };
 
 /** partner of AUVID_NOTE_UNCERTAIN: see estimate.h */
 enum { FEW_DATA, UNEXPLAINED };
-/** Closed loop: of the vehicle; or of the parameter's DoF alone. */
-enum { OF_ALL, OF_ONE };
+/** Closed loop: of the vehicle; or of single DoF. */
+enum { OF_ALL, OF_SOME };
 
 /** auvid_confidence_job_t.phase: see auvid_confidence.c */
 enum { OPTIMUM, ROTATE, BOUND, INVERT, SCATTER, BIAS, JUDGE, CONCLUDE, DONE };
@@ -66,9 +66,9 @@ void auvid_confidence_conclude(auvid_confidence_job_t *c, int i, const auvid_fin
  * identifiable; if two masses are impossible, nothing is. */
 void auvid_confidence_discredit(auvid_confidence_job_t *c, uint32_t dofs);
 
-/** After all notes: of the DoF in closed loop, a bit each, only these parameters can be
+/** After all notes: of the DoF in closed loop, a bit each, only `strong` parameters can be
  * identifiable. */
-void auvid_confidence_close_loop(auvid_confidence_job_t *c, const auvid_vehicle_t *vehicle,
+void auvid_confidence_close_loop(auvid_confidence_job_t *c, const auvid_metric_t *m,
                                  uint32_t feedback, uint32_t strong);
 
 /** Returns the norm of parameter i's column in DoF j's merged R factor; 0: it has none. */

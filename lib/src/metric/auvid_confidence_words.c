@@ -284,9 +284,10 @@ static void confidence_append_sentence(auvid_words_t *w, const auvid_confidence_
         return;
     }
     if (note == AUVID_NOTE_FEEDBACK && c->partner[i] == OF_ALL) {
-        auvid_words_append(w, "closed loop: the wrench is feedback of a controller; excite the "
-                              "vehicle, drive it in open loop, or name the degrees of freedom "
-                              "that it holds");
+        auvid_words_append(w,
+                           "closed loop: the wrench is feedback of a controller; excite the "
+                           "vehicle, or drive it in open loop; if a pilot drives some axes, name "
+                           "the others");
         return;
     }
     if (note == AUVID_NOTE_UNCHECKED) {
@@ -302,7 +303,7 @@ static void confidence_append_sentence(auvid_words_t *w, const auvid_confidence_
     }
     auvid_words_append_dof(w, parameter->dof);
     if (note == AUVID_NOTE_FEEDBACK) {
-        auvid_words_append(w, "held by a controller; excite it, or drive it in open loop");
+        auvid_words_append(w, "closed loop; drive it in open loop");
     } else if (note == AUVID_NOTE_NOT_EXCITED) {
         confidence_append_idle(w, c == NULL ? IDLE : c->partner[i]);
     } else if (note == AUVID_NOTE_COMBINATION) {

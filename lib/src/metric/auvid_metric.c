@@ -11,7 +11,6 @@
 #include "../base/auvid_linalg_internal.h"
 #include "../base/auvid_refusal_internal.h"
 #include "../models/auvid_vehicle_internal.h"
-#include "auvid_metric_feedback_internal.h"
 #include "auvid_metric_internal.h"
 
 void auvid_metric_defaults(auvid_metric_config_t *cfg, const auvid_vehicle_t *vehicle)
@@ -54,7 +53,7 @@ static const auvid_field_t metric_fields[] = {
     METRIC_WHOLE(half_width, 2, 1, 255),
     METRIC_WHOLE(lag, 2, 1, AUVID_METRIC_LAGS),
     METRIC_WHOLE(passes, 1, 1, 2),
-    METRIC_WHOLE(held, 1, 0, AUVID_FEEDBACK_ALL),
+    METRIC_WHOLE(closed_loop, 1, 0, (1 << AUVID_DOF_COUNT) - 1),
     METRIC_REALS(delay_s, AUVID_DOF_COUNT, -AUVID_LARGEST, AUVID_LARGEST),
     METRIC_REALS(delay_sigma_s, 1, AUVID_C(0.0), AUVID_C(1.0)),
 };

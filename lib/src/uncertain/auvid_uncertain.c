@@ -222,9 +222,10 @@ static void uncertain_assess(auvid_identifier_t *id)
     for (int i = 0; i < job->n; ++i) {
         uncertain_assess_parameter(id, i, sigma, free);
     }
-    auvid_confidence_close_loop(
-        job, vehicle, u->excited ? id->metric.cfg.held : auvid_metric_feedback_dofs(&id->metric),
-        u->work.strong);
+    auvid_confidence_close_loop(job, &id->metric,
+                                u->excited ? id->metric.cfg.closed_loop
+                                           : auvid_metric_feedback_dofs(&id->metric),
+                                u->work.strong);
     e->confidence = job->result;
 }
 

@@ -180,7 +180,8 @@ void auvid_uncertain_begin(auvid_uncertain_t *u)
     auvid_zero(&u->work, sizeof u->work);
     u->work.solving = true;
     u->work.sag_from = auvid_max(u->recorded.elapsed - LONGEST_SAG, AUVID_C(0.0));
-    if (u->instruments != NULL && !u->excited && auvid_metric_feedback_dofs(&u->id->metric) != 0) {
+    if (u->instruments != NULL && !u->excited &&
+        auvid_metric_feedback_dofs(&u->id->metric) == AUVID_FEEDBACK_ALL) {
         u->work.strong = u->strong(u, &u->id->metric);
     }
     u->work.dof = uncertain_next_dof(u, 0);

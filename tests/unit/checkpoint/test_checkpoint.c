@@ -281,7 +281,7 @@ static void test_one_of_another_configuration_is_refused(void)
     static auvid_identifier_config_t same;
     same = cfg;
     bytes = save(&id, saved, sizeof saved);
-    for (int k = 0; k < 16; ++k) {
+    for (int k = 0; k < 17; ++k) {
         cfg = same;
         cfg.nav.gate += (auvid_real_t)(k == 0);
         cfg.nav.max_consecutive_rejections += k == 1;
@@ -293,6 +293,7 @@ static void test_one_of_another_configuration_is_refused(void)
         cfg.metric.sets -= k == 7;
         cfg.metric.estimate_delay = k != 8;
         cfg.metric.first_order_lag += k == 9;
+        cfg.metric.closed_loop += k == 16;
         cfg.velocity = k == 10 ? AUVID_VELOCITY_WATER : AUVID_VELOCITY_GROUND;
         cfg.search.lower[0] += (auvid_real_t)(k == 11);
         cfg.search.seed += k == 12;

@@ -107,6 +107,18 @@ static void test_it_ends_by_itself_when_everything_is_known(void)
     TEST_ASSERT_TRUE((chain.events & AUVID_EVENT_EXCITATION_DONE) != 0);
 }
 
+/* What cannot become known is not waited for. */
+static void test_it_ends_with_a_degree_of_freedom_in_closed_loop(void)
+{
+    const uint32_t heave = 1u << 2 | 1u << 4 | 1u << 9 | 1u << 10;
+    config.id.metric.closed_loop = AUVID_DOF_BIT(AUVID_HEAVE);
+    begin();
+    run(300);
+    TEST_ASSERT_EQUAL(AUVID_GUARD_DONE, chain.out.guard);
+    TEST_ASSERT_EQUAL_HEX32(ALL & ~heave, chain.id.estimate.confidence.identifiable);
+    TEST_ASSERT_EQUAL_HEX32(0, chain.adaptive.missing | chain.adaptive.abandoned);
+}
+
 static void test_a_run_may_be_begun_again(void)
 {
     begin();
@@ -584,6 +596,7 @@ int main(void)
 {
     UNITY_BEGIN();
     RUN_TEST(test_it_ends_by_itself_when_everything_is_known);
+    RUN_TEST(test_it_ends_with_a_degree_of_freedom_in_closed_loop);
     RUN_TEST(test_a_run_may_be_begun_again);
     RUN_TEST(test_dives_with_a_prior_record_end_sooner_but_not_without_a_set);
     RUN_TEST(test_without_a_side_thruster_coupling_identifies_sway);

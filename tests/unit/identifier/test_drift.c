@@ -12,7 +12,7 @@ enum { SETS = 11, FIRST_SET = 6, MASS = 0, DRAG = 1 };
 static chain_t chain;
 static chain_config_t cfg;
 static bool loaded;
-static uint8_t held; /* bit j: DoF j, as the identifier is told */
+static uint8_t closed; /* bit j: DoF j, as the identifier is told */
 
 /* Of each set, when it was validated. */
 static struct {
@@ -29,7 +29,7 @@ void setUp(void)
 {
     memset(seen, 0, sizeof seen);
     loaded = false;
-    held = 0;
+    closed = 0;
     chain_defaults(&cfg, 51, SETS, 1.0);
     cfg.budget = 2000;
 }
@@ -43,7 +43,7 @@ static void note(chain_t *c, auvid_status_t status, const auvid_output_t *out)
     const auvid_identifier_t *id = &c->id;
     uint32_t set = id->change_test.set;
     TEST_ASSERT_EQUAL(AUVID_OK, status);
-    c->id.metric.cfg.held = held;
+    c->id.metric.cfg.closed_loop = closed;
     seen[set].events |= out->events;
     if (out->events & AUVID_EVENT_VALIDATED) {
         seen[set].has_first = id->attached.change->first.variance[MASS][AUVID_SURGE] > AUVID_C(0.0);
@@ -135,10 +135,10 @@ static void less_drag(auvid_change_detector_t *detector)
     }
 }
 
-static void test_a_degree_of_freedom_that_is_held_is_left_out(void)
+static void test_a_degree_of_freedom_in_closed_loop_is_left_out(void)
 {
     edit_t edit = lighter_in_sway;
-    held = AUVID_DOF_BIT(AUVID_SWAY);
+    closed = AUVID_DOF_BIT(AUVID_SWAY);
     run(&edit);
     TEST_ASSERT_EQUAL_HEX8(0, seen[SETS].drifted);
     TEST_ASSERT_TRUE(seen[SETS].drift[AUVID_SURGE] > AUVID_C(0.0));
@@ -210,7 +210,7 @@ int main(void)
     RUN_TEST(test_the_first_accepted_estimate_of_five_sets_is_the_reference);
     RUN_TEST(test_a_constant_vehicle_does_not_drift);
     RUN_TEST(test_another_mass_or_drag_force_is_a_drift_of_its_degree_of_freedom);
-    RUN_TEST(test_a_degree_of_freedom_that_is_held_is_left_out);
+    RUN_TEST(test_a_degree_of_freedom_in_closed_loop_is_left_out);
     RUN_TEST(test_the_same_change_of_all_drag_forces_counts_together);
     RUN_TEST(test_what_the_first_estimate_did_not_know_begins_with_the_next);
     RUN_TEST(test_after_a_change_there_is_no_reference_and_no_drift);

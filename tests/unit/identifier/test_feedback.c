@@ -28,13 +28,17 @@ typedef struct {
 } body_t;
 
 static auvid_identifier_t id;
-static body_t body;
+static body_t body, aside; /* in surge, in sway */
+static bool has_aside;
 
 void setUp(void)
 {
     auvid_identifier_config_t cfg;
     memset(&body, 0, sizeof body);
+    memset(&aside, 0, sizeof aside);
+    has_aside = false;
     sim_rng_seed(&body.rng, 7, 1);
+    sim_rng_seed(&aside.rng, 8, 1);
     auvid_identifier_defaults(&cfg, &auvid_girona500);
     cfg.exact_inputs = true;
     cfg.metric.free = 1u << AUVID_G500_M_U | 1u << AUVID_G500_X_U | 1u << AUVID_G500_X_UU;
@@ -45,40 +49,58 @@ void tearDown(void)
 {
 }
 
-/* The pilot moves the stick at random times. The controller follows a speed that is held longer.
- */
-static double drive(long tick, bool controlled)
+/* The pilot moves the stick at random times. The controller follows a speed that lasts longer. */
+static double drive(body_t *b, long tick, bool controlled)
 {
-    if (tick >= body.next) {
-        body.stick = 2.0 * sim_rng_uniform(&body.rng) - 1.0;
-        long held = (long)(300.0 * sim_rng_uniform(&body.rng));
-        body.next = tick + held + (controlled ? 800 : 100);
+    if (tick >= b->next) {
+        b->stick = 2.0 * sim_rng_uniform(&b->rng) - 1.0;
+        long lasts = (long)(300.0 * sim_rng_uniform(&b->rng));
+        b->next = tick + lasts + (controlled ? 800 : 100);
     }
-    double error = 0.5 * body.stick - body.sampled;
-    body.sum += controlled ? 2.0 * error * TICK_US * 1e-6 : 0.0;
-    double force = controlled ? 4.0 * M_KG * 0.25 * error + 20.0 * body.sum : 80.0 * body.stick;
+    double error = 0.5 * b->stick - b->sampled;
+    b->sum += controlled ? 2.0 * error * TICK_US * 1e-6 : 0.0;
+    double force = controlled ? 4.0 * M_KG * 0.25 * error + 20.0 * b->sum : 80.0 * b->stick;
     return fmax(-TAU_MAX_N, fmin(TAU_MAX_N, force));
 }
 
-static void run(double seconds, bool controlled)
+static void sample(body_t *b, long tick, bool controlled)
+{
+    b->sampled = b->u + 0.005 * sim_rng_gauss(&b->rng);
+    b->tau = drive(b, tick, controlled);
+}
+
+static void move(body_t *b)
 {
     const double dt = TICK_US * 1e-6;
-    for (long k = 0, ticks = lround(seconds / dt); k < ticks; ++k) {
+    b->disturbance +=
+        -b->disturbance * dt / 2.0 + DISTURBANCE_N * sqrt(dt) * sim_rng_gauss(&b->rng);
+    double drag = (LINEAR + QUADRATIC * fabs(b->u)) * b->u;
+    b->u += (b->tau + b->disturbance - drag) / M_KG * dt;
+    b->t_us += TICK_US;
+}
+
+/* A body in surge, and in sway another one under a controller, if there is one. */
+static void run(double seconds, bool controlled)
+{
+    for (long k = 0, ticks = lround(seconds / (TICK_US * 1e-6)); k < ticks; ++k) {
         auvid_real_t attitude[3] = {0}, nu[AUVID_DOF_COUNT] = {0}, wrench[AUVID_DOF_COUNT] = {0};
         if (k % CONTROL == 0) {
-            body.sampled = body.u + 0.005 * sim_rng_gauss(&body.rng);
+            sample(&body, k, controlled);
             nu[DOF] = (auvid_real_t)body.sampled;
+            if (has_aside) {
+                sample(&aside, k, true);
+                nu[AUVID_SWAY] = (auvid_real_t)aside.sampled;
+            }
             (void)auvid_identifier_motion(&id, body.t_us, attitude, nu);
-            body.tau = drive(k, controlled);
         }
         wrench[DOF] = (auvid_real_t)body.tau;
+        wrench[AUVID_SWAY] = (auvid_real_t)aside.tau;
         (void)auvid_identifier_applied(&id, body.t_us, wrench, NULL);
         (void)auvid_identifier_work(&id, AUVID_DEFAULT_BUDGET);
-        body.disturbance +=
-            -body.disturbance * dt / 2.0 + DISTURBANCE_N * sqrt(dt) * sim_rng_gauss(&body.rng);
-        double drag = (LINEAR + QUADRATIC * fabs(body.u)) * body.u;
-        body.u += (body.tau + body.disturbance - drag) / M_KG * dt;
-        body.t_us += TICK_US;
+        move(&body);
+        if (has_aside) {
+            move(&aside);
+        }
     }
     while (auvid_identifier_work(&id, 1000000) == AUVID_PENDING) {
     }
@@ -110,20 +132,32 @@ static void test_a_controllers_wrench_is_feedback_and_nothing_is_identifiable(vo
     TEST_ASSERT_FALSE(drag.identifiable);
 }
 
-static void test_of_a_held_degree_of_freedom_nothing_is_identifiable(void)
+/* A pilot in surge, a controller in sway. */
+static void run_both(bool known)
 {
     char text[160];
-    id.metric.cfg.held = 1u << DOF;
+    has_aside = true;
+    id.metric.cfg.free |= 1u << AUVID_G500_M_V | 1u << AUVID_G500_Y_V | 1u << AUVID_G500_Y_VV;
+    id.metric.cfg.closed_loop = known ? 1u << AUVID_SWAY : 0;
     run(400.0, false);
-    TEST_ASSERT_EQUAL(0, id.estimate.confidence.identifiable);
-    TEST_ASSERT_EQUAL(AUVID_NOTE_FEEDBACK, note(AUVID_G500_M_U));
-    TEST_ASSERT_EQUAL(AUVID_OK, auvid_confidence_missing(&id.estimate.confidence, &auvid_girona500,
-                                                         0, 0, text, sizeof text));
-    TEST_ASSERT_EQUAL_STRING("surge: held by a controller; excite it, or drive it in open loop",
-                             text);
-    TEST_ASSERT_EQUAL(AUVID_FINISHED,
+    TEST_ASSERT_EQUAL(AUVID_NOTE_FEEDBACK, note(AUVID_G500_M_V));
+    TEST_ASSERT_EQUAL(known ? AUVID_NOTE_NONE : AUVID_NOTE_FEEDBACK, note(AUVID_G500_M_U));
+    TEST_ASSERT_EQUAL(known, (id.estimate.confidence.identifiable >> AUVID_G500_M_U & 1u) != 0);
+    TEST_ASSERT_EQUAL(known, id.estimate.confidence.identifiable != 0);
+    TEST_ASSERT_EQUAL(AUVID_OK,
                       auvid_confidence_missing(&id.estimate.confidence, &auvid_girona500,
-                                               id.metric.cfg.free, 1, text, sizeof text));
+                                               1u << AUVID_G500_M_V, 0, text, sizeof text));
+    TEST_ASSERT_EQUAL(known, strcmp(text, "sway: closed loop; drive it in open loop") == 0);
+}
+
+static void test_where_the_closed_loop_is_known_the_rest_is_identifiable(void)
+{
+    run_both(true);
+}
+
+static void test_where_it_is_not_known_nothing_is(void)
+{
+    run_both(false);
 }
 
 static void test_the_sentence_names_the_closed_loop_once(void)
@@ -132,10 +166,10 @@ static void test_the_sentence_names_the_closed_loop_once(void)
     run(400.0, true);
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_confidence_missing(&id.estimate.confidence, &auvid_girona500,
                                                          0, 0, text, sizeof text));
-    TEST_ASSERT_EQUAL_STRING("closed loop: the wrench is feedback of a controller; excite the "
-                             "vehicle, drive it in open loop, or name the degrees of freedom that it "
-                             "holds",
-                             text);
+    TEST_ASSERT_EQUAL_STRING(
+        "closed loop: the wrench is feedback of a controller; excite the "
+        "vehicle, or drive it in open loop; if a pilot drives some axes, name the others",
+        text);
     TEST_ASSERT_EQUAL(AUVID_FINISHED,
                       auvid_confidence_missing(&id.estimate.confidence, &auvid_girona500, 0, 1,
                                                text, sizeof text));
@@ -214,27 +248,27 @@ static void test_roll_and_pitch_are_judged_by_themselves(void)
     TEST_ASSERT_EQUAL_HEX32(AUVID_FEEDBACK_TILT, auvid_metric_feedback_dofs(&id.metric));
 }
 
-static void test_the_others_are_tested_without_those_that_are_held(void)
+static void test_the_others_are_tested_without_those_in_closed_loop(void)
 {
-    const uint32_t held = 1u << AUVID_HEAVE | 1u << AUVID_ROLL;
-    id.metric.cfg.held = (uint8_t)held;
-    TEST_ASSERT_EQUAL_HEX32(held, auvid_metric_feedback_dofs(&id.metric));
+    const uint32_t known = 1u << AUVID_HEAVE | 1u << AUVID_ROLL;
+    id.metric.cfg.closed_loop = (uint8_t)known;
+    TEST_ASSERT_EQUAL_HEX32(known, auvid_metric_feedback_dofs(&id.metric));
     give(AUVID_HEAVE, 1000, 100);
     give(AUVID_ROLL, 1000, 100);
     give(AUVID_SURGE, 9.9, 100);
-    TEST_ASSERT_EQUAL_HEX32(held, auvid_metric_feedback_dofs(&id.metric));
+    TEST_ASSERT_EQUAL_HEX32(known, auvid_metric_feedback_dofs(&id.metric));
     give(AUVID_SURGE, 10.1, 100);
     TEST_ASSERT_EQUAL_HEX32(AUVID_FEEDBACK_ALL, auvid_metric_feedback_dofs(&id.metric));
     give(AUVID_SURGE, 9.9, 100);
     give(AUVID_PITCH, 10.1, 100);
-    TEST_ASSERT_EQUAL_HEX32(held | AUVID_FEEDBACK_TILT, auvid_metric_feedback_dofs(&id.metric));
+    TEST_ASSERT_EQUAL_HEX32(known | AUVID_FEEDBACK_TILT, auvid_metric_feedback_dofs(&id.metric));
 }
 
-static void test_only_degrees_of_freedom_can_be_held(void)
+static void test_only_degrees_of_freedom_can_be_in_closed_loop(void)
 {
     auvid_identifier_config_t cfg;
     auvid_identifier_defaults(&cfg, &auvid_girona500);
-    cfg.metric.held = 1u << AUVID_DOF_COUNT;
+    cfg.metric.closed_loop = 1u << AUVID_DOF_COUNT;
     TEST_ASSERT_EQUAL(AUVID_ERR_RANGE, auvid_identifier_init(&id, &cfg));
 }
 
@@ -266,14 +300,15 @@ int main(void)
     UNITY_BEGIN();
     RUN_TEST(test_a_pilots_wrench_is_no_feedback);
     RUN_TEST(test_a_controllers_wrench_is_feedback_and_nothing_is_identifiable);
-    RUN_TEST(test_of_a_held_degree_of_freedom_nothing_is_identifiable);
+    RUN_TEST(test_where_the_closed_loop_is_known_the_rest_is_identifiable);
+    RUN_TEST(test_where_it_is_not_known_nothing_is);
     RUN_TEST(test_the_sentence_names_the_closed_loop_once);
     RUN_TEST(test_a_record_of_feedback_gives_no_prior);
     RUN_TEST(test_flags_return_after_the_controller);
     RUN_TEST(test_the_sum_over_the_degrees_of_freedom_decides);
     RUN_TEST(test_roll_and_pitch_are_judged_by_themselves);
-    RUN_TEST(test_the_others_are_tested_without_those_that_are_held);
-    RUN_TEST(test_only_degrees_of_freedom_can_be_held);
+    RUN_TEST(test_the_others_are_tested_without_those_in_closed_loop);
+    RUN_TEST(test_only_degrees_of_freedom_can_be_in_closed_loop);
     RUN_TEST(test_neither_auvids_excitation_nor_motion_before_an_estimate_is_watched);
     return UNITY_END();
 }

@@ -199,6 +199,27 @@ static void test_the_first_set_tells_how_well_the_record_predicts_velocity(void)
     }
 }
 
+/* What is left of the record after two sets of a vehicle that is harder to turn. */
+static uint32_t left_after_another_yaw(uint8_t closed_loop)
+{
+    prior_dives_defaults();
+    dive();
+    cfg.id.metric.closed_loop = closed_loop;
+    cfg.sim.parameter[SIM_M_R] *= 2.0;
+    TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &cfg));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_prior_load(&chain.id, record, sizeof record));
+    while (chain.id.metric.sets.recorded < 2 || chain.work == AUVID_PENDING) {
+        chain_tick(&chain);
+    }
+    return chain.prior.known;
+}
+
+static void test_rows_in_closed_loop_do_not_contradict_a_record(void)
+{
+    TEST_ASSERT_EQUAL_HEX32(0, left_after_another_yaw(0));
+    TEST_ASSERT_NOT_EQUAL(0, left_after_another_yaw(1u << AUVID_YAW));
+}
+
 static void test_a_record_saved_again_is_the_same(void)
 {
     uint8_t again[AUVID_PRIOR_BYTES];
@@ -432,6 +453,7 @@ int main(void)
     RUN_TEST(test_a_record_never_makes_an_error_smaller);
     RUN_TEST(test_a_record_counts_the_dof_that_it_holds_as_excited);
     RUN_TEST(test_the_first_set_tells_how_well_the_record_predicts_velocity);
+    RUN_TEST(test_rows_in_closed_loop_do_not_contradict_a_record);
     RUN_TEST(test_a_record_saved_again_is_the_same);
     RUN_TEST(test_a_prior_by_itself_is_not_saved_again);
     RUN_TEST(test_every_damaged_byte_is_detected);

@@ -195,6 +195,17 @@ static void test_a_reference_of_another_degree_of_freedom_gives_no_flag(void)
     TEST_ASSERT_EQUAL(AUVID_NOTE_FEEDBACK, note(X));
 }
 
+/* They are of a vehicle whose controller acts in all degrees of freedom. */
+static void test_where_the_closed_loop_is_configured_they_do_not_count(void)
+{
+    id.metric.cfg.closed_loop = 1u << DOF;
+    TEST_ASSERT_EQUAL(AUVID_OK, attach());
+    run(RUN_S, SPEED, true);
+    TEST_ASSERT_EQUAL(0, instruments.strong);
+    TEST_ASSERT_EQUAL(0, auvid_identifier_estimate(&id)->confidence.identifiable);
+    TEST_ASSERT_EQUAL(AUVID_NOTE_FEEDBACK, note(M));
+}
+
 static void test_without_reference_all_is_as_without_instruments(void)
 {
     run(RUN_S, SPEED, false);
@@ -303,6 +314,7 @@ int main(void)
     RUN_TEST(test_the_reference_finds_what_least_squares_gets_wrong);
     RUN_TEST(test_a_weak_reference_gives_no_flag);
     RUN_TEST(test_a_reference_of_another_degree_of_freedom_gives_no_flag);
+    RUN_TEST(test_where_the_closed_loop_is_configured_they_do_not_count);
     RUN_TEST(test_without_reference_all_is_as_without_instruments);
     RUN_TEST(test_a_reference_once_a_second_is_enough);
     RUN_TEST(test_null_is_refused);

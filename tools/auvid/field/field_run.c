@@ -66,7 +66,7 @@ void field_run_identifier(const field_run_config_t *config, auvid_averaged_t *av
         cfg->metric.tau_max[j] = (auvid_real_t)sheet.amplitude[j]; /* 0: auvid's choice */
     }
     if (field->driver == FIELD_ASSISTED) {
-        cfg->metric.held = AUVID_DOF_BIT(AUVID_HEAVE) | AUVID_DOF_BIT(AUVID_YAW);
+        cfg->metric.closed_loop = AUVID_DOF_BIT(AUVID_HEAVE) | AUVID_DOF_BIT(AUVID_YAW);
     }
     if (sheet.max_acceleration > 0.0) {
         cfg->nav.max_acceleration = (auvid_real_t)sheet.max_acceleration;

@@ -88,7 +88,7 @@ typedef struct {
     const auvid_vehicle_t *model;        /**< default Girona500 */
     double dry_mass_kg;                  /**< 0: not known */
     double max_gap_s;                    /**< default 0.5 */
-    uint8_t held;                        /**< bit j: a controller holds DoF j */
+    uint8_t closed_loop;                 /**< bit j: DoF j is in closed loop */
     double gain[AUVID_DOF_COUNT];        /**< newtons per unit of command; 0: not given */
     const char *choice[OPTIONS_CHOICES]; /**< NAME=VALUE (--fix) or NAME,.. (--free), as given */
     int choices;

@@ -8,7 +8,7 @@
 #include "options_reader.h"
 
 const char *const options_drivers[FIELD_DRIVERS] = {"excited", "joystick", "assisted", "lawnmower",
-                                                     "station"};
+                                                    "station"};
 const char *const options_field_vehicles[FIELD_VEHICLES] = {
     [FIELD_GIRONA500] = "girona500", [FIELD_ROV20] = "rov20", [FIELD_ANY] = "any"};
 
@@ -29,8 +29,8 @@ static int take_driver(reader_t *r, field_driver_t *driver)
             return 0;
         }
     }
-    return report_error("%s: '%s' is not one of excited, joystick, assisted, lawnmower, station", r->name,
-                        text);
+    return report_error("%s: '%s' is not one of excited, joystick, assisted, lawnmower, station",
+                        r->name, text);
 }
 
 static int take_mismatch(reader_t *r, options_field_t *f)

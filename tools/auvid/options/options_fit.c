@@ -68,8 +68,8 @@ static int take_gain(reader_t *r, options_t *options)
                         text);
 }
 
-/* AXIS,AXIS,..: a controller holds them. */
-static int take_held(reader_t *r, options_t *options)
+/* AXIS,AXIS,..: a controller holds these. Repeated, they add up. */
+static int take_closed_loop(reader_t *r, options_t *options)
 {
     const char *text = NULL;
     if (take_value(r, &text) != 0) {
@@ -78,9 +78,9 @@ static int take_held(reader_t *r, options_t *options)
     for (const char *name = text;; name += strcspn(name, ",") + 1) {
         int axis = axis_named(name, strcspn(name, ","));
         if (axis < 0) {
-            return report_error("--held: '%s' is not AXIS,AXIS,.., as in heave,yaw", text);
+            return report_error("--closed-loop: '%s' is not AXIS,AXIS,.., as in heave,yaw", text);
         }
-        options->held |= AUVID_DOF_BIT(axis);
+        options->closed_loop |= AUVID_DOF_BIT(axis);
         if (strchr(name, ',') == NULL) {
             return 0;
         }
@@ -151,8 +151,8 @@ static int fit_option(reader_t *r, options_t *options)
     if (option_is(r, "--gain")) {
         return take_gain(r, options);
     }
-    if (option_is(r, "--held")) {
-        return take_held(r, options);
+    if (option_is(r, "--closed-loop")) {
+        return take_closed_loop(r, options);
     }
     if (option_is(r, "--vehicle")) {
         return take_whole_vehicle(r, options);

@@ -211,6 +211,20 @@ static void json_drag(FILE *out, const result_t *result)
     fprintf(out, "}");
 }
 
+/* The names of the degrees of freedom in a mask. */
+static void json_dof_names(FILE *out, const char *key, uint32_t mask)
+{
+    const char *separator = "";
+    fprintf(out, ",\n  \"%s\": [", key);
+    for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
+        if (mask >> j & 1u) {
+            fprintf(out, "%s\"%s\"", separator, report_dof_name[j]);
+            separator = ", ";
+        }
+    }
+    fprintf(out, "]");
+}
+
 static void json_missing(FILE *out, const result_t *result)
 {
     char text[WORDS];
@@ -236,28 +250,16 @@ static void json_missing(FILE *out, const result_t *result)
     json_number(out, (double)result->estimate.confidence.uncertainty.thrust_scale);
     fprintf(out, ", \"dvl_scale\": ");
     json_number(out, (double)result->estimate.confidence.uncertainty.dvl_scale);
-    fprintf(out, ", \"heading\": 0, \"inputs\": \"%s\"}",
+    fprintf(out, ", \"heading\": 0, \"inputs\": \"%s\"",
             result->estimate.confidence.unchecked ? "unchecked"
             : result->inputs_estimated            ? "estimated"
                                                   : "exact");
+    json_dof_names(out, "closed_loop", result->closed_loop);
+    fprintf(out, "}");
     if (report_thrust(result, text, sizeof text)) {
         fprintf(out, ",\n  \"thrust\": ");
         json_string(out, text);
     }
-}
-
-/* The names of the degrees of freedom in a mask. */
-static void json_dof_names(FILE *out, const char *key, uint32_t mask)
-{
-    const char *separator = "";
-    fprintf(out, ",\n  \"%s\": [", key);
-    for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
-        if (mask >> j & 1u) {
-            fprintf(out, "%s\"%s\"", separator, report_dof_name[j]);
-            separator = ", ";
-        }
-    }
-    fprintf(out, "]");
 }
 
 /* null: no set was predicted. */

@@ -671,6 +671,8 @@ static const char *const report_template_0[] = {
     "      unchecked: \"Thrust, time stamps and sensors were not checked: nothing is calle",
     "d \" +\n",
     "        \"identifiable.\" }[a.inputs],\n",
+    "    a.closed_loop.length > 0 && `In closed loop, as you said: ${a.closed_loop.join(\"",
+    ", \")}.`,\n",
     "    found.not_modelled.length > 0 && `Not modelled: ${found.not_modelled.join(\", \")",
     "}.`,\n",
     "    inCommands && \"The inputs are commands. One cmd is the force of a command of 1: ",

@@ -206,6 +206,14 @@ static void missing_list(const result_t *result)
                "exact\n",
                100.0 * (double)u->thrust_scale, 100.0 * (double)u->dvl_scale);
     }
+    const char *before = "  closed loop    ";
+    for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
+        if ((result->closed_loop >> j & 1) != 0) {
+            printf("%s%s", before, report_dof_name[j]);
+            before = ", ";
+        }
+    }
+    printf("%s", result->closed_loop != 0 ? "\n" : "");
 }
 
 /* One line with a value per modelled degree of freedom, "-" where the bit of mask is 0. */

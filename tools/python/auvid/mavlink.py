@@ -8,6 +8,7 @@ from auvid.log_error import LogError
 NAMES = {"ATTITUDE", "LOCAL_POSITION_NED", "SERVO_OUTPUT_RAW", "VISION_POSITION_DELTA",
          "BATTERY_STATUS", "PARAM_VALUE", "HEARTBEAT"}
 AUTOPILOT = 1      # component
+SUBMARINE = (12, {"type": "MAV_TYPE_SUBMARINE"})  # of a frame, and of JSON
 
 
 class Vehicle:
@@ -33,7 +34,7 @@ class Vehicle:
             self.recording.parameters[name] = float(m["param_value"])
         elif name != "HEARTBEAT":
             self._sample(name, m, received_s)
-        elif "custom_mode" in m:
+        elif m.get("type") in SUBMARINE and "custom_mode" in m:
             t = self._time(m, received_s)
             self.recording.add_mode(-math.inf if t is None else t, modes.ARDUSUB, m["custom_mode"])
 

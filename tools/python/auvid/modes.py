@@ -26,21 +26,25 @@ def shares(changes, begin, end):
     return {mode: share for mode, share in out.items() if share >= LEAST}
 
 
-def _named(found):
-    return ", ".join(f"{name} ({100 * share:.0f} %)" for (name, _), share in found.items())
-
-
 def advise(changes, begin, end):
     """-> sentences"""
     found = shares(changes, begin, end)
-    driven = {mode: share for mode, share in found.items() if mode[1] == ALL}
-    others = {mode: share for mode, share in found.items() if mode not in driven}
-    held = [dof for dof in DEPTH if any(dof in mode[1] for mode in others)]
+
+    def named(test):
+        return ", ".join(f"{name} ({100 * share:.0f} %)"
+                         for (name, held), share in found.items() if test(held))
+    unknown, driven = named(lambda held: held is None), named(lambda held: held == ALL)
+    assisted, manual = named(lambda held: held in (ATTITUDE, DEPTH)), named(lambda held: held == ())
     said = []
+    if unknown:
+        said.append(f"{unknown}: not known to auvid-log; name what it holds by auvid fit "
+                    "--closed-loop")
     if driven:
-        said.append(f"{_named(driven)}: the autopilot drives all degrees of freedom, so nothing of "
-                    "that time is identifiable: convert a log without it")
-    if held:
-        said.append(f"{_named(others)}: the autopilot holds {', '.join(held)}: identify the others "
-                    f"by auvid fit --held {','.join(held)}")
+        said.append(f"{driven}: the autopilot drives all degrees of freedom; nothing of that time "
+                    "is identifiable: cut it from the CSV")
+    if assisted:
+        held = DEPTH if any(mode[1] == DEPTH for mode in found) else ATTITUDE
+        said.append(f"{assisted}: the autopilot holds {', '.join(held)}; auvid fit --closed-loop "
+                    f"{','.join(held)} identifies the others"
+                    + (f"; a CSV cut to {manual} needs no option" if manual else ""))
     return said

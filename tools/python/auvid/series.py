@@ -9,7 +9,6 @@ import tempfile
 
 import numpy as np
 
-from auvid import modes
 from auvid.log_error import LogError
 
 DOFS = ["surge", "sway", "heave", "roll", "pitch", "yaw"]
@@ -129,7 +128,7 @@ class Recording:
     notes: sentences about what the conversion would lose.
     derived: by the name of a series, (columns, function of its values) that replaces it.
     geometry: [thrusters, 6] axes along which each thruster of the log pushes, or None.
-    modes: (t, name, degrees of freedom held), where the autopilot's mode changes.
+    modes: (t, name, degrees of freedom held; None: not known), where the mode changes.
     remedies: what to do about a missing series, by a word of the sentence.
     """
 
@@ -151,7 +150,7 @@ class Recording:
 
     def add_mode(self, t, table, number):
         """The autopilot's mode, by its number in a table of modes.py."""
-        mode = table.get(number, (f"mode {number}", modes.ALL))
+        mode = table.get(number, (f"mode {number}", None))
         if not self.modes or self.modes[-1][1:] != mode:
             self.modes.append((t, *mode))
 

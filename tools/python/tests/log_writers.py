@@ -118,7 +118,7 @@ def bin_log(run, skip=(), parameters=PARAMETERS, base=BASE_S, viso_shift=0.0, mo
     return b"".join(out)
 
 
-def tlog(run, systems=(1,), heartbeat=True, parameters=PARAMETERS, modes=()):
+def tlog(run, systems=(1,), heartbeat=True, parameters=PARAMETERS, modes=(), vehicle=12):
     """The bytes of a .tlog, with the DVL, from a vehicle of each system id. modes: as bin_log."""
     from pymavlink.dialects.v20 import ardupilotmega as dialect
     out, pwm, ned = [], pwm_of(run), run.ned
@@ -135,7 +135,7 @@ def tlog(run, systems=(1,), heartbeat=True, parameters=PARAMETERS, modes=()):
         ms = int(np.rint((BASE_S + t) * 1e3))
         for system in systems:
             for mode in [mode for row, mode in modes if row <= i][-1:]:
-                put(t, system, 1, dialect.MAVLink_heartbeat_message(12, 3, 81, mode, 5, 3))
+                put(t, system, 1, dialect.MAVLink_heartbeat_message(vehicle, 3, 81, mode, 5, 3))
             put(t, system, 1, dialect.MAVLink_attitude_message(ms, *run.attitude[i],
                                                                *run.nu[i, 3:]))
             put(t, system, 1, dialect.MAVLink_local_position_ned_message(

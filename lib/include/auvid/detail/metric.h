@@ -165,7 +165,7 @@ typedef struct {
     bool changed; /* a set has entered since it is held */
 } auvid_metric_sets_t;
 
-/** Columns of the test for feedback: two of the wrench's past, the residual, the wrench. */
+/** Columns of the test for feedback: one, two of the wrench's past, the residual, the wrench. */
 #define AUVID_FEEDBACK_ORDER 5
 
 /** Is the wrench feedback? Private: see auvid_metric_feedback.c. */
