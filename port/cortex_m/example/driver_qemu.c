@@ -28,7 +28,7 @@
 typedef struct {
     int file;
     size_t position, bytes;
-    char buffer[64];
+    char buffer[32];
 } text_t;
 
 static text_t log_in, log_out;
