@@ -427,7 +427,9 @@ check "a vehicle in closed loop is identified by its reference" exits 3 fit loop
 check "  as it is" is out '
 assert abs(P["m_u"]["estimate"] / 250 - 1) < 0.1 and abs(P["X_u"]["estimate"] / -120 - 1) < 0.1, P'
 check "without it" exits 3 fit unreferred.csv $fix
-check "  its mass is too small" is out 'assert P["m_u"]["estimate"] < 0.8 * 250, P["m_u"]'
+check "  the closed loop is recognised: its mass is too small" is out '
+assert P["m_u"]["note"] == "closed loop: the wrench is feedback", P["m_u"]
+assert P["m_u"]["estimate"] < 0.9 * 250, P["m_u"]'
 check "a quick vehicle keeps its cells" is fit.json 'assert d["cell_s"] == 0.1'
 
 finish

@@ -257,6 +257,15 @@ check "--dry-mass" exits 0 fit train.csv --plain --json --dry-mass 300
 check "  a smaller mass is marked" is out '
 assert {P[n]["note"] for n in ("m_u", "X_u", "X_uu")} == {"m_u is impossible"}, P'
 
+for kind in loop open; do
+    python3 "$ROOT/tests/program/controlled.py" $kind >$kind.csv
+done
+check "a log of a controller" exits 3 fit loop.csv --plain --json
+check "  nothing of it is identifiable" is out '
+assert not any(p["identifiable"] for p in P.values())
+assert P["m_u"]["note"] == P["X_uu"]["note"] == "closed loop: the wrench is feedback", P'
+check "a log of a pilot" exits 0 fit open.csv --plain --json
+check "  is none of a controller" is out 'assert P["m_u"]["identifiable"] and P["X_uu"]["identifiable"]'
 check "--closed-loop" exits 0 fit train.csv --plain --json --closed-loop heave,yaw
 check "  nothing of these is identifiable, the others are" is out '
 for n, p in P.items():

@@ -37,6 +37,9 @@ enum { EARLIER_BLOCKS = 3, RESIDUAL = AUVID_FEEDBACK_ORDER - 2 };
 #define FEEDBACK_LIMIT AUVID_C(10.0)
 /* Fewest rows of a DoF that counts. */
 #define FEEDBACK_MIN_ROWS AUVID_C(40.0)
+/* More rows count as so many, which eight sets of 30 s come to: an error of the model leaves
+ * something in b that does not average out. */
+#define FEEDBACK_MOST_ROWS AUVID_C(960.0)
 
 /* Change of the wrench in a block, relative to tau_max, above which a row counts less: a change of
  * the reference is no answer to the motion. */
@@ -142,13 +145,14 @@ void auvid_metric_watch(auvid_metric_t *m, const auvid_sample_t *cell, const auv
     }
 }
 
-/* F statistic of b = 0 in DoF j. */
+/* F statistic of b = 0 in DoF j, of at most so many rows. */
 static auvid_real_t feedback_statistic(const auvid_metric_feedback_t *f, int j)
 {
     auvid_real_t part = f->factor[j][auvid_qr_row(AUVID_FEEDBACK_ORDER, RESIDUAL) + 1];
     auvid_real_t left = f->factor[j][AUVID_QR_FACTOR(AUVID_FEEDBACK_ORDER) - 1];
     auvid_real_t ratio = auvid_abs(left) > AUVID_C(0.0) ? part / left : AUVID_C(0.0);
-    return ratio * ratio * (f->rows[j] - (auvid_real_t)(AUVID_FEEDBACK_ORDER - 1));
+    auvid_real_t rows = auvid_min(f->rows[j], FEEDBACK_MOST_ROWS);
+    return ratio * ratio * (rows - (auvid_real_t)(AUVID_FEEDBACK_ORDER - 1));
 }
 
 /* Is the wrench feedback in these DoF, a bit each? */

@@ -233,6 +233,17 @@ static void test_the_sum_over_the_degrees_of_freedom_decides(void)
     TEST_ASSERT_EQUAL_HEX32(0, auvid_metric_feedback_dofs(&id.metric));
 }
 
+/* What an error of the model leaves does not average out. */
+static void test_a_long_record_counts_as_one_of_960_rows(void)
+{
+    give(AUVID_SURGE, 10.1, 960);
+    TEST_ASSERT_EQUAL_HEX32(AUVID_FEEDBACK_ALL, auvid_metric_feedback_dofs(&id.metric));
+    give(AUVID_SURGE, 10.1, 1000);
+    TEST_ASSERT_EQUAL_HEX32(0, auvid_metric_feedback_dofs(&id.metric));
+    give(AUVID_SURGE, 10.1 * 1916 / 956, 1920);
+    TEST_ASSERT_EQUAL_HEX32(AUVID_FEEDBACK_ALL, auvid_metric_feedback_dofs(&id.metric));
+}
+
 static void test_roll_and_pitch_are_judged_by_themselves(void)
 {
     give(AUVID_ROLL, 10.1, 100);
@@ -306,6 +317,7 @@ int main(void)
     RUN_TEST(test_a_record_of_feedback_gives_no_prior);
     RUN_TEST(test_flags_return_after_the_controller);
     RUN_TEST(test_the_sum_over_the_degrees_of_freedom_decides);
+    RUN_TEST(test_a_long_record_counts_as_one_of_960_rows);
     RUN_TEST(test_roll_and_pitch_are_judged_by_themselves);
     RUN_TEST(test_the_others_are_tested_without_those_in_closed_loop);
     RUN_TEST(test_only_degrees_of_freedom_can_be_in_closed_loop);

@@ -207,10 +207,10 @@ static int replay_literal(const job_t *job, fitted_t *fitted)
     return status;
 }
 
-/* Replays the logs with a model, from a solution unless it is NULL. Returns false after a message.
- */
+/* Replays the logs with a model, from a solution unless it is NULL. watches: there are estimates on
+ * the way, and no set is given up for a change. Returns false after a message. */
 static bool record(const job_t *job, const auvid_vehicle_t *vehicle, const auvid_uncertain_t *known,
-                   fitted_t *fitted)
+                   bool watches, fitted_t *fitted)
 {
     auvid_identifier_config_t cfg;
     bool literal = job->options->literal;
@@ -240,7 +240,9 @@ static bool record(const job_t *job, const auvid_vehicle_t *vehicle, const auvid
         return false;
     }
     (void)auvid_identifier_attach_prediction(&fitted->id, &fitted->prediction);
-    (void)auvid_identifier_attach_change_test(&fitted->id, &fitted->change);
+    if (!watches) {
+        (void)auvid_identifier_attach_change_test(&fitted->id, &fitted->change);
+    }
     status = replay_attach(&use, &fitted->inputs, &fitted->id);
     if (status >= 0 && known != NULL) {
         status = auvid_uncertain_start(&fitted->inputs.uncertain, known);
@@ -249,8 +251,10 @@ static bool record(const job_t *job, const auvid_vehicle_t *vehicle, const auvid
         (void)report_error("fit: uncertain inputs: %s", auvid_status_str(status));
         return false;
     }
-    return (literal ? replay_literal(job, fitted)
-                    : replay_identify(&job->train, &use, &fitted->inputs, &fitted->id)) == 0;
+    watches = watches || fitted->id.attached.uncertain != NULL;
+    return (literal
+                ? replay_literal(job, fitted)
+                : replay_identify(&job->train, &use, &fitted->inputs, watches, &fitted->id)) == 0;
 }
 
 static void forget(fitted_t *fitted)
@@ -263,7 +267,8 @@ static void forget(fitted_t *fitted)
 
 /* Replays the logs with a model and searches. If the metric asks for longer cells, the logs are
  * replayed again. Returns NULL after a message. */
-static fitted_t *search(job_t *job, const auvid_vehicle_t *vehicle, const auvid_uncertain_t *known)
+static fitted_t *search(job_t *job, const auvid_vehicle_t *vehicle, const auvid_uncertain_t *known,
+                        bool watches)
 {
     bool literal = job->options->literal;
     auvid_status_t status;
@@ -273,7 +278,7 @@ static fitted_t *search(job_t *job, const auvid_vehicle_t *vehicle, const auvid_
         return NULL;
     }
     do {
-        if (!record(job, vehicle, known, fitted)) {
+        if (!record(job, vehicle, known, watches, fitted)) {
             forget(fitted);
             return NULL;
         }
@@ -292,16 +297,30 @@ static bool is_solved(const fitted_t *fitted)
     return fitted->inputs.uncertain.estimate.number > 0;
 }
 
-/* Identifies with a model, with uncertain inputs twice: the columns of motion are formed with the
+/* Does this result show feedback that the other one does not? */
+static bool shows_feedback(const fitted_t *watched, const fitted_t *other)
+{
+    const uint8_t *note = watched->id.estimate.confidence.note,
+                  *others = other->id.estimate.confidence.note;
+    bool shows = false;
+    for (int i = 0; i < watched->id.metric.cfg.vehicle->parameters; ++i) {
+        shows = shows || (note[i] == AUVID_NOTE_FEEDBACK && others[i] != AUVID_NOTE_FEEDBACK);
+    }
+    return shows;
+}
+
+/* Identifies with a model, twice. Without uncertain inputs the second time has estimates on the
+ * way; it is the result if these show feedback. With them the columns of motion are formed with the
  * last solution, so the first sets of the first time lack one. Returns NULL after a message. */
 static fitted_t *identify(job_t *job, const auvid_vehicle_t *vehicle)
 {
-    fitted_t *first = search(job, vehicle, NULL);
-    if (first == NULL || !is_solved(first)) {
+    fitted_t *first = search(job, vehicle, NULL, false);
+    if (first == NULL || job->options->literal) {
         return first;
     }
-    fitted_t *second = search(job, vehicle, &first->inputs.uncertain);
-    if (second != NULL && !is_solved(second)) {
+    bool solved = is_solved(first);
+    fitted_t *second = search(job, vehicle, solved ? &first->inputs.uncertain : NULL, !solved);
+    if (second != NULL && !(solved ? is_solved(second) : shows_feedback(second, first))) {
         forget(second);
         return first;
     }

@@ -100,6 +100,7 @@ static int each_sample(const log_set_t *logs, const log_use_t *use,
 typedef struct {
     const log_use_t *use;
     replay_inputs_t *inputs;
+    bool works;
     auvid_identifier_t *id;
 } feed_t;
 
@@ -110,12 +111,10 @@ static void feed(void *context, const log_sample_t *now)
     auvid_identifier_t *id = f->id;
     auvid_allocation_result_t thrust = {0};
     bool has_thrusters = log_has_thrusters(f->use);
-    if (id->attached.uncertain != NULL) {
-        if (!has_thrusters) {
-            (void)auvid_allocation_solve(&f->inputs->allocation, now->wrench, &thrust);
-        }
-        while (auvid_identifier_work(id, AUVID_DEFAULT_BUDGET) == AUVID_PENDING) {
-        }
+    if (id->attached.uncertain != NULL && !has_thrusters) {
+        (void)auvid_allocation_solve(&f->inputs->allocation, now->wrench, &thrust);
+    }
+    while (f->works && auvid_identifier_work(id, AUVID_DEFAULT_BUDGET) == AUVID_PENDING) {
     }
     if (now->has_reference) {
         (void)auvid_instruments_reference(&f->inputs->instruments, now->t_us, now->reference);
@@ -133,9 +132,9 @@ static void feed(void *context, const log_sample_t *now)
 }
 
 int replay_identify(const log_set_t *logs, const log_use_t *use, replay_inputs_t *inputs,
-                    auvid_identifier_t *id)
+                    bool works, auvid_identifier_t *id)
 {
-    int status = each_sample(logs, use, feed, &(feed_t){use, inputs, id});
+    int status = each_sample(logs, use, feed, &(feed_t){use, inputs, works, id});
     (void)auvid_identifier_close(id);
     return status;
 }

@@ -22,11 +22,11 @@ typedef struct {
  * of unknown thrusters without errors, each DoF as one of them. Returns the library's status. */
 auvid_status_t replay_attach(const log_use_t *use, replay_inputs_t *inputs, auvid_identifier_t *id);
 
-/** Feeds all rows of the logs, or of their part, to the identifier. With uncertain inputs it works
- * during the logs, because only an estimate shows feedback. Returns 0, or EXIT_REFUSED after one
- * line on stderr. */
+/** Feeds all rows of the logs, or of their part, to the identifier.
+ * @param works it also works during the logs, because only an estimate shows feedback
+ * @return 0, or EXIT_REFUSED after one line on stderr */
 int replay_identify(const log_set_t *logs, const log_use_t *use, replay_inputs_t *inputs,
-                    auvid_identifier_t *id);
+                    bool works, auvid_identifier_t *id);
 
 /** Takes a cell of the record. after_gap: a gap precedes it. */
 typedef void replay_take_t(void *context, const auvid_sample_t *cell, bool after_gap);
