@@ -1,7 +1,7 @@
 """A log of a body in surge for `fit`: python3 controlled.py loop|open >log.csv.
 
-loop: a controller of its speed, whose reference changes every 15 to 40 s. open: a pilot, whose stick
-moves every 2 to 8 s. A disturbance of 4 N acts in both.
+loop: a controller of its speed, whose reference changes every 15 to 40 s. open: a pilot, whose
+stick moves every 2 to 8 s. A disturbance of 4 N acts in both.
 """
 import math
 import random

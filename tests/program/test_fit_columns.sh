@@ -265,7 +265,8 @@ check "  nothing of it is identifiable" is out '
 assert not any(p["identifiable"] for p in P.values())
 assert P["m_u"]["note"] == P["X_uu"]["note"] == "closed loop: the wrench is feedback", P'
 check "a log of a pilot" exits 0 fit open.csv --plain --json
-check "  is none of a controller" is out 'assert P["m_u"]["identifiable"] and P["X_uu"]["identifiable"]'
+check "  is none of a controller" is out '
+assert P["m_u"]["identifiable"] and P["X_uu"]["identifiable"]'
 check "--closed-loop" exits 0 fit train.csv --plain --json --closed-loop heave,yaw
 check "  nothing of these is identifiable, the others are" is out '
 for n, p in P.items():
