@@ -26,6 +26,16 @@ check "and has sent no commands" sh -c '! grep -Eq " 04[23]#" passive.log'
 check "the same seed, the same estimate" exits 0 node --bus memory --excite --sets 2 --json
 check "to the last digit" cmp out node.json
 
+held=(--closed-loop heave,yaw --sets 2)
+check "a node with depth and heading held" exits 0 node --bus memory --excite --log held.log \
+    --json "${held[@]}"
+check "  identifies the other axes" is out '
+for p in d["parameters"]:
+    loop = p["note"] == "closed loop: the wrench is feedback"
+    assert loop == (p["dof"] in ("heave", "yaw")) and not (loop and p["identifiable"]), p'
+check "  its log replays" exits 0 replay held.log "${held[@]}"
+check "  with this option only" exits 1 replay held.log --sets 2
+
 # ---- replay ----
 check "a log replays" exits 0 replay run.log --sets 2 --json
 check "to the same estimate" is out '

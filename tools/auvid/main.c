@@ -150,6 +150,7 @@ static const char node_help[] =
     "  --bus IF           interface (can0, vcan0); memory: a simulated vehicle in this process\n"
     "  --excite           obey arm frames and command the thrusters; default: listen only\n"
     "  --clock bus|own    follow the tick frames of the bus (default), or send them\n"
+    "  --closed-loop AXIS,AXIS,..   a controller holds these, as for fit\n"
     "  --sets K           end after K identified sets; default 8\n"
     "  --log FILE         write every frame in the format of candump -L\n"
     "  --save FILE        write a prior record of the final estimate, for --prior\n"
@@ -172,7 +173,8 @@ static const char vehicle_help[] =
     "\n";
 static const char replay_help[] =
     "options of replay\n"
-    "  --seed N, --sets K, --vehicle NAME, --prior FILE   as for the node that wrote the log\n"
+    "  --seed N, --sets K, --vehicle NAME, --prior FILE, --closed-loop AXIS,..   as for the node\n"
+    "                     that wrote the log\n"
     "  --csv FILE         write the motion and thrust of the log as a log for fit; times from the\n"
     "                     first tick\n"
     "  --json, --report FILE.html, --thrust-scale S, --dvl-scale S   as for demo\n"

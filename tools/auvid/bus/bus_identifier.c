@@ -12,6 +12,7 @@ int bus_identifier_begin(bus_identifier_t *to, const options_t *options, const c
     world_identifier(&identifier, &world);
     options_uncertainty(options, &identifier.uncertainty);
     identifier.exact_inputs = options->plain;
+    identifier.metric.closed_loop = options->closed_loop;
     auvid_status_t status = AUVID_OK;
     to->calibrations = vehicle_calibrations_of(vehicle, replayed, true, to->calibration);
     if (to->calibrations > 0) {

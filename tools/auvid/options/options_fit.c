@@ -5,19 +5,6 @@
 #include "../base/report_error.h"
 #include "../vehicle/decoupled.h"
 
-static const char *const axes[AUVID_DOF_COUNT] = {"surge", "sway", "heave", "roll", "pitch", "yaw"};
-
-/* The axis whose name has this length; -1: there is none. */
-static int axis_named(const char *text, size_t length)
-{
-    for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
-        if (strlen(axes[j]) == length && strncmp(text, axes[j], length) == 0) {
-            return j;
-        }
-    }
-    return -1;
-}
-
 /* fit --vehicle: its model, thrusters and uncertainties. */
 static int take_whole_vehicle(reader_t *r, options_t *options)
 {
@@ -56,7 +43,7 @@ static int take_gain(reader_t *r, options_t *options)
         return EXIT_REFUSED;
     }
     size_t length = strcspn(text, "=");
-    int axis = axis_named(text, length);
+    int axis = take_axis(text, length);
     if (axis >= 0 && text[length] == '=' && to_real(text + length + 1, &end, &x) && *end == '\0' &&
         x > 0.0 && x <= 1e6) {
         options->gain[axis] = x;
@@ -66,25 +53,6 @@ static int take_gain(reader_t *r, options_t *options)
     return report_error("--gain: '%s' is not AXIS=NEWTONS, as in surge=40; newtons above 0, at "
                         "most 1e6",
                         text);
-}
-
-/* AXIS,AXIS,..: a controller holds these. Repeated, they add up. */
-static int take_closed_loop(reader_t *r, options_t *options)
-{
-    const char *text = NULL;
-    if (take_value(r, &text) != 0) {
-        return EXIT_REFUSED;
-    }
-    for (const char *name = text;; name += strcspn(name, ",") + 1) {
-        int axis = axis_named(name, strcspn(name, ","));
-        if (axis < 0) {
-            return report_error("--closed-loop: '%s' is not AXIS,AXIS,.., as in heave,yaw", text);
-        }
-        options->closed_loop |= AUVID_DOF_BIT(axis);
-        if (strchr(name, ',') == NULL) {
-            return 0;
-        }
-    }
 }
 
 /* Gaps that the cells of the recorder span [s]. */

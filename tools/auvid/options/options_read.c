@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "../base/report_error.h"
+#include "../vehicle/vehicle_keys.h"
 
 /* Takes the next argument: an option with its value split off, or a plain word (name NULL). */
 static bool next(reader_t *r)
@@ -118,6 +119,34 @@ int take_word(reader_t *r, const char *const *words, int count, int *out)
     }
     return report_error("%s: '%s' is not one of %s, %s%s%s", r->name, text, words[0], words[1],
                         count > 2 ? ", " : "", count > 2 ? words[2] : "");
+}
+
+int take_axis(const char *text, size_t length)
+{
+    for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
+        if (strlen(vehicle_dofs[j]) == length && strncmp(text, vehicle_dofs[j], length) == 0) {
+            return j;
+        }
+    }
+    return -1;
+}
+
+int take_closed_loop(reader_t *r, options_t *options)
+{
+    const char *text = NULL;
+    if (take_value(r, &text) != 0) {
+        return EXIT_REFUSED;
+    }
+    for (const char *name = text;; name += strcspn(name, ",") + 1) {
+        int axis = take_axis(name, strcspn(name, ","));
+        if (axis < 0) {
+            return report_error("--closed-loop: '%s' is not AXIS,AXIS,.., as in heave,yaw", text);
+        }
+        options->closed_loop |= AUVID_DOF_BIT(axis);
+        if (strchr(name, ',') == NULL) {
+            return 0;
+        }
+    }
 }
 
 int take_bounds(reader_t *r, options_t *options)

@@ -56,6 +56,12 @@ int take_word(reader_t *r, const char *const *words, int count, int *out);
 /** Takes the bounds of the search. */
 int take_bounds(reader_t *r, options_t *options);
 
+/** The axis whose name has this length, surge .. yaw; -1: there is none. */
+int take_axis(const char *text, size_t length);
+
+/** AXIS,AXIS,..: they are in closed loop. Repeated, they add up. */
+int take_closed_loop(reader_t *r, options_t *options);
+
 /** Takes a vehicle, a ready one's word or a file. in_field: those of the field simulator, too. */
 int take_vehicle(reader_t *r, options_t *options, bool in_field);
 int take_thrusters(reader_t *r, options_t *options);
