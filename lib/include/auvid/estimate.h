@@ -225,9 +225,8 @@ typedef struct {
                             threshold 6. In the DoF with the most evidence, at least that for a
                             common relative difference of all drag forces. Above 1: the vehicle has
                             drifted. 0: none, or no estimate of five sets that knew them was
-                            accepted before, or the DoF is in closed loop, where parameters are
-                            biased. Kept while none is accepted, and while all are in closed loop
-                            */
+                            accepted before, or the DoF is in closed loop: its parameters are
+                            biased. Kept while none is accepted, or all are in closed loop */
     uint32_t set;      /**< number of the set, from 1; 0: none was validated yet */
     uint32_t estimate; /**< number of the estimate that predicted it */
     uint8_t excited;   /**< bit j: DoF j was excited in it and in the estimate's data */
