@@ -85,7 +85,8 @@ typedef struct {
      * depth (AUVID_HEAVE) and heading (AUVID_YAW) while a pilot drives the others. Nothing of these
      * DoF is identifiable (AUVID_NOTE_FEEDBACK): do not excite them. The test for feedback is of
      * the others; with 0 it is of all together: then the controller makes nothing identifiable, or
-     * it is not recognised, and the parameters of its DoF are biased. 0..63, default 0 */
+     * it is not recognised, and the parameters of its DoF are biased. 0..63 (AUVID_ERR_RANGE),
+     * default 0 */
     uint8_t closed_loop;
 } auvid_metric_config_t;
 

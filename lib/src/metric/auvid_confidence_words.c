@@ -287,7 +287,7 @@ static void confidence_append_sentence(auvid_words_t *w, const auvid_confidence_
         auvid_words_append(w,
                            "closed loop: the wrench is feedback of a controller; excite the "
                            "vehicle, or drive it in open loop; if a pilot drives some axes, name "
-                           "the others");
+                           "the others (closed_loop)");
         return;
     }
     if (note == AUVID_NOTE_UNCHECKED) {
