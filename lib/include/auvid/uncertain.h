@@ -33,7 +33,7 @@
  *
  * The priors may be wrong by a factor of two: they get a common scale, the one with the largest
  * likelihood of what was found. Above 1, the scales of thrust and DVL in auvid_uncertainty_t are
- * taken as less certain by the same factor: then few parameters are identifiable. From 2 on none
+ * taken as less certain by its square: then few parameters are identifiable. From 2 on none
  * is (AUVID_NOTE_UNCHECKED).
  *
  * The columns of current, lever arm and late DVL are formed with the last estimate, those of the

@@ -154,10 +154,11 @@ static uint8_t uncertain_partner(const auvid_estimate_t *e, const auvid_vehicle_
     return partner;
 }
 
-/* Inputs less exact than configured make the scales that are not observable less certain. */
+/* Inputs less exact than configured make the scales that are not observable less certain, by the
+ * square of the factor: it is too small, as it counts three inputs as right that were not seen. */
 static void uncertain_widen_scales(auvid_uncertainty_t *scales, auvid_real_t factor)
 {
-    auvid_real_t by = auvid_max(factor, ONE);
+    auvid_real_t by = auvid_max(factor * factor, ONE);
     scales->thrust_scale = auvid_min(by * scales->thrust_scale, ONE);
     scales->dvl_scale = auvid_min(by * scales->dvl_scale, ONE);
 }

@@ -10,6 +10,9 @@
 #define LARGEST_BAND_RATIO AUVID_C(30.0) /* of the residuals of the bands */
 #define MOVES_FORCES AUVID_C(0.7)        /* lambda, see auvid_uncertain_solve.c */
 #define MOVES_MOMENTS AUVID_C(0.4)
+/* Parts of the supplied thrust that are delivered: gamma is 1 above, and constant below. */
+#define FULL_THRUST AUVID_C(0.9)
+#define LEAST_THRUST AUVID_C(0.5)
 #define EARLY_ROW AUVID_C(0.0625)   /* weight of a row from before the first solution */
 #define SMALL_CURRENT AUVID_C(0.03) /* [m/s]; a row from before the second one counts half */
 
@@ -164,6 +167,27 @@ static void uncertain_weigh_projected(uncertain_t *u, const auvid_metric_t *m, i
     p->squares = squares / variance;
 }
 
+/* Write what each column of the thrust is of the supplied thrust. Returns gamma, from the part that
+ * is delivered by the last pass. */
+static auvid_real_t uncertain_delivered(const uncertain_t *u, int j,
+                                        const auvid_real_t weight[AUVID_METRIC_BANDS],
+                                        auvid_real_t *part)
+{
+    const auvid_uncertain_equation_t *e = &u->equation[j];
+    auvid_real_t zz = uncertain_product(u, j, e->order - 1, e->order - 1, weight);
+    auvid_real_t delivered = AUVID_C(1.0);
+    for (int k = 0; k < e->inputs; ++k) {
+        part[k] = AUVID_C(0.0);
+        if ((e->of_thrust >> k & 1u) != 0) {
+            part[k] = zz > AUVID_C(0.0) ? uncertain_product(u, j, k, e->order - 1, weight) / zz
+                                        : AUVID_C(0.0);
+            part[k] -= k == u->work.part.sag_at ? u->work.sag_from : AUVID_C(0.0);
+            delivered -= part[k] * u->work.part.value[k];
+        }
+    }
+    return auvid_clamp(delivered, LEAST_THRUST, FULL_THRUST) / FULL_THRUST;
+}
+
 /* What the residual adds to each column, and the same for the joint solution (side). */
 static void uncertain_prepare_slopes(uncertain_t *u, const auvid_metric_t *m, int j,
                                      const auvid_real_t weight[AUVID_METRIC_BANDS])
@@ -175,7 +199,7 @@ static void uncertain_prepare_slopes(uncertain_t *u, const auvid_metric_t *m, in
                                                : j < AUVID_ROLL    ? MOVES_FORCES
                                                                    : MOVES_MOMENTS;
     auvid_real_t a[AUVID_MAX_PARAMETERS];
-    auvid_real_t zz = uncertain_product(u, j, e->order - 1, e->order - 1, weight);
+    auvid_real_t delivered = uncertain_delivered(u, j, weight, p->slope);
     auvid_confidence_acceleration_row(m->cfg.vehicle, j, &p->regressor, a);
     auvid_zero(&p->regressor, sizeof p->regressor); /* the factor is there from now on */
     for (int k = 0; k < e->order - 1 - e->inputs; ++k) {
@@ -188,10 +212,8 @@ static void uncertain_prepare_slopes(uncertain_t *u, const auvid_metric_t *m, in
             share = lambda;
             side = mass > AUVID_C(0.0) ? a[index[k - e->inputs]] / mass : AUVID_C(0.0);
             p->slope[k] = share * side;
-        } else if ((e->of_thrust >> k & 1u) != 0) {
-            side = zz > AUVID_C(0.0) ? uncertain_product(u, j, k, e->order - 1, weight) / zz
-                                     : AUVID_C(0.0);
-            side -= k == p->sag_at ? u->work.sag_from : AUVID_C(0.0);
+        } else {
+            side = p->slope[k] / delivered;
             p->slope[k] = -share * side;
         }
         side *= p->squares;

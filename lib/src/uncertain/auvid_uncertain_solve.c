@@ -3,8 +3,8 @@
  *
  *     e    = z - X theta                                 at the last pass
  *     s^2  = 2.6 ||e||^2 / rows                          bands weighted (uncertain_weigh_bands)
- *     X~   = X, with u' + lambda e / m in the column of the mass, and c - (1 - lambda) k e in a
- *            column c of the thrust, k = c'z / z'z
+ *     X~   = X, with u' + lambda e / m in the column of the mass, and
+ *            c - (1 - lambda) k e / gamma in a column c of the thrust, k = c'z / z'z
  *     min sum_j ||(e + X~ theta_0 - X~ theta) / s||^2 + sum_k (b_k / sigma_k)^2
  *
  * (Gauss-Newton.) lambda = 1: the noise moves the vehicle; 0: it is an error of the thrust. What
@@ -13,6 +13,14 @@
  * every mass that is wrongly identifiable. It is 0.7 for forces, and 0.4 for moments, which are
  * small differences of the thrusters' forces: then most medians are within 2 %. It is 0 for rows
  * that are projected onto instruments (auvid_instruments.c): their motion is without noise.
+ *
+ * No motion shows the scale of thrust, masses and drag together. With v its direction, and d the
+ * part of the thrust that is delivered, 1 - sum_k k b_k, X v = -e, and X~ v = 0 if gamma = d. If
+ * gamma = 1, the residual pulls towards less thrust, by (1 - lambda) (1 - d) e'e / s^2. Losses have
+ * one sign, so some of this is right: estimates are less often 20 % too large. But where the model
+ * leaves much of the force, it exceeds what the priors hold, and the solution ran off to no thrust
+ * and no mass (in a quarter of a joystick's logs, from an independent simulator). So gamma is
+ * d / 0.9, at most 1, with d at least 0.5.
  *
  * Columns c of the hull's inputs, and of its weight, become c - D a, a = (D'D)^-1 D'c, D the
  * columns of the DoF's drag in unweighted bands. So pi contains the best drag for the motion that

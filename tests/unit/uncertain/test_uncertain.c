@@ -163,7 +163,8 @@ static void test_with_inputs_less_exact_than_told_little_is_identifiable(void)
         }
         identify_mixture(seed, 3.0);
         TEST_ASSERT_TRUE(run.uncertain.scale > (auvid_real_t)1.3);
-        TEST_ASSERT_EQUAL_FLOAT(run.uncertain.scale * run.id.uncertainty.thrust_scale,
+        TEST_ASSERT_EQUAL_FLOAT(run.uncertain.scale * run.uncertain.scale *
+                                    run.id.uncertainty.thrust_scale,
                                 run.uncertain.estimate.confidence.uncertainty.thrust_scale);
         const auvid_confidence_t *confidence = &run.uncertain.estimate.confidence;
         bool limited = run.uncertain.scale >= (auvid_real_t)2.0;
@@ -175,6 +176,22 @@ static void test_with_inputs_less_exact_than_told_little_is_identifiable(void)
         }
     }
     TEST_ASSERT_TRUE(usual > 25 && large < 5 && limits > 0);
+}
+
+/* Mixtures that leave so much of the force that its residual, pulling towards less thrust, would
+ * carry all gains, masses and drag away: no scale of the priors would suffice. */
+static void test_a_large_residual_does_not_carry_the_thrust_away(void)
+{
+    static const uint64_t seeds[] = {1, 20, 29};
+    for (size_t k = 0; k < sizeof seeds / sizeof seeds[0]; ++k) {
+        prepare(FIELD_ROV20, FIELD_EXCITED, seeds[k]);
+        field_draw(&field.field, 2.0);
+        identify();
+        TEST_ASSERT_FALSE(run.uncertain.contradicted);
+        for (int i = 0; i < run.allocation.cfg.thrusters; ++i) {
+            TEST_ASSERT_TRUE(run.uncertain.shared[AUVID_UNCERTAIN_GAIN + i] > (auvid_real_t)-0.25);
+        }
+    }
 }
 
 static void test_inputs_far_less_exact_than_told_give_no_estimate(void)
@@ -363,6 +380,7 @@ int main(void)
     RUN_TEST(test_lever_arm_and_delay_of_the_dvl_are_found_and_would_bias_the_estimate);
     RUN_TEST(test_a_loss_by_another_law_makes_linear_drag_uncertain);
     RUN_TEST(test_with_inputs_less_exact_than_told_little_is_identifiable);
+    RUN_TEST(test_a_large_residual_does_not_carry_the_thrust_away);
     RUN_TEST(test_inputs_far_less_exact_than_told_give_no_estimate);
     RUN_TEST(test_a_long_dive_keeps_its_flags);
     RUN_TEST(test_the_estimate_without_uncertain_inputs_stays_available);
