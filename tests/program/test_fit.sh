@@ -90,11 +90,20 @@ check "  masses are identifiable, and all estimates right" is out '
 assert all(P[n]["identifiable"] for n in TRUTH if n[0] == "m")
 assert all(abs(p["estimate"] - TRUTH[n]) < 2.5 * p["sigma"] for n, p in P.items())
 assert d["wrong_inputs"] == [] and d["status"] == "ok"'
-change 'for y in r: y[C["X_N"]] *= 1.5 if y[C["X_N"]] < 0 else 1' <train.csv >weaker.csv
-check "backward thrust that is a third weaker than supplied" exits 0 fit weaker.csv --json \
+for stronger in 1.3 1.5; do
+    change "for y in r: y[C['X_N']] *= $stronger if y[C['X_N']] < 0 else 1" \
+        <train.csv >"weaker-$stronger.csv"
+done
+check "backward thrust that is a quarter weaker than supplied" exits 0 fit weaker-1.3.csv --json \
     --thrusters girona500
-check "  is named" is out '
-assert d["wrong_inputs"], d["wrong_inputs"]'
+check "  is named, and masses are identifiable" is out '
+assert d["wrong_inputs"], d["wrong_inputs"]
+assert all(p["identifiable"] for n, p in P.items() if n[0] == "m")'
+check "backward thrust that is a third weaker" exits 3 fit weaker-1.5.csv --json \
+    --thrusters girona500
+check "  is named, and makes the thrust scale too uncertain" is out '
+assert d["wrong_inputs"], d["wrong_inputs"]
+assert d["assumed"]["thrust_scale"] > 0.09'
 check "thrusters of no vehicle" refuses "'mine' is not one of" fit train.csv --thrusters mine
 check "--thrusters and --plain" refuses '--thrusters and --plain cannot be combined' \
     fit train.csv --thrusters girona500 --plain
