@@ -167,11 +167,11 @@ static void uncertain_weigh_projected(uncertain_t *u, const auvid_metric_t *m, i
     p->squares = squares / variance;
 }
 
-/* Write what each column of the thrust is of the supplied thrust. Returns gamma, from the part that
- * is delivered by the last pass. */
-static auvid_real_t uncertain_delivered(const uncertain_t *u, int j,
-                                        const auvid_real_t weight[AUVID_METRIC_BANDS],
-                                        auvid_real_t *part)
+/* Write which part of the supplied thrust each column of the thrust is. Returns gamma, from the
+ * part that is delivered by the last pass. */
+static auvid_real_t uncertain_gamma(const uncertain_t *u, int j,
+                                    const auvid_real_t weight[AUVID_METRIC_BANDS],
+                                    auvid_real_t *part)
 {
     const auvid_uncertain_equation_t *e = &u->equation[j];
     auvid_real_t zz = uncertain_product(u, j, e->order - 1, e->order - 1, weight);
@@ -199,7 +199,7 @@ static void uncertain_prepare_slopes(uncertain_t *u, const auvid_metric_t *m, in
                                                : j < AUVID_ROLL    ? MOVES_FORCES
                                                                    : MOVES_MOMENTS;
     auvid_real_t a[AUVID_MAX_PARAMETERS];
-    auvid_real_t delivered = uncertain_delivered(u, j, weight, p->slope);
+    auvid_real_t gamma = uncertain_gamma(u, j, weight, p->slope);
     auvid_confidence_acceleration_row(m->cfg.vehicle, j, &p->regressor, a);
     auvid_zero(&p->regressor, sizeof p->regressor); /* the factor is there from now on */
     for (int k = 0; k < e->order - 1 - e->inputs; ++k) {
@@ -213,7 +213,7 @@ static void uncertain_prepare_slopes(uncertain_t *u, const auvid_metric_t *m, in
             side = mass > AUVID_C(0.0) ? a[index[k - e->inputs]] / mass : AUVID_C(0.0);
             p->slope[k] = share * side;
         } else {
-            side = p->slope[k] / delivered;
+            side = p->slope[k] / gamma;
             p->slope[k] = -share * side;
         }
         side *= p->squares;

@@ -19,7 +19,7 @@
  * gamma = 1, the residual pulls towards less thrust, by (1 - lambda) (1 - d) e'e / s^2. Losses have
  * one sign, so some of this is right: estimates are less often 20 % too large. But where the model
  * leaves much of the force, it exceeds what the priors hold, and the solution ran off to no thrust
- * and no mass (in a quarter of a joystick's logs, from an independent simulator). So gamma is
+ * and no mass (in a fifth of a joystick's logs, from an independent simulator). So gamma is
  * d / 0.9, at most 1, with d at least 0.5.
  *
  * Columns c of the hull's inputs, and of its weight, become c - D a, a = (D'D)^-1 D'c, D the
