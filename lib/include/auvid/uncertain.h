@@ -237,6 +237,10 @@ typedef struct {
     auvid_real_t channel[AUVID_UNCERTAIN_CHANNELS]; /* of the last cell */
     auvid_real_t speed[AUVID_MAX_THRUSTERS];        /* sqrt of force, behind the nominal lag */
     auvid_real_t lagged[AUVID_MAX_THRUSTERS];       /* behind the lag as last estimated */
+    /* mean force over each cell of the recorder, and what it loses by a longer lag [1 / s] */
+    auvid_real_t response[AUVID_RECORDER_CELLS][AUVID_MAX_THRUSTERS][2];
+    auvid_real_t force[AUVID_MAX_THRUSTERS], later[AUVID_MAX_THRUSTERS]; /* of the last cell */
+    auvid_real_t rate[AUVID_MAX_THRUSTERS];                              /* of the force [1 / s] */
     auvid_real_t spread;                            /* of the interpolation at the last cell */
     auvid_real_t elapsed;                           /* since begin_us, over AUVID_UNCERTAIN_SAG_S */
     auvid_real_t wrench, difference; /* squares of the wrench; of the thrusters' less the wrench */

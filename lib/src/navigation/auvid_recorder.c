@@ -174,6 +174,7 @@ static bool recorder_integrate(auvid_recorder_t *rec, int s, uint64_t t_us,
     bool hold = s == INPUT && rec->cfg.input == AUVID_INPUT_HOLD;
     auvid_real_t per_segment = AUVID_C(1.0) / (auvid_real_t)(uint32_t)(t_us - st->t_us);
     auvid_real_t per_cell = AUVID_C(1.0) / (auvid_real_t)rec->cell_us;
+    auvid_real_t part[AUVID_DOF_COUNT + AUVID_MAX_COMMANDS]; /* value over an overlap */
 
     while (st->filled_us < t_us) {
         uint64_t cell_end = rec->origin_us + (uint64_t)(st->cell + 1) * rec->cell_us;
@@ -192,7 +193,12 @@ static bool recorder_integrate(auvid_recorder_t *rec, int s, uint64_t t_us,
             (auvid_real_t)(uint32_t)(to - st->t_us + (st->filled_us - st->t_us)) * AUVID_C(0.5);
         auvid_real_t fraction = hold ? AUVID_C(0.0) : middle * per_segment;
         for (int i = 0; i < channels; ++i) {
-            mean[first_channel[s] + i] += weight * (last[i] + fraction * (value[i] - last[i]));
+            part[i] = last[i] + fraction * (value[i] - last[i]);
+            mean[first_channel[s] + i] += weight * part[i];
+        }
+        if (s == INPUT && rec->follow != NULL) {
+            bool opens = cell_end - st->filled_us == rec->cell_us;
+            rec->follow(rec->follower, st->cell, opens, (uint32_t)(to - st->filled_us), part);
         }
         st->filled_us = to;
         if (to == cell_end) {
@@ -426,7 +432,6 @@ auvid_status_t auvid_recorder_pop(auvid_recorder_t *recorder, auvid_sample_t *sa
                        *before = recorder_cell(rec, rec->next - 1);
     const auvid_real_t *after = recorder_cell(rec, rec->next + 1),
                        *after2 = recorder_cell(rec, rec->next + 2);
-    auvid_real_t per_12t = AUVID_C(1e6) / (AUVID_C(12.0) * (auvid_real_t)rec->cell_us);
 
     auvid_zero(sample, sizeof *sample);
     sample->t_us = rec->origin_us + (uint64_t)rec->next * rec->cell_us + rec->cell_us / 2;
@@ -437,7 +442,7 @@ auvid_status_t auvid_recorder_pop(auvid_recorder_t *recorder, auvid_sample_t *sa
         int i = j < 3 ? VELOCITIES + j : RATES + j - 3;
         sample->nu[j] = mean[i];
         sample->nu_dot[j] =
-            (AUVID_C(8.0) * (after[i] - before[i]) - (after2[i] - before2[i])) * per_12t;
+            auvid_recorder_slope(rec, before2[i], before[i], after[i], after2[i]);
         sample->tau[j] = mean[TAU + j];
     }
     memcpy(sample->command, &mean[COMMAND], AUVID_MAX_COMMANDS * sizeof sample->command[0]);

@@ -42,10 +42,8 @@
  */
 #define DEAD_BAND_WIDTH AUVID_C(0.03)
 #define SMALLEST_CURVE AUVID_C(1e-4)
-/* Step of current [m/s], lever arm [m] and times [s] for their differences, the smallest one of the
- * lag; smallest lag of the propellers [s]. */
-#define LEAST_STEP AUVID_C(0.02)
-#define LEAST_LAG AUVID_C(0.01)
+/* Step of current [m/s], lever arm [m] and times [s] for their differences. */
+#define STEP AUVID_C(0.02)
 
 /* ---- which columns there are ---- */
 
@@ -140,47 +138,9 @@ static auvid_real_t uncertain_ln(auvid_real_t x)
     return AUVID_C(2.0) * s * series + (auvid_real_t)e * AUVID_C(0.69314718);
 }
 
-/* Mean over a cell, by Simpson's rule. */
-static auvid_real_t uncertain_mean(auvid_real_t begin, auvid_real_t middle, auvid_real_t end)
-{
-    return (begin + AUVID_C(4.0) * middle + end) / AUVID_C(6.0);
-}
-
-/* Advance a propeller's speed, as sqrt of its force, by a cell towards that of a constant force;
- * keep = exp(-cell / (2 lag)). Returns the mean force; difference: its change, if not NULL. */
-static auvid_real_t uncertain_advance(auvid_real_t *speed, auvid_real_t to, auvid_real_t keep,
-                                      auvid_real_t *difference)
-{
-    auvid_real_t a = *speed, b = to + keep * (a - to), c = to + keep * (b - to);
-    auvid_real_t fa = a * auvid_abs(a), fc = c * auvid_abs(c);
-    *speed = c;
-    if (difference != NULL) {
-        *difference = fc - fa;
-    }
-    return uncertain_mean(fa, b * auvid_abs(b), fc);
-}
-
-/* exp(-x), 0 <= x <= 50, error below 1e-5. */
-static auvid_real_t uncertain_decay(auvid_real_t x)
-{
-    auvid_real_t y = AUVID_C(1.0) - x / AUVID_C(1024.0) * (AUVID_C(1.0) - x / AUVID_C(2048.0));
-    for (int i = 0; i < 10; ++i) {
-        y *= y;
-    }
-    return y;
-}
-
-/* Returns the supplied force of a thruster [N]. */
-static auvid_real_t uncertain_force(const auvid_uncertain_t *u, int i, auvid_real_t command)
-{
-    const auvid_thruster_t *t = &u->allocation->cfg.thruster[i];
-    auvid_real_t largest = command > AUVID_C(0.0) ? t->max_N : -t->min_N;
-    return u->cfg.fractions ? command * largest : command;
-}
-
 /* Compare the thrusters' forces with the wrench that was recorded. */
 static void uncertain_compare(auvid_uncertain_t *u, const auvid_metric_t *m,
-                              const auvid_sample_t *cell, const auvid_real_t *force)
+                              const auvid_sample_t *cell)
 {
     const auvid_allocation_config_t *cfg = &u->allocation->cfg;
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
@@ -189,61 +149,39 @@ static void uncertain_compare(auvid_uncertain_t *u, const auvid_metric_t *m,
             continue;
         }
         for (int i = 0; i < cfg->thrusters; ++i) {
-            difference += cfg->thruster[i].wrench[j] * force[i];
+            difference += cfg->thruster[i].wrench[j] *
+                          auvid_uncertain_force(u, i, cell->command[i]);
         }
         u->recorded.wrench += wrench / max * (wrench / max);
         u->recorded.difference += difference / max * (difference / max);
     }
 }
 
-/* Step of the lag's difference: to the last estimate, but not too small, and the lag stays above
- * zero. */
-static auvid_real_t uncertain_lag_step(const auvid_uncertain_t *u)
+/* Sum the columns that are formed from the thrust over the thrusters. */
+static void uncertain_thrust_columns(auvid_uncertain_t *u, const auvid_sample_t *water,
+                                     auvid_real_t sum[][SUMS])
 {
-    auvid_real_t lowest = LEAST_LAG - u->cfg.nominal_lag_s, step = u->shared[AUVID_UNCERTAIN_LAG];
-    step = step < AUVID_C(0.0) ? auvid_min(step, -LEAST_STEP) : auvid_max(step, LEAST_STEP);
-    return step > lowest ? step : lowest < -LEAST_STEP ? lowest : LEAST_STEP;
-}
-
-/* Sum the columns that are formed from the thrust over the thrusters. force_of[]: as supplied; on
- * return behind the nominal lag. */
-static void uncertain_thrust_columns(auvid_uncertain_t *u, const auvid_metric_t *m,
-                                     const auvid_sample_t *water, bool first,
-                                     auvid_real_t sum[][SUMS], auvid_real_t *force_of)
-{
-    auvid_real_t value[THRUST_SUMS], difference;
-    auvid_real_t cell_s = (auvid_real_t)auvid_metric_cell_us(m) * AUVID_C(1e-6);
-    auvid_real_t lag_s = u->cfg.nominal_lag_s, step = uncertain_lag_step(u);
-    auvid_real_t keep = uncertain_decay(AUVID_C(0.5) * cell_s / lag_s);
-    auvid_real_t keep_later = uncertain_decay(AUVID_C(0.5) * cell_s / (lag_s + step));
+    auvid_real_t value[THRUST_SUMS];
     for (int i = 0; i < u->allocation->cfg.thrusters; ++i) {
         const auvid_thruster_t *t = &u->allocation->cfg.thruster[i];
         auvid_real_t max_N = auvid_max(t->max_N, -t->min_N), inflow = AUVID_C(0.0);
-        auvid_real_t *speed = &u->recorded.speed[i], *later = &u->recorded.lagged[i];
-        auvid_real_t to = auvid_sqrt(auvid_abs(force_of[i]));
-        to = force_of[i] < AUVID_C(0.0) ? -to : to;
-        if (first) {
-            *speed = *later = to;
-        }
-        auvid_real_t force = uncertain_advance(speed, to, keep, &difference);
-        auvid_real_t late = uncertain_advance(later, to, keep_later, NULL);
+        auvid_real_t force = u->recorded.force[i];
         auvid_real_t size = auvid_abs(force), width = DEAD_BAND_WIDTH * max_N;
-        force_of[i] = AUVID_C(0.0);
         if (!(max_N > AUVID_C(0.0))) {
             continue;
         }
         for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
             inflow += t->wrench[j] * water->nu[j];
         }
-        force_of[i] = value[SUM_THRUST] = force;
+        value[SUM_THRUST] = force;
         value[AUVID_UNCERTAIN_BACKWARD] = auvid_min(force, AUVID_C(0.0));
         value[AUVID_UNCERTAIN_DEAD_BAND] = force / auvid_sqrt(size * size + width * width);
         value[AUVID_UNCERTAIN_CURVE] =
             -force * uncertain_ln(auvid_max(size / max_N, SMALLEST_CURVE));
         value[AUVID_UNCERTAIN_INFLOW] = size * inflow;
         value[AUVID_UNCERTAIN_SAG] = force * u->recorded.elapsed;
-        value[AUVID_UNCERTAIN_LAG] = (force - late) / step;
-        value[SUM_DELAY] = difference / cell_s;
+        value[AUVID_UNCERTAIN_LAG] = u->recorded.later[i];
+        value[SUM_DELAY] = u->recorded.rate[i];
         for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
             if (auvid_abs(t->wrench[j]) > AUVID_C(0.0)) {
                 auvid_metric_add_scaled(sum[j], t->wrench[j], value, THRUST_SUMS);
@@ -335,13 +273,13 @@ static void uncertain_late_columns(const auvid_uncertain_t *u, const auvid_metri
         auvid_sample_t moved = *water;
         int other = AUVID_ROLL - first; /* moments, then forces */
         for (int i = first; i < first + 3; ++i) {
-            moved.nu[i] += (first == AUVID_SURGE ? LEAST_STEP : -LEAST_STEP) * water->nu_dot[i];
+            moved.nu[i] += (first == AUVID_SURGE ? STEP : -STEP) * water->nu_dot[i];
         }
         uncertain_predict(u, m, &moved, OF_FORCES << other, wrench);
         for (int j = other; j < other + 3; ++j) {
             sum[j][MOTION_AT + AUVID_UNCERTAIN_DVL_LATE] =
                 (other == AUVID_SURGE ? sum[j][SUM_DELAY] : AUVID_C(0.0)) +
-                (wrench[j] - predicted[j]) / LEAST_STEP;
+                (wrench[j] - predicted[j]) / STEP;
         }
     }
 }
@@ -380,11 +318,11 @@ static void uncertain_motion_columns(auvid_uncertain_t *u, const auvid_metric_t 
         if (dofs == 0 || !(auvid_uncertain_configured(u, n) > AUVID_C(0.0))) {
             continue;
         }
-        uncertain_move(&moved, water, &shift[n - (int)AUVID_UNCERTAIN_CURRENT_X], LEAST_STEP);
+        uncertain_move(&moved, water, &shift[n - (int)AUVID_UNCERTAIN_CURRENT_X], STEP);
         uncertain_predict(u, m, &moved, dofs, after);
         for (int j = 0; dofs >> j != 0; ++j) {
             if ((dofs >> j & 1u) != 0) {
-                sum[j][MOTION_AT + n] = (after[j] - predicted[j]) / LEAST_STEP;
+                sum[j][MOTION_AT + n] = (after[j] - predicted[j]) / STEP;
             }
             if ((dofs & AUVID_UNCERTAIN_PLANAR) >> j & 1u) { /* about the last estimate */
                 sum[j][SUM_THRUST] += sum[j][MOTION_AT + n] * u->shared[n];
@@ -425,8 +363,7 @@ static auvid_real_t uncertain_motion(const auvid_uncertain_t *u, const auvid_sam
 
 /* Write the channels of DoF j's equation. */
 static void uncertain_write_channels(auvid_uncertain_t *u, const auvid_sample_t *cell,
-                                     const auvid_real_t down[3], const auvid_real_t *sum,
-                                     const auvid_real_t *force, int j)
+                                     const auvid_real_t down[3], const auvid_real_t *sum, int j)
 {
     const auvid_uncertain_equation_t *e = &u->equation[j];
     const uint16_t *place = u->place + e->channel_at;
@@ -442,35 +379,31 @@ static void uncertain_write_channels(auvid_uncertain_t *u, const auvid_sample_t 
     }
     for (; code < end; ++code) {
         int i = *code - (int)AUVID_UNCERTAIN_GAIN;
-        channel[*place++] = -u->allocation->cfg.thruster[i].wrench[j] * force[i];
+        channel[*place++] = -u->allocation->cfg.thruster[i].wrench[j] * u->recorded.force[i];
     }
     channel[*place] = sum[SUM_THRUST];
 }
 
 void auvid_uncertain_channels(auvid_uncertain_t *u, const auvid_metric_t *m,
-                              const auvid_sample_t *cell, bool first)
+                              const auvid_sample_t *cell)
 {
-    auvid_real_t r[3][3], sum[AUVID_DOF_COUNT][SUMS], force[AUVID_MAX_THRUSTERS];
+    auvid_real_t r[3][3], sum[AUVID_DOF_COUNT][SUMS];
     uncertain_shift_t shift[SHIFTS];
     auvid_sample_t water = *cell; /* the motion through the water, as last estimated */
     auvid_zero(sum, sizeof sum);
-    auvid_clear(force, AUVID_MAX_THRUSTERS);
     auvid_rotation(cell->phi, cell->theta, cell->psi, r);
-    for (int i = 0; i < u->allocation->cfg.thrusters; ++i) {
-        force[i] = uncertain_force(u, i, cell->command[i]);
-    }
-    uncertain_compare(u, m, cell, force);
+    uncertain_compare(u, m, cell);
     uncertain_shifts(cell, r, shift);
     for (int k = 0; k < SHIFTS; ++k) {
         uncertain_move(&water, &water, &shift[k], u->shared[AUVID_UNCERTAIN_CURRENT_X + k]);
     }
-    uncertain_thrust_columns(u, m, &water, first, sum, force);
+    uncertain_thrust_columns(u, &water, sum);
     if (u->cfg.current + u->cfg.arm_m + u->cfg.dvl_late_s > AUVID_C(0.0)) {
         uncertain_motion_columns(u, m, cell, &water, shift, sum);
     }
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
         if (u->equation[j].order > 0) {
-            uncertain_write_channels(u, &water, r[2], sum[j], force, j);
+            uncertain_write_channels(u, &water, r[2], sum[j], j);
         }
     }
 }

@@ -37,7 +37,18 @@ auvid_status_t auvid_uncertain_lay_out(auvid_uncertain_t *u, const auvid_metric_
 
 /** Compute the channels of a cell: the inputs of each equation, and last its thrust. */
 void auvid_uncertain_channels(auvid_uncertain_t *u, const auvid_metric_t *m,
-                              const auvid_sample_t *cell, bool first);
+                              const auvid_sample_t *cell);
+
+/** Returns the supplied force of thruster i [N]. */
+auvid_real_t auvid_uncertain_force(const auvid_uncertain_t *u, int i, auvid_real_t command);
+
+/** Follow the commands with the propellers' speeds: auvid_recorder_t.follow.
+ * @param context auvid_uncertain_t */
+void auvid_uncertain_follow(void *context, uint32_t cell, bool opens, uint32_t us,
+                            const auvid_real_t *value);
+
+/** Take the propellers' forces in the cell that the recorder has just given. */
+void auvid_uncertain_respond(auvid_uncertain_t *u);
 
 /** Take the next step with the last cell: form its channels, or add them to the rows.
  * @return false: there was none, the next cell may come */

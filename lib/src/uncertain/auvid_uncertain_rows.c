@@ -127,7 +127,7 @@ static void uncertain_take_row(auvid_uncertain_t *u, int j, const auvid_real_t *
 static void uncertain_form_channels(auvid_uncertain_t *u, const auvid_metric_t *m)
 {
     if (u->recorded.waits == UNCERTAIN_CELL) {
-        auvid_uncertain_channels(u, m, &u->cell, u->recorded.n == 0);
+        auvid_uncertain_channels(u, m, &u->cell);
         u->recorded.waits = UNCERTAIN_FORMED;
     }
 }
@@ -181,6 +181,7 @@ static void uncertain_cell(void *context, const auvid_metric_t *m, const auvid_s
     uint32_t elapsed = (uint32_t)((cell->t_us - u->begin_us) >> 10);
     r->elapsed = AUVID_C(1.024e-3) / AUVID_UNCERTAIN_SAG_S * (auvid_real_t)elapsed;
     u->cell = *cell;
+    auvid_uncertain_respond(u);
     r->n = place->n;
     r->slot = (uint8_t)place->slot;
     r->spread = place->spread;

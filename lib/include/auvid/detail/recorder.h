@@ -36,6 +36,9 @@
  * 8. Until then complete cells wait in the ring. If it overflows first (a slow DVL), the record
  * begins again. A rate that changes later is not noticed.
  *
+ * A follower learns of the input part by part, as it is integrated: what depends on its course
+ * within a cell, as the speed of a propeller does, cannot be computed from the mean.
+ *
  * Cost: about 30 multiplications a sample, 45 of a velocity; pop about 60. Memory:
  * sizeof(auvid_recorder_t), 1.8 KiB with default sizes.
  */
@@ -64,9 +67,19 @@ typedef struct {
     uint8_t reserved[3];
 } auvid_recorder_stream_t;
 
+/** Takes the part of a cell over which the input is constant. Private.
+ * @param cell number of the cell in this record
+ * @param opens is it the first part of the cell?
+ * @param us its length [us]
+ * @param value [AUVID_DOF_COUNT + AUVID_MAX_COMMANDS] tau, command */
+typedef void auvid_recorder_follow_t(void *context, uint32_t cell, bool opens, uint32_t us,
+                                     const auvid_real_t *value);
+
 /** The recorder. Private, but cell_us and outliers may be read. */
 typedef struct {
     auvid_recorder_config_t cfg;
+    auvid_recorder_follow_t *follow; /* NULL: nobody follows the input */
+    void *follower;                  /* its context */
     /* state: from here on, see checkpoint.h */
     auvid_recorder_stream_t stream[5];
     uint64_t origin_us;                         /* start of cell 0 */
