@@ -202,6 +202,7 @@ for bad in surge surge= surge=x surge=0 surge=-1 surge=nan =5 north=5; do
 done
 for bad in jaw heave, heave,yaw, 4; do
     check "--closed-loop '$bad'" refuses 'is not AXIS,AXIS' fit log.csv "--closed-loop=$bad"
+    check "--open-loop '$bad'" refuses 'is not AXIS,AXIS' fit log.csv "--open-loop=$bad"
 done
 for bad in 0 0.05 2 x; do
     check "--max-gap $bad" refuses "--max-gap: '$bad' is .* from 0.1 to 1$" \

@@ -267,6 +267,11 @@ assert P["m_u"]["note"] == P["X_uu"]["note"] == "closed loop: the wrench is feed
 check "a log of a pilot" exits 0 fit open.csv --plain --json
 check "  is none of a controller" is out '
 assert P["m_u"]["identifiable"] and P["X_uu"]["identifiable"]'
+check "--open-loop: it is not tested" exits 0 fit loop.csv --plain --json --open-loop surge,sway \
+    --open-loop heave,yaw
+check "  and said so" is out '
+assert P["m_u"]["note"] != "closed loop: the wrench is feedback"
+assert d["assumed"]["open_loop"] == ["surge", "sway", "heave", "yaw"], d["assumed"]'
 check "--closed-loop" exits 0 fit train.csv --plain --json --closed-loop heave,yaw
 check "  nothing of these is identifiable, the others are" is out '
 for n, p in P.items():

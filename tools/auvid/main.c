@@ -119,6 +119,8 @@ static const char fit_help[] =
     "drives\n"
     "                        the others: parameters of these are not identifiable, those of the\n"
     "                        others can be; repeatable\n"
+    "  --open-loop AXIS,AXIS,..   an excitation of your own drove these, as of sines faster than\n"
+    "                        3 s: they are not tested for feedback; repeatable\n"
     "  --max-gap S           rows further apart begin a new record, 0.1 to 1; default 0.5\n"
     "  --fix NAME=VALUE      fix this parameter; repeatable\n"
     "  --free NAME,NAME,..   also identify these parameters\n"
@@ -150,7 +152,7 @@ static const char node_help[] =
     "  --bus IF           interface (can0, vcan0); memory: a simulated vehicle in this process\n"
     "  --excite           obey arm frames and command the thrusters; default: listen only\n"
     "  --clock bus|own    follow the tick frames of the bus (default), or send them\n"
-    "  --closed-loop AXIS,AXIS,..   a controller holds these, as for fit\n"
+    "  --closed-loop, --open-loop AXIS,AXIS,..   as for fit\n"
     "  --sets K           end after K identified sets; default 8\n"
     "  --log FILE         write every frame in the format of candump -L\n"
     "  --save FILE        write a prior record of the final estimate, for --prior\n"
@@ -173,8 +175,8 @@ static const char vehicle_help[] =
     "\n";
 static const char replay_help[] =
     "options of replay\n"
-    "  --seed N, --sets K, --vehicle NAME, --prior FILE, --closed-loop AXIS,..   as for the node\n"
-    "                     that wrote the log\n"
+    "  --seed N, --sets K, --vehicle NAME, --prior FILE, --closed-loop AXIS,..,\n"
+    "  --open-loop AXIS,..   as for the node that wrote the log\n"
     "  --csv FILE         write the motion and thrust of the log as a log for fit; times from the\n"
     "                     first tick\n"
     "  --json, --report FILE.html, --thrust-scale S, --dvl-scale S   as for demo\n"

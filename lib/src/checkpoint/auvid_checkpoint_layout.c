@@ -23,7 +23,7 @@ const auvid_checkpoint_block_t auvid_checkpoint_configured[CHECKPOINT_CONFIGURED
     OF_ID(dry_mass_kg, velocity, 0),
     OF_ID(nav.cfg.q, nav.cfg.imu_turned, 0),
     OF_ID(recorder.cfg.cell_us, recorder.cfg.input, 0),
-    OF_ID(metric.cfg.fixed, metric.cfg.closed_loop, 0),
+    OF_ID(metric.cfg.fixed, metric.cfg.open_loop, 0),
     BLOCK(ROOT_UNCERTAIN, auvid_uncertain_t, cfg.backward, cfg.fractions, PART_UNCERTAIN),
     BLOCK(ROOT_UNCERTAIN, auvid_uncertain_t, equation, rows_at_once, PART_UNCERTAIN),
 };

@@ -54,6 +54,7 @@ static const auvid_field_t metric_fields[] = {
     METRIC_WHOLE(lag, 2, 1, AUVID_METRIC_LAGS),
     METRIC_WHOLE(passes, 1, 1, 2),
     METRIC_WHOLE(closed_loop, 1, 0, (1 << AUVID_DOF_COUNT) - 1),
+    METRIC_WHOLE(open_loop, 1, 0, (1 << AUVID_DOF_COUNT) - 1),
     METRIC_REALS(delay_s, AUVID_DOF_COUNT, -AUVID_LARGEST, AUVID_LARGEST),
     METRIC_REALS(delay_sigma_s, 1, AUVID_C(0.0), AUVID_C(1.0)),
 };
@@ -125,6 +126,7 @@ static void metric_check(const auvid_metric_config_t *cfg, auvid_refusal_t *why)
                       (auvid_real_t)cfg->set_rows, (auvid_real_t)max_rows);
     auvid_check_limit(why, cfg->free == 0 || (cfg->free & mask) != 0, AUVID_ERR_PARAMETERS, "free",
                       (auvid_real_t)cfg->free, (auvid_real_t)mask);
+    auvid_check_that(why, (cfg->open_loop & cfg->closed_loop) == 0, AUVID_ERR_RANGE, "open_loop");
     cfg->vehicle->path->check(cfg, why);
     metric_check_taps(cfg, why);
     metric_check_columns(cfg, why);

@@ -42,7 +42,9 @@ static bool configure(void)
     auvid_identifier_defaults(cfg, &auvid_girona500);
     memcpy(cfg->metric.tau_max, amplitude, sizeof amplitude); /* 0: what the thrusters give */
     cfg->exact_inputs = true; /* of a simulated vehicle; of yours: auvid_node_attach_uncertain */
-    cfg->metric.set_rows = 480 / AUVID_MAX_SETS; /* rows of 0.5 s: 240 s fill the memory */
+    /* rows as close as there is memory for; 240 s fill the sets */
+    cfg->metric.row_cells = (AUVID_MAX_TAPS + AUVID_MAX_OVERLAP - 1) / AUVID_MAX_OVERLAP;
+    cfg->metric.set_rows = (uint16_t)(2400 / (cfg->metric.row_cells * AUVID_MAX_SETS));
     return auvid_node_init(&node, &bus, &auvid_allocation_girona500, cfg) >= 0 &&
            auvid_identifier_attach_prediction(&node.id, &prediction) >= 0 &&
            auvid_identifier_attach_change_test(&node.id, &change) >= 0;

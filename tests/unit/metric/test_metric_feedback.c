@@ -15,7 +15,7 @@ enum { CELLS = 900, COLUMNS = AUVID_FEEDBACK_ORDER, CELL_US = 100000 };
 
 static double tau[CELLS][AUVID_DOF_COUNT], residual[CELLS][AUVID_DOF_COUNT];
 static double normal[AUVID_DOF_COUNT][COLUMNS][COLUMNS], rows[AUVID_DOF_COUNT];
-static double last_mean[AUVID_DOF_COUNT];
+static double means[3][AUVID_DOF_COUNT]; /* of the last blocks of the wrench, newest first */
 static uint32_t stored;
 static int block, gap;
 
@@ -25,7 +25,7 @@ void setUp(void)
     cfg.velocity_us = 2 * CELL_US;
     memset(normal, 0, sizeof normal);
     memset(rows, 0, sizeof rows);
-    memset(last_mean, 0, sizeof last_mean);
+    memset(means, 0, sizeof means);
     stored = 0;
     block = 5;
     gap = 2;
@@ -51,8 +51,10 @@ static void expect_row(int n, int count, int j)
     double scale = 1.0 / (double)cfg.tau_max[j], last = tau[n - block][j];
     double next = mean(tau, n, j), before_last = tau[n - block - 1][j], e = 0.0;
     double step = scale * (next - last), weight = 1.0 / sqrt(0.05 * 0.05 + step * step);
-    double earlier = last_mean[j];
-    last_mean[j] = next;
+    double earlier[3] = {means[0][j], means[1][j], means[2][j]};
+    means[2][j] = means[1][j];
+    means[1][j] = means[0][j];
+    means[0][j] = next;
     if (count < 4 * block + gap) {
         return;
     }
@@ -61,7 +63,12 @@ static void expect_row(int n, int count, int j)
         bool past = (uint32_t)(between * CELL_US) << metric.result.doublings >= cfg.velocity_us;
         e += past ? mean(residual, n - gap - k * block, j) * pow(0.5, k - 1) : 0.0;
     }
-    double row[COLUMNS] = {1.0, scale * (last - before_last), scale * (last - earlier), scale * e,
+    double row[COLUMNS] = {1.0,
+                           scale * (last - before_last),
+                           scale * (last - earlier[0]),
+                           scale * (last - earlier[1]),
+                           scale * (last - earlier[2]),
+                           scale * e,
                            step};
     for (int a = 0; a < COLUMNS; ++a) {
         for (int b = 0; b < COLUMNS; ++b) {

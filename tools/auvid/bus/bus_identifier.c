@@ -13,6 +13,7 @@ int bus_identifier_begin(bus_identifier_t *to, const options_t *options, const c
     options_uncertainty(options, &identifier.uncertainty);
     identifier.exact_inputs = options->plain;
     identifier.metric.closed_loop = options->closed_loop;
+    identifier.metric.open_loop = options->open_loop;
     auvid_status_t status = AUVID_OK;
     to->calibrations = vehicle_calibrations_of(vehicle, replayed, true, to->calibration);
     if (to->calibrations > 0) {

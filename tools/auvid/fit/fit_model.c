@@ -166,6 +166,7 @@ static void configure(const job_t *job, const auvid_vehicle_t *vehicle, decouple
     options_uncertainty(options, &cfg->uncertainty);
     cfg->exact_inputs = options->plain || options->literal;
     cfg->metric.closed_loop = options->closed_loop;
+    cfg->metric.open_loop = options->open_loop;
     cfg->recorder.gap_us = (uint32_t)fmax(cfg->recorder.cell_us, gap_us(job));
     cfg->recorder.input = options->linear_input ? AUVID_INPUT_LINEAR : AUVID_INPUT_HOLD;
     memcpy(cfg->metric.tau_max, job->tau_max, sizeof job->tau_max);

@@ -89,6 +89,7 @@ typedef struct {
     double dry_mass_kg;                  /**< 0: not known */
     double max_gap_s;                    /**< default 0.5 */
     uint8_t closed_loop;                 /**< bit j: DoF j is in closed loop */
+    uint8_t open_loop;                   /**< bit j: DoF j is in open loop */
     double gain[AUVID_DOF_COUNT];        /**< newtons per unit of command; 0: not given */
     const char *choice[OPTIONS_CHOICES]; /**< NAME=VALUE (--fix) or NAME,.. (--free), as given */
     int choices;

@@ -37,8 +37,8 @@ static int node_option(reader_t *r, options_t *options)
         options->clock_own = choice == 1;
         return status;
     }
-    if (option_is(r, "--closed-loop")) {
-        return take_closed_loop(r, options);
+    if (option_is(r, "--closed-loop") || option_is(r, "--open-loop")) {
+        return take_loop(r, options);
     }
     if (option_is(r, "--excite")) {
         return take_flag(r, &options->excite);
@@ -81,8 +81,8 @@ static int vehicle_option(reader_t *r, options_t *options)
 
 static int replay_option(reader_t *r, options_t *options)
 {
-    if (option_is(r, "--closed-loop")) {
-        return take_closed_loop(r, options);
+    if (option_is(r, "--closed-loop") || option_is(r, "--open-loop")) {
+        return take_loop(r, options);
     }
     if (option_is(r, "--vehicle")) {
         return take_vehicle(r, options, false);

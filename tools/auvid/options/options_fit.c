@@ -119,8 +119,8 @@ static int fit_option(reader_t *r, options_t *options)
     if (option_is(r, "--gain")) {
         return take_gain(r, options);
     }
-    if (option_is(r, "--closed-loop")) {
-        return take_closed_loop(r, options);
+    if (option_is(r, "--closed-loop") || option_is(r, "--open-loop")) {
+        return take_loop(r, options);
     }
     if (option_is(r, "--vehicle")) {
         return take_whole_vehicle(r, options);

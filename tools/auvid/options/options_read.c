@@ -131,7 +131,8 @@ int take_axis(const char *text, size_t length)
     return -1;
 }
 
-int take_closed_loop(reader_t *r, options_t *options)
+/* Take AXIS,AXIS,.. of this option. */
+static int take_axes(reader_t *r, const char *option, uint8_t *axes)
 {
     const char *text = NULL;
     if (take_value(r, &text) != 0) {
@@ -140,13 +141,19 @@ int take_closed_loop(reader_t *r, options_t *options)
     for (const char *name = text;; name += strcspn(name, ",") + 1) {
         int axis = take_axis(name, strcspn(name, ","));
         if (axis < 0) {
-            return report_error("--closed-loop: '%s' is not AXIS,AXIS,.., as in heave,yaw", text);
+            return report_error("%s: '%s' is not AXIS,AXIS,.., as in heave,yaw", option, text);
         }
-        options->closed_loop |= AUVID_DOF_BIT(axis);
+        *axes |= AUVID_DOF_BIT(axis);
         if (strchr(name, ',') == NULL) {
             return 0;
         }
     }
+}
+
+int take_loop(reader_t *r, options_t *options)
+{
+    return option_is(r, "--open-loop") ? take_axes(r, "--open-loop", &options->open_loop)
+                                       : take_axes(r, "--closed-loop", &options->closed_loop);
 }
 
 int take_bounds(reader_t *r, options_t *options)

@@ -59,8 +59,8 @@ int take_bounds(reader_t *r, options_t *options);
 /** The axis whose name has this length, surge .. yaw; -1: there is none. */
 int take_axis(const char *text, size_t length);
 
-/** AXIS,AXIS,..: they are in closed loop. Repeated, they add up. */
-int take_closed_loop(reader_t *r, options_t *options);
+/** --closed-loop or --open-loop AXIS,AXIS,.. Repeated, they add up. */
+int take_loop(reader_t *r, options_t *options);
 
 /** Takes a vehicle, a ready one's word or a file. in_field: those of the field simulator, too. */
 int take_vehicle(reader_t *r, options_t *options, bool in_field);

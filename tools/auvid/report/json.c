@@ -255,6 +255,7 @@ static void json_missing(FILE *out, const result_t *result)
             : result->inputs_estimated            ? "estimated"
                                                   : "exact");
     json_dof_names(out, "closed_loop", result->closed_loop);
+    json_dof_names(out, "open_loop", result->open_loop);
     fprintf(out, "}");
     if (report_thrust(result, text, sizeof text)) {
         fprintf(out, ",\n  \"thrust\": ");

@@ -47,6 +47,7 @@ void report_gather(result_t *result, const auvid_identifier_t *id, uint64_t seed
                          .max_work = id->work.max_units,
                          .change_test = id->change_test,
                          .closed_loop = id->metric.cfg.closed_loop,
+                         .open_loop = id->metric.cfg.open_loop,
                          .cell_s = 1e-6 * id->recorder.cell_us,
                          .has_guard = a != NULL && a->excitation.cfg.segments > 0,
                          .guard = a != NULL ? a->guard.state : AUVID_GUARD_DISARMED};

@@ -93,7 +93,7 @@ typedef struct {
     auvid_estimate_t estimate;
     auvid_causes_t causes; /**< what is wrong with the inputs; none: they are not uncertain */
     auvid_change_test_t change_test;  /**< of the newest set */
-    uint8_t closed_loop;              /**< bit j: DoF j, as configured */
+    uint8_t closed_loop, open_loop;   /**< bit j: DoF j, as configured */
     double cell_s;                    /**< length of the recorder's cells */
     double excited_s;                 /**< duration of the adaptive excitation; 0: none */
     uint32_t given_up, still_missing; /**< by adaptive excitation; bit i: parameter i */

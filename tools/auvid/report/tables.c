@@ -176,6 +176,23 @@ static void drag_table(const result_t *result)
     }
 }
 
+/* The degrees of freedom of a mask, a bit each, if there are any. */
+static void print_axes(const char *title, uint32_t mask)
+{
+    const char *before = "";
+    if (mask == 0) {
+        return;
+    }
+    printf("  %-15s", title);
+    for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
+        if ((mask >> j & 1u) != 0) {
+            printf("%s%s", before, report_dof_name[j]);
+            before = ", ";
+        }
+    }
+    printf("\n");
+}
+
 /* What is wrong with the inputs, what is missing for a complete estimate, what to do about it, and
  * what no motion shows. */
 static void missing_list(const result_t *result)
@@ -206,14 +223,8 @@ static void missing_list(const result_t *result)
                "exact\n",
                100.0 * (double)u->thrust_scale, 100.0 * (double)u->dvl_scale);
     }
-    const char *before = "  closed loop    ";
-    for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
-        if ((result->closed_loop >> j & 1) != 0) {
-            printf("%s%s", before, report_dof_name[j]);
-            before = ", ";
-        }
-    }
-    printf("%s", result->closed_loop != 0 ? "\n" : "");
+    print_axes("closed loop", result->closed_loop);
+    print_axes("open loop", result->open_loop);
 }
 
 /* One line with a value per modelled degree of freedom, "-" where the bit of mask is 0. */

@@ -165,8 +165,8 @@ typedef struct {
     bool changed; /* a set has entered since it is held */
 } auvid_metric_sets_t;
 
-/** Columns of the test for feedback: one, two of the wrench's past, the residual, the wrench. */
-#define AUVID_FEEDBACK_ORDER 5
+/** Columns of the test for feedback: one, four of the wrench's past, the residual, the wrench. */
+#define AUVID_FEEDBACK_ORDER 7
 
 /** Is the wrench feedback? Private: see auvid_metric_feedback.c. */
 typedef struct {
@@ -174,7 +174,7 @@ typedef struct {
     auvid_real_t rows[AUVID_DOF_COUNT];        /* in the factors; old ones count less */
     auvid_real_t sum[AUVID_DOF_COUNT];         /* of residuals, of the block under way */
     auvid_real_t residual[4][AUVID_DOF_COUNT]; /* means over blocks of cells, the newest first */
-    auvid_real_t wrench[AUVID_DOF_COUNT];      /* the same, the last block, relative to tau_max */
+    auvid_real_t wrench[3][AUVID_DOF_COUNT];   /* likewise, relative to tau_max */
     uint32_t stored;                           /* sets stored in the ring at the last row */
     uint32_t cells;                            /* without a gap */
 } auvid_metric_feedback_t;
