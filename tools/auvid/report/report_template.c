@@ -672,6 +672,7 @@ static const char *const report_template_0[] = {
     "d \" +\n",
     "        \"identifiable.\" }[a.inputs],\n",
     "    a.closed_loop.length > 0 && `In closed loop: ${a.closed_loop.join(\", \")}.`,\n",
+    "    a.open_loop.length > 0 && `In open loop: ${a.open_loop.join(\", \")}.`,\n",
     "    found.not_modelled.length > 0 && `Not modelled: ${found.not_modelled.join(\", \")",
     "}.`,\n",
     "    inCommands && \"The inputs are commands. One cmd is the force of a command of 1: ",
