@@ -74,7 +74,7 @@ POINTERS = PATHS | {
     r"node->arm\(": r"auvid_actuation\.c:auvid_identifier_arm",
     r"(\bextra->|uncertain_extra\.)(finish|cell|take)\(": NOTHING,
     r"\badd\(context, slot": NOTHING,
-    r"rec->follow\(": NOTHING,
+    r"rec->take_part\(": NOTHING,
     r"(u->strong|row->prior)\(": NOTHING,
     r"node->report_causes\(": NOTHING,
     r"part->check\(": NOTHING,

@@ -204,6 +204,8 @@ for bad in jaw heave, heave,yaw, 4; do
     check "--closed-loop '$bad'" refuses 'is not AXIS,AXIS' fit log.csv "--closed-loop=$bad"
     check "--open-loop '$bad'" refuses 'is not AXIS,AXIS' fit log.csv "--open-loop=$bad"
 done
+check "one axis in both loops" refuses 'not both' fit log.csv --open-loop surge,yaw \
+    --closed-loop yaw
 for bad in 0 0.05 2 x; do
     check "--max-gap $bad" refuses "--max-gap: '$bad' is .* from 0.1 to 1$" \
         fit log.csv --max-gap $bad

@@ -62,7 +62,7 @@
  * Regressor path only. Attach it once; a program without it does not contain it. A checkpoint
  * (checkpoint.h) contains its state. Cost: a tick of the example on a Cortex-M4F takes 22 thousand
  * instructions instead of 17 on average, 65 instead of 64 at most. Memory:
- * sizeof(auvid_uncertain_t), 27 KiB with default sizes; AUVID_MAX_UNCERTAIN chooses for how many
+ * sizeof(auvid_uncertain_t), 29 KiB with default sizes; AUVID_MAX_UNCERTAIN chooses for how many
  * columns.
  *
  * Sources: Fuller 1987 (errors in variables); Ljung 1999, 7 (prediction error); Schmidt 1966
@@ -237,12 +237,12 @@ typedef struct {
     auvid_real_t channel[AUVID_UNCERTAIN_CHANNELS]; /* of the last cell */
     auvid_real_t speed[AUVID_MAX_THRUSTERS];        /* sqrt of force, behind the nominal lag */
     auvid_real_t lagged[AUVID_MAX_THRUSTERS];       /* behind the lag as last estimated */
-    /* mean force over each cell of the recorder, and what it loses by a longer lag [1 / s] */
+    /* over each cell of the recorder: mean force [N], and what it loses with the lag [N/s] */
     auvid_real_t response[AUVID_RECORDER_CELLS][AUVID_MAX_THRUSTERS][2];
-    auvid_real_t force[AUVID_MAX_THRUSTERS], later[AUVID_MAX_THRUSTERS]; /* of the last cell */
-    auvid_real_t rate[AUVID_MAX_THRUSTERS];                              /* of the force [1 / s] */
-    auvid_real_t spread;                            /* of the interpolation at the last cell */
-    auvid_real_t elapsed;                           /* since begin_us, over AUVID_UNCERTAIN_SAG_S */
+    auvid_real_t force[AUVID_MAX_THRUSTERS], lag_slope[AUVID_MAX_THRUSTERS]; /* of the last cell */
+    auvid_real_t rate[AUVID_MAX_THRUSTERS]; /* of the force [N/s] */
+    auvid_real_t spread;                    /* of the interpolation at the last cell */
+    auvid_real_t elapsed;                   /* since begin_us, over AUVID_UNCERTAIN_SAG_S */
     auvid_real_t wrench, difference; /* squares of the wrench; of the thrusters' less the wrench */
 } auvid_uncertain_rows_t;
 

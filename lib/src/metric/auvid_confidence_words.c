@@ -286,9 +286,8 @@ static void confidence_append_sentence(auvid_words_t *w, const auvid_confidence_
     if (note == AUVID_NOTE_FEEDBACK && c->partner[i] == OF_ALL) {
         auvid_words_append(w,
                            "closed loop: the wrench is feedback of a controller; excite the "
-                           "vehicle, or drive it in open loop; name the axes of a controller, if a "
-                           "pilot drives the others (closed_loop), or those of an excitation "
-                           "(open_loop)");
+                           "vehicle, or drive it in open loop; if a pilot drives some axes, name "
+                           "the others (closed_loop)");
         return;
     }
     if (note == AUVID_NOTE_UNCHECKED) {

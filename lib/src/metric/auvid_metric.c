@@ -126,7 +126,9 @@ static void metric_check(const auvid_metric_config_t *cfg, auvid_refusal_t *why)
                       (auvid_real_t)cfg->set_rows, (auvid_real_t)max_rows);
     auvid_check_limit(why, cfg->free == 0 || (cfg->free & mask) != 0, AUVID_ERR_PARAMETERS, "free",
                       (auvid_real_t)cfg->free, (auvid_real_t)mask);
-    auvid_check_that(why, (cfg->open_loop & cfg->closed_loop) == 0, AUVID_ERR_RANGE, "open_loop");
+    auvid_check_limit(why, (cfg->open_loop & cfg->closed_loop) == 0, AUVID_ERR_RANGE, "open_loop",
+                      (auvid_real_t)cfg->open_loop,
+                      (auvid_real_t)((1u << AUVID_DOF_COUNT) - 1u - cfg->closed_loop));
     cfg->vehicle->path->check(cfg, why);
     metric_check_taps(cfg, why);
     metric_check_columns(cfg, why);

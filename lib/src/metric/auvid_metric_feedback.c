@@ -17,15 +17,16 @@
  *
  * F_j is the F statistic of b = 0 in DoF j (Granger's test of causality, 1969). The past of a sum
  * of sines tells its future, and an error of the model may tell what little is missing: so the
- * noise has at least the size FEEDBACK_RESOLUTION. (With a_0 and a_1 alone, and no such limit, 90 of 96 logs of
- * sines of 3 to 30 s that another simulator drove in open loop were feedback; now none is.) The
- * wrench is feedback if their sum over n DoF exceeds 10 sqrt(n). Simulated for 600 s in mixtures of usual
- * size: so it does in 793 of 800 surveys under a controller, in 293 of 300 runs of one that keeps
- * its place, and with a joystick in none of 300 (the largest sum is a quarter of the limit); in
- * none of 34 logs of an excitation behind lags of 0.1 to 0.45 s. Roll and pitch are summed by
- * themselves: an autopilot often holds them while the rest is driven in open loop. DoF that are
- * known to be in closed or in open loop do not count. Older rows fade: their weight halves while eleven sets
- * enter a ring of eight.
+ * noise has at least the size FEEDBACK_RESOLUTION. (With a_0 and a_1 alone, and without that, 90 of
+ * 96 logs of sines of 3 to 30 s, driven in open loop by another simulator, were feedback; now none
+ * is. Of sines of 1 to 10 s still 22 of 32 are.)
+ *
+ * The wrench is feedback if the sum over n DoF exceeds 10 sqrt(n). Simulated for 600 s in mixtures
+ * of usual size: so it does in 793 of 800 surveys under a controller, in 293 of 300 runs of one
+ * that keeps its place, and with a joystick in none of 300.
+ * Roll and pitch are summed by themselves: an autopilot often holds them while the rest is driven
+ * in open loop. DoF that are known to be in closed or in open loop do not count. Older rows fade:
+ * their weight halves while eleven sets enter a ring of eight.
  */
 #include "auvid_metric_feedback_internal.h"
 
@@ -103,11 +104,13 @@ static void feedback_add_row(auvid_metric_t *m, int j)
         next += scale / (auvid_real_t)block * feedback_wrench(m, ago)[j];
     }
     auvid_real_t step = next - last;
-    auvid_real_t row[AUVID_FEEDBACK_ORDER] = {
-        AUVID_C(1.0),           last - scale * feedback_wrench(m, block + 1u)[j],
-        last - f->wrench[0][j], last - f->wrench[1][j],
-        last - f->wrench[2][j], scale * feedback_residual(m, j),
-        step};
+    auvid_real_t row[AUVID_FEEDBACK_ORDER] = {AUVID_C(1.0),
+                                              last - scale * feedback_wrench(m, block + 1u)[j],
+                                              last - f->wrench[0][j],
+                                              last - f->wrench[1][j],
+                                              last - f->wrench[2][j],
+                                              scale * feedback_residual(m, j),
+                                              step};
     auvid_real_t weight = AUVID_C(1.0) / auvid_sqrt(FEEDBACK_STEP * FEEDBACK_STEP + step * step);
     for (int k = 0; k < AUVID_FEEDBACK_ORDER; ++k) {
         row[k] *= weight;

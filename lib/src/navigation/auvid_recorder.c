@@ -196,9 +196,10 @@ static bool recorder_integrate(auvid_recorder_t *rec, int s, uint64_t t_us,
             part[i] = last[i] + fraction * (value[i] - last[i]);
             mean[first_channel[s] + i] += weight * part[i];
         }
-        if (s == INPUT && rec->follow != NULL) {
+        if (s == INPUT && rec->take_part != NULL) {
             bool opens = cell_end - st->filled_us == rec->cell_us;
-            rec->follow(rec->follower, st->cell, opens, (uint32_t)(to - st->filled_us), part);
+            rec->take_part(rec->part_context, st->cell, opens, (uint32_t)(to - st->filled_us),
+                           part);
         }
         st->filled_us = to;
         if (to == cell_end) {
@@ -441,8 +442,7 @@ auvid_status_t auvid_recorder_pop(auvid_recorder_t *recorder, auvid_sample_t *sa
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
         int i = j < 3 ? VELOCITIES + j : RATES + j - 3;
         sample->nu[j] = mean[i];
-        sample->nu_dot[j] =
-            auvid_recorder_slope(rec, before2[i], before[i], after[i], after2[i]);
+        sample->nu_dot[j] = auvid_recorder_slope(rec, before2[i], before[i], after[i], after2[i]);
         sample->tau[j] = mean[TAU + j];
     }
     memcpy(sample->command, &mean[COMMAND], AUVID_MAX_COMMANDS * sizeof sample->command[0]);

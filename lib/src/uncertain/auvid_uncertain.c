@@ -297,8 +297,8 @@ auvid_status_t auvid_identifier_attach_uncertain(auvid_identifier_t *id, auvid_u
         id->attached.uncertain_functions = &uncertain_table;
         id->metric.extra = &auvid_uncertain_extra;
         id->metric.extra_context = storage;
-        id->recorder.follow = auvid_uncertain_follow;
-        id->recorder.follower = storage;
+        id->recorder.take_part = auvid_uncertain_advance_propellers;
+        id->recorder.part_context = storage;
     }
     return status;
 }

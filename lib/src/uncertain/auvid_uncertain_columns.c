@@ -149,8 +149,8 @@ static void uncertain_compare(auvid_uncertain_t *u, const auvid_metric_t *m,
             continue;
         }
         for (int i = 0; i < cfg->thrusters; ++i) {
-            difference += cfg->thruster[i].wrench[j] *
-                          auvid_uncertain_force(u, i, cell->command[i]);
+            difference +=
+                cfg->thruster[i].wrench[j] * auvid_uncertain_force(u, i, cell->command[i]);
         }
         u->recorded.wrench += wrench / max * (wrench / max);
         u->recorded.difference += difference / max * (difference / max);
@@ -180,7 +180,7 @@ static void uncertain_thrust_columns(auvid_uncertain_t *u, const auvid_sample_t 
             -force * uncertain_ln(auvid_max(size / max_N, SMALLEST_CURVE));
         value[AUVID_UNCERTAIN_INFLOW] = size * inflow;
         value[AUVID_UNCERTAIN_SAG] = force * u->recorded.elapsed;
-        value[AUVID_UNCERTAIN_LAG] = u->recorded.later[i];
+        value[AUVID_UNCERTAIN_LAG] = u->recorded.lag_slope[i];
         value[SUM_DELAY] = u->recorded.rate[i];
         for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
             if (auvid_abs(t->wrench[j]) > AUVID_C(0.0)) {

@@ -10,7 +10,8 @@
 #define LARGEST_BAND_RATIO AUVID_C(30.0) /* of the residuals of the bands */
 #define MOVES_FORCES AUVID_C(0.7)        /* lambda, see auvid_uncertain_solve.c */
 #define MOVES_MOMENTS AUVID_C(0.4)
-/* Parts of the supplied thrust that are delivered: gamma is 1 above, and constant below. */
+/* Parts of the supplied thrust that are delivered: gamma is 1 from the first to all of it, and
+ * constant below the second. */
 #define FULL_THRUST AUVID_C(0.9)
 #define LEAST_THRUST AUVID_C(0.5)
 #define EARLY_ROW AUVID_C(0.0625)   /* weight of a row from before the first solution */
@@ -185,7 +186,7 @@ static auvid_real_t uncertain_gamma(const uncertain_t *u, int j,
             delivered -= part[k] * u->work.part.value[k];
         }
     }
-    return auvid_clamp(delivered, LEAST_THRUST, FULL_THRUST) / FULL_THRUST;
+    return auvid_max(auvid_clamp(delivered, LEAST_THRUST, FULL_THRUST) / FULL_THRUST, delivered);
 }
 
 /* What the residual adds to each column, and the same for the joint solution (side). */

@@ -39,16 +39,16 @@ auvid_status_t auvid_uncertain_lay_out(auvid_uncertain_t *u, const auvid_metric_
 void auvid_uncertain_channels(auvid_uncertain_t *u, const auvid_metric_t *m,
                               const auvid_sample_t *cell);
 
-/** Returns the supplied force of thruster i [N]. */
+/** Returns the supplied force of thruster i [N]; 0 if it can give none. */
 auvid_real_t auvid_uncertain_force(const auvid_uncertain_t *u, int i, auvid_real_t command);
 
-/** Follow the commands with the propellers' speeds: auvid_recorder_t.follow.
+/** Advance the propellers' speeds over a part of a cell: auvid_recorder_t.take_part.
  * @param context auvid_uncertain_t */
-void auvid_uncertain_follow(void *context, uint32_t cell, bool opens, uint32_t us,
-                            const auvid_real_t *value);
+void auvid_uncertain_advance_propellers(void *context, uint32_t cell, bool opens, uint32_t us,
+                                        const auvid_real_t *value);
 
 /** Take the propellers' forces in the cell that the recorder has just given. */
-void auvid_uncertain_respond(auvid_uncertain_t *u);
+void auvid_uncertain_take_forces(auvid_uncertain_t *u);
 
 /** Take the next step with the last cell: form its channels, or add them to the rows.
  * @return false: there was none, the next cell may come */

@@ -181,7 +181,7 @@ static void uncertain_cell(void *context, const auvid_metric_t *m, const auvid_s
     uint32_t elapsed = (uint32_t)((cell->t_us - u->begin_us) >> 10);
     r->elapsed = AUVID_C(1.024e-3) / AUVID_UNCERTAIN_SAG_S * (auvid_real_t)elapsed;
     u->cell = *cell;
-    auvid_uncertain_respond(u);
+    auvid_uncertain_take_forces(u);
     r->n = place->n;
     r->slot = (uint8_t)place->slot;
     r->spread = place->spread;

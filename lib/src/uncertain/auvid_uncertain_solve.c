@@ -20,7 +20,8 @@
  * one sign, so some of this is right: estimates are less often 20 % too large. But where the model
  * leaves much of the force, it exceeds what the priors hold, and the solution ran off to no thrust
  * and no mass (in a fifth of a joystick's logs, from an independent simulator). So gamma is
- * d / 0.9, at most 1, with d at least 0.5.
+ * d / 0.9, at most 1, with d at least 0.5. Above 1 it is d: the pull would be towards more thrust,
+ * away from the priors.
  *
  * Columns c of the hull's inputs, and of its weight, become c - D a, a = (D'D)^-1 D'c, D the
  * columns of the DoF's drag in unweighted bands. So pi contains the best drag for the motion that

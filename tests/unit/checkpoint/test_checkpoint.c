@@ -294,6 +294,7 @@ static void test_one_of_another_configuration_is_refused(void)
         cfg.metric.estimate_delay = k != 8;
         cfg.metric.first_order_lag += k == 9;
         cfg.metric.closed_loop += k == 16;
+        cfg.metric.open_loop += k == 17;
         cfg.velocity = k == 10 ? AUVID_VELOCITY_WATER : AUVID_VELOCITY_GROUND;
         cfg.search.lower[0] += (auvid_real_t)(k == 11);
         cfg.search.seed += k == 12;

@@ -138,7 +138,7 @@ static void test_a_pilots_wrench_is_no_feedback(void)
     TEST_ASSERT_EQUAL(AUVID_NOTE_NONE, note(AUVID_G500_M_U));
 }
 
-/* The past of a sum of sines tells its future; so does what a wrong model leaves of it, a little. */
+/* The past of a sum of sines tells its future; what a wrong model leaves tells a little of it. */
 static void test_a_sum_of_sines_is_no_feedback(void)
 {
     lag_s = 0.25;
@@ -192,14 +192,14 @@ static void test_where_it_is_not_known_nothing_is(void)
 
 static void test_the_sentence_names_the_closed_loop_once(void)
 {
-    char text[240];
+    char text[160];
     run(400.0, CONTROLLER);
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_confidence_missing(&id.estimate.confidence, &auvid_girona500,
                                                          0, 0, text, sizeof text));
     TEST_ASSERT_EQUAL_STRING(
         "closed loop: the wrench is feedback of a controller; excite the "
-        "vehicle, or drive it in open loop; name the axes of a controller, if a pilot drives the "
-        "others (closed_loop), or those of an excitation (open_loop)",
+        "vehicle, or drive it in open loop; if a pilot drives some axes, name the others "
+        "(closed_loop)",
         text);
     TEST_ASSERT_EQUAL(AUVID_FINISHED,
                       auvid_confidence_missing(&id.estimate.confidence, &auvid_girona500, 0, 1,
@@ -263,6 +263,21 @@ static void test_the_sum_over_the_degrees_of_freedom_decides(void)
     id.metric.sets.stored = 0;
     /* a wrench without change */
     auvid_clear(id.metric.feedback.factor[AUVID_YAW], AUVID_QR_FACTOR(AUVID_FEEDBACK_ORDER));
+    TEST_ASSERT_EQUAL_HEX32(0, auvid_metric_feedback_dofs(&id.metric));
+}
+
+/* Noise of less than 0.5 % of tau_max counts as that: so an F of 100 is none. */
+static void test_a_wrench_that_its_own_past_tells_is_no_feedback(void)
+{
+    auvid_real_t *left =
+        &id.metric.feedback.factor[AUVID_SURGE][AUVID_QR_FACTOR(AUVID_FEEDBACK_ORDER) - 1];
+    give(AUVID_SURGE, 100, 100);
+    left[0] = (auvid_real_t)(0.001 / 0.05 * sqrt(100.0));
+    left[-1] *= left[0] / 100;
+    TEST_ASSERT_EQUAL_HEX32(0, auvid_metric_feedback_dofs(&id.metric));
+    left[-1] *= (auvid_real_t)(sqrt(0.1) * sqrt(26.0) * 1.01); /* noise^2: 1 + 5^2 as much */
+    TEST_ASSERT_EQUAL_HEX32(AUVID_FEEDBACK_ALL, auvid_metric_feedback_dofs(&id.metric));
+    left[-1] *= (auvid_real_t)(0.99 / 1.01);
     TEST_ASSERT_EQUAL_HEX32(0, auvid_metric_feedback_dofs(&id.metric));
 }
 
@@ -369,6 +384,7 @@ int main(void)
     RUN_TEST(test_a_record_of_feedback_gives_no_prior);
     RUN_TEST(test_flags_return_after_the_controller);
     RUN_TEST(test_the_sum_over_the_degrees_of_freedom_decides);
+    RUN_TEST(test_a_wrench_that_its_own_past_tells_is_no_feedback);
     RUN_TEST(test_a_long_record_counts_as_one_of_960_rows);
     RUN_TEST(test_roll_and_pitch_are_judged_by_themselves);
     RUN_TEST(test_the_others_are_tested_without_those_in_closed_loop);

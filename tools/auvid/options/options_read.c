@@ -152,8 +152,12 @@ static int take_axes(reader_t *r, const char *option, uint8_t *axes)
 
 int take_loop(reader_t *r, options_t *options)
 {
-    return option_is(r, "--open-loop") ? take_axes(r, "--open-loop", &options->open_loop)
-                                       : take_axes(r, "--closed-loop", &options->closed_loop);
+    int status = option_is(r, "--open-loop") ? take_axes(r, "--open-loop", &options->open_loop)
+                                             : take_axes(r, "--closed-loop", &options->closed_loop);
+    if (status == 0 && (options->open_loop & options->closed_loop) != 0) {
+        return report_error("%s: an axis is in closed loop or in open loop, not both", r->name);
+    }
+    return status;
 }
 
 int take_bounds(reader_t *r, options_t *options)

@@ -36,7 +36,7 @@
  * 8. Until then complete cells wait in the ring. If it overflows first (a slow DVL), the record
  * begins again. A rate that changes later is not noticed.
  *
- * A follower learns of the input part by part, as it is integrated: what depends on its course
+ * The input can be taken part by part, as it is integrated (take_part): what depends on its course
  * within a cell, as the speed of a propeller does, cannot be computed from the mean.
  *
  * Cost: about 30 multiplications a sample, 45 of a velocity; pop about 60. Memory:
@@ -67,19 +67,20 @@ typedef struct {
     uint8_t reserved[3];
 } auvid_recorder_stream_t;
 
-/** Takes the part of a cell over which the input is constant. Private.
+/** Takes a part of a cell: between two inputs, or the ends of the cell. Private.
  * @param cell number of the cell in this record
  * @param opens is it the first part of the cell?
- * @param us its length [us]
- * @param value [AUVID_DOF_COUNT + AUVID_MAX_COMMANDS] tau, command */
-typedef void auvid_recorder_follow_t(void *context, uint32_t cell, bool opens, uint32_t us,
-                                     const auvid_real_t *value);
+ * @param us its length [us]; cell_us at most
+ * @param value [AUVID_DOF_COUNT + AUVID_MAX_COMMANDS] tau, command; with AUVID_INPUT_LINEAR their
+ * means */
+typedef void auvid_recorder_part_t(void *context, uint32_t cell, bool opens, uint32_t us,
+                                   const auvid_real_t *value);
 
 /** The recorder. Private, but cell_us and outliers may be read. */
 typedef struct {
     auvid_recorder_config_t cfg;
-    auvid_recorder_follow_t *follow; /* NULL: nobody follows the input */
-    void *follower;                  /* its context */
+    auvid_recorder_part_t *take_part; /* of the input; NULL: nothing takes it */
+    void *part_context;
     /* state: from here on, see checkpoint.h */
     auvid_recorder_stream_t stream[5];
     uint64_t origin_us;                         /* start of cell 0 */
@@ -113,6 +114,7 @@ uint32_t auvid_recorder_gap(uint32_t velocity_us);
 
 #define auvid_recorder_init AUVID_SIZED(auvid_recorder_init)
 /** Initialise an empty recorder.
+ * take_part becomes NULL.
  * @return AUVID_OK; AUVID_ERR_NULL; AUVID_ERR_RANGE if a field is outside its range. On an error
  *         *recorder is unchanged. */
 auvid_status_t auvid_recorder_init(auvid_recorder_t *recorder, const auvid_recorder_config_t *cfg);
