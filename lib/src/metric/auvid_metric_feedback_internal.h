@@ -18,8 +18,8 @@ void auvid_metric_watch(auvid_metric_t *m, const auvid_sample_t *cell, const auv
 #define AUVID_FEEDBACK_ALL ((1u << AUVID_DOF_COUNT) - 1u)
 
 /** Returns in which DoF the wrench is feedback, in some set of the ring or in the newest one, a bit
- * each: in those of which it is known (cfg.closed_loop), also in roll and pitch, or in all. Those of
- * cfg.open_loop are not tested. */
+ * each: in those of which it is known (cfg.closed_loop), also in roll and pitch, or in all. Those
+ * of cfg.open_loop are not tested. */
 uint32_t auvid_metric_feedback_dofs(const auvid_metric_t *m);
 
 #endif

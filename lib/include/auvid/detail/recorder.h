@@ -39,8 +39,8 @@
  * The input can be taken part by part, as it is integrated (take_part): what depends on its course
  * within a cell, as the speed of a propeller does, cannot be computed from the mean.
  *
- * Cost: about 30 multiplications a sample, 45 of a velocity, beside take_part; pop about 60. Memory:
- * sizeof(auvid_recorder_t), 1.8 KiB with default sizes.
+ * Cost: about 30 multiplications a sample, 45 of a velocity, beside take_part; pop about 60.
+ * Memory: sizeof(auvid_recorder_t), 1.8 KiB with default sizes.
  */
 #ifndef AUVID_RECORDER_H
 #define AUVID_RECORDER_H
