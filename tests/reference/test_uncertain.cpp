@@ -4,7 +4,9 @@
 // system, and Gauss-Newton runs until it has converged.
 #include <Eigen/Dense>
 
+#include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <vector>
 
 extern "C" {
@@ -46,6 +48,7 @@ struct Reference {
     const auvid_metric_t &m = run.id.metric;
     int n = AUVID_UNCERTAIN_SHARED + PARAMETERS + AUVID_UNCERTAIN_OWN;
     VectorXd x = VectorXd::Zero(n);
+    double least = 1.0, most = 1.0; // part of the thrust that is delivered, of all equations
     MatrixXd normal;
 
     MatrixXd band(int j, int b) const
@@ -139,16 +142,24 @@ struct Reference {
             weight[0] * c[0].col(cols).squaredNorm() + weight[1] * c[1].col(cols).squaredNorm();
         double lambda = j == AUVID_YAW ? 0.4 : 0.7, m_j = x(AUVID_UNCERTAIN_SHARED + mass(j));
         MatrixXd jacobian[2] = {c[0].leftCols(cols), c[1].leftCols(cols)};
+        VectorXd part = VectorXd::Zero(cols); // of the thrust, each column that is formed from it
+        for (int k = 0; k < e.inputs; ++k) {
+            if (code(j, k) <= AUVID_UNCERTAIN_LAG ||
+                (code(j, k) >= AUVID_UNCERTAIN_GAIN && code(j, k) <= INPUT_DELAY)) {
+                part(k) = (weight[0] * c[0].col(k).dot(c[0].col(cols)) +
+                           weight[1] * c[1].col(k).dot(c[1].col(cols))) /
+                          zz;
+            }
+        }
+        double delivered = 1.0 - part.dot(theta);
+        double gamma = delivered > 1.0 ? delivered : std::clamp(delivered, 0.5, 0.9) / 0.9;
+        least = std::min(least, delivered);
+        most = std::max(most, delivered);
         for (int k = 0; k < cols; ++k) {
-            bool thrust =
-                k < e.inputs && (code(j, k) <= AUVID_UNCERTAIN_LAG ||
-                                 (code(j, k) >= AUVID_UNCERTAIN_GAIN && code(j, k) <= INPUT_DELAY));
             double share = 0.0;
-            if (thrust) {
-                double cz = weight[0] * c[0].col(k).dot(c[0].col(cols)) +
-                            weight[1] * c[1].col(k).dot(c[1].col(cols));
-                share = -(1.0 - lambda) * cz / zz;
-            } else if (k >= e.inputs && unknown(j, k) == AUVID_UNCERTAIN_SHARED + mass(j)) {
+            if (k < e.inputs) {
+                share = -(1.0 - lambda) * part(k) / gamma;
+            } else if (unknown(j, k) == AUVID_UNCERTAIN_SHARED + mass(j)) {
                 share = lambda / m_j;
             }
             for (int b = 0; b < 2; ++b) {
@@ -193,19 +204,20 @@ struct Reference {
     }
 };
 
-void identify(field_vehicle_t vehicle, uint64_t seed)
+void identify(field_vehicle_t vehicle, uint64_t seed, double exponent)
 {
     field_run_defaults(&config);
     field_defaults(&config.field, vehicle, FIELD_EXCITED, seed);
     field_draw(&config.field, 0.3);
+    TEST_ASSERT_TRUE(exponent == 0.0 || field_set(&config.field, "thrust_exponent", exponent));
     config.budget = 1000000; // the solution is complete before the next cell
     TEST_ASSERT_TRUE(field_run(&run, &config, &record));
     TEST_ASSERT_TRUE(run.uncertain.estimate.number > 0);
 }
 
-void check(field_vehicle_t vehicle, uint64_t seed)
+Reference check(field_vehicle_t vehicle, uint64_t seed, double exponent = 0.0)
 {
-    identify(vehicle, seed);
+    identify(vehicle, seed, exponent);
     Reference reference;
     reference.solve();
     for (int i = 0; i < PARAMETERS; ++i) {
@@ -217,6 +229,7 @@ void check(field_vehicle_t vehicle, uint64_t seed)
         double sigma = double(auvid_uncertain_sigma(&run.uncertain, &run.id.metric, k, 0));
         TEST_ASSERT_DOUBLE_WITHIN(0.1 * sigma, reference.x(k), double(run.uncertain.shared[k]));
     }
+    return reference;
 }
 
 void test_the_solution_is_that_of_the_joint_normal_equations()
@@ -227,11 +240,22 @@ void test_the_solution_is_that_of_the_joint_normal_equations()
     }
 }
 
+// Thrust that is much weaker or stronger than supplied: gamma is not 1.
+void test_so_it_is_where_much_of_the_thrust_is_not_delivered_or_more_than_all()
+{
+    for (field_vehicle_t vehicle : {FIELD_GIRONA500, FIELD_ROV20}) {
+        double least = check(vehicle, 1, 0.15).least, most = check(vehicle, 1, -0.12).most;
+        printf("part of the thrust that is delivered: %.2f, %.2f\n", least, most);
+        TEST_ASSERT_TRUE(least < 0.87 && most > 1.05);
+    }
+}
+
 } // namespace
 
 int main()
 {
     UNITY_BEGIN();
     RUN_TEST(test_the_solution_is_that_of_the_joint_normal_equations);
+    RUN_TEST(test_so_it_is_where_much_of_the_thrust_is_not_delivered_or_more_than_all);
     return UNITY_END();
 }
