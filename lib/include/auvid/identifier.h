@@ -339,9 +339,9 @@ typedef struct auvid_identifier {
     auvid_identifier_work_t work;
     /* the modules, each with its configuration first; what is above is reached by short
      * instructions */
-    auvid_nav_t nav;
     auvid_recorder_t recorder;
     auvid_metric_t metric;
+    auvid_nav_t nav;
     union { /* one after the other: the search is over when its result is assessed */
         auvid_identifier_config_t cfg; /**< may be filled here for init; undefined afterwards */
         auvid_refusal_t refusal;       /**< what init was refused for, until the next init */

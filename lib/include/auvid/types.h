@@ -182,7 +182,20 @@ typedef enum {
  * the model, in the parameter's unit, and its `n` is not read. auvid_identifier_defaults fills it.
  */
 typedef struct {
-    uint64_t seed;                            /**< of the random numbers; any value; default 1 */
+    uint64_t seed;       /**< of the random numbers; any value; default 1 */
+    uint16_t population; /**< m of Algorithm 1, n + 1..AUVID_MAX_POPULATION; 0: 4 n (at least n + 2,
+                              at most AUVID_MAX_POPULATION) */
+    uint8_t n;           /**< parameters, 1..AUVID_MAX_PARAMETERS */
+    uint8_t phases;      /**< auvid_search_phases_t; default AUVID_SEARCH_BOTH. With
+                              AUVID_MAX_POPULATION 0 only AUVID_SEARCH_LOCAL, which is then the
+                              default */
+    uint8_t restarts; /**< of the local phase, with alpha0 / 10, the first along the axes; default
+                              1 */
+    bool has_good;    /**< use `good`, clipped to the bounds; default false */
+    bool scale_by_bounds; /**< the identifier's units of the steps follow from the bounds, not from
+                               the data; default false */
+    bool paper; /**< Algorithms 1 and 2 to the letter, never ended by a known minimum; default
+                     false */
     auvid_real_t lower[AUVID_MAX_PARAMETERS]; /**< lower < upper, both of magnitude <= 1e18; default
                                                    -1000 */
     auvid_real_t upper[AUVID_MAX_PARAMETERS]; /**< default 1000 */
@@ -207,19 +220,6 @@ typedef struct {
                                         is always evaluated; 0: 40 m */
     uint32_t max_evaluations_line; /**< cap on those of a local phase; 0: 1000 n */
     uint32_t max_rejections;       /**< cap on consecutive trials outside the box; 0: 50 m */
-    uint16_t population; /**< m of Algorithm 1, n + 1..AUVID_MAX_POPULATION; 0: 4 n (at least n + 2,
-                              at most AUVID_MAX_POPULATION) */
-    uint8_t n;           /**< parameters, 1..AUVID_MAX_PARAMETERS */
-    uint8_t phases;      /**< auvid_search_phases_t; default AUVID_SEARCH_BOTH. With
-                              AUVID_MAX_POPULATION 0 only AUVID_SEARCH_LOCAL, which is then the
-                              default */
-    uint8_t restarts; /**< of the local phase, with alpha0 / 10, the first along the axes; default
-                              1 */
-    bool has_good;    /**< use `good`, clipped to the bounds; default false */
-    bool scale_by_bounds; /**< the identifier's units of the steps follow from the bounds, not from
-                               the data; default false */
-    bool paper; /**< Algorithms 1 and 2 to the letter, never ended by a known minimum; default
-                     false */
 #if defined(AUVID_REAL_DOUBLE) || AUVID_MAX_PARAMETERS % 2 == 0
     uint8_t reserved[4];
 #endif

@@ -30,21 +30,21 @@ const auvid_checkpoint_block_t auvid_checkpoint_configured[CHECKPOINT_CONFIGURED
 
 const auvid_checkpoint_block_t auvid_checkpoint_block[CHECKPOINT_BLOCKS] = {
     OF_ID(nav.ground, nav.gps, 0),
-    OF_ID(recorder.stream, recorder.reserved, 0),
+    OF_ID(recorder.origin_us, recorder.mean, 0),
     OF_ID(metric.result.cost, metric.result.coupled, 0),
     OF_ID(metric.evaluator.window_us, metric.evaluator.noise, 0),
     OF_ID(metric.evaluator.window, metric.evaluator.window, PART_RESIDUAL),
-    OF_ID(metric.rows.set, metric.rows.reserved, 0),
-    OF_ID(metric.sets.until_us, metric.sets.changed, 0),
+    OF_ID(metric.rows.cells, metric.rows.previous, 0),
+    OF_ID(metric.sets.until_us, metric.sets.min_wrench_m2, 0),
     OF_ID(metric.feedback, metric.feedback, 0),
     OF_ID(t_us, work.parameter_of, 0),
-    OF_ID(optimizer.cfg, optimizer.has_goal, SEARCHING),
-    OF_ID(optimizer.crs.theta, optimizer.crs.worst, PART_GLOBAL),
+    OF_ID(optimizer.work, optimizer.allowed, SEARCHING),
+    OF_ID(optimizer.crs.initial_spread, optimizer.crs.order, PART_GLOBAL),
     OF_ID(optimizer.line_search, optimizer.line_search, PART_LOCAL),
     OF_ID(optimum, optimum, PART_OPTIMUM),
     OF_ID(linear.windows, linear.windows, PART_NEWTON | PART_WINDOWS),
     OF_ID(linear.newton, linear.newton, PART_NEWTON),
-    OF_ID(confidence.result, confidence.reserved, PART_CONFIDENCE),
+    OF_ID(confidence.n, confidence.part, PART_CONFIDENCE),
     BLOCK(ROOT_ACTUATION, auvid_actuation_t, excitation.repeated_us, excitation.reserved,
           PART_ACTUATION),
     BLOCK(ROOT_ACTUATION, auvid_actuation_t, guard.t_us, guard.reserved, PART_ACTUATION),
@@ -145,7 +145,7 @@ NO_GAP(auvid_drift_reference_t, variance);
 NO_GAP(auvid_change_detector_t, reserved);
 NO_GAP(auvid_sample_t, reserved);
 NO_GAP(auvid_row_t, late);
-NO_GAP(auvid_line_search_t, reserved);
+NO_GAP(auvid_line_search_t, shear);
 NO_GAP(auvid_metric_windows_t, missing);
 NO_GAP(auvid_gauss_newton_t, damped);
 NO_GAP(auvid_uncertain_rows_t, difference);

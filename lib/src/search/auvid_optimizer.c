@@ -32,7 +32,9 @@ auvid_status_t auvid_optimizer_init(auvid_optimizer_t *o, const auvid_search_con
         return status;
     }
     o->cfg = *cfg; /* may be the same */
-    memset((unsigned char *)o + sizeof o->cfg, 0, sizeof *o - sizeof o->cfg);
+    const size_t before = offsetof(auvid_optimizer_t, cfg), after = before + sizeof o->cfg;
+    memset(o, 0, before);
+    memset((unsigned char *)o + after, 0, sizeof *o - after);
     auvid_search_config_t *c = &o->cfg;
     auvid_search_resolve(c);
     for (size_t i = 0; i < c->n; ++i) {

@@ -74,6 +74,14 @@ typedef struct {
 typedef struct {
     const auvid_metric_t *metric; /* during a call only */
     /* state: from here on, see checkpoint.h */
+    uint8_t n, spent, phase;
+    auvid_confidence_place_t at;
+    bool not_converged; /* the search has not converged */
+    bool delayed;       /* the widening by estimated or uncertain delays is being computed */
+    uint32_t at_bound;  /* bit i: parameter i is near a bound */
+    uint8_t column_of[AUVID_MAX_PARAMETERS];    /* of parameter i in the joint factor; or NOWHERE */
+    uint8_t parameter_of[AUVID_MAX_PARAMETERS]; /* of column k */
+    uint8_t reserved[AUVID_GAP(sizeof(auvid_real_t), 2 * AUVID_MAX_PARAMETERS + 12)];
     auvid_confidence_t result;
     auvid_real_t dry_mass_kg;
     auvid_real_t score[AUVID_MAX_PARAMETERS]; /* of one DoF of one set, at its optimum */
@@ -94,14 +102,6 @@ typedef struct {
         auvid_regressor_t regressor;               /* between the phases SCATTER and JUDGE */
         auvid_real_t covariance[AUVID_COVARIANCE]; /* from JUDGE on; copied to the estimate */
     };
-    uint32_t at_bound;                          /* bit i: parameter i is near a bound */
-    uint8_t column_of[AUVID_MAX_PARAMETERS];    /* of parameter i in the joint factor; or NOWHERE */
-    uint8_t parameter_of[AUVID_MAX_PARAMETERS]; /* of column k */
-    uint8_t n, spent, phase;
-    auvid_confidence_place_t at;
-    bool not_converged; /* the search has not converged */
-    bool delayed;       /* the widening by estimated or uncertain delays is being computed */
-    uint8_t reserved[AUVID_GAP(sizeof(auvid_real_t), 2 * AUVID_MAX_PARAMETERS + 12)];
 } auvid_confidence_job_t;
 
 #define auvid_confidence_begin AUVID_SIZED(auvid_confidence_begin)

@@ -122,40 +122,38 @@ typedef struct {
 
 /** The set being recorded. Private except `rows`. */
 typedef struct {
-    auvid_real_t tau_mean[AUVID_DOF_COUNT], tau_m2[AUVID_DOF_COUNT];
-    auvid_real_t factor[AUVID_METRIC_BANDS][AUVID_MAX_FACTOR]; /* its [R_j | Z_j]; also used by
-                                                                  auvid_metric_linearise */
-    uint16_t rows;                                             /**< so far */
+    uint16_t rows;                        /**< so far */
     uint16_t lost;                        /* rows of all DoF lost to gaps in the record or in
                                              velocities */
     uint16_t rows_of[AUVID_DOF_COUNT];    /* see auvid_set_t */
     uint16_t fastest[AUVID_DOF_COUNT][2]; /* see auvid_set_t */
+    auvid_real_t tau_mean[AUVID_DOF_COUNT], tau_m2[AUVID_DOF_COUNT];
+    auvid_real_t factor[AUVID_METRIC_BANDS][AUVID_MAX_FACTOR]; /* its [R_j | Z_j]; also used by
+                                                                  auvid_metric_linearise */
 } auvid_partial_set_t;
 
 /** Rows: cells become smoothed rows, rows become a set. Private. */
 typedef struct {
+    uint32_t cells;                        /* since the record began */
+    uint32_t since_gap;                    /* rows; the last of `previous` */
+    uint8_t successive[AUVID_DOF_COUNT];   /* rows without a gap of the DoF, ..AUVID_METRIC_LAGS */
+    uint8_t missing[AUVID_MAX_OVERLAP][2]; /* bit i: velocity i was not measured in a cell of a row
+                                              under construction, of forces and of moments */
+    uint8_t waiting; /* bit j: the last row of DoF j is not yet in its R factors */
+    uint8_t reserved[AUVID_GAP(sizeof(auvid_real_t), 7 + 2 * AUVID_MAX_OVERLAP)];
     auvid_partial_set_t set; /* being recorded */
     auvid_real_t accumulator[AUVID_MAX_OVERLAP][AUVID_MAX_COLUMNS];
     auvid_real_t fixed_wrench[AUVID_MAX_OVERLAP][AUVID_DOF_COUNT]; /* explained by fixed pi */
     auvid_real_t past_tau[AUVID_METRIC_DELAY_CELLS * (AUVID_METRIC_DELAYS - 1) + 1] /* inputs */
                          [AUVID_DOF_COUNT + AUVID_MAX_COMMANDS];
     auvid_real_t previous[AUVID_METRIC_LAGS][AUVID_MAX_COLUMNS]; /* the last rows */
-    uint32_t cells;                                              /* since the record began */
-    uint32_t since_gap;                                          /* rows; the last of `previous` */
-    uint8_t successive[AUVID_DOF_COUNT];   /* rows without a gap of the DoF, ..AUVID_METRIC_LAGS */
-    uint8_t missing[AUVID_MAX_OVERLAP][2]; /* bit i: velocity i was not measured in a cell of a row
-                                              under construction, of forces and of moments */
-    uint8_t waiting; /* bit j: the last row of DoF j is not yet in its R factors */
-    uint8_t reserved[AUVID_GAP(sizeof(auvid_real_t), 7 + 2 * AUVID_MAX_OVERLAP)];
 } auvid_metric_rows_t;
 
 /** Sets: the ring of completed sets. See auvid_metric_hold. */
 typedef struct {
-    uint64_t until_us;  /* residual path: no row is stored after this while the ring is held */
-    uint64_t resume_us; /* residual path: no row is stored whose middle is before this */
-    auvid_set_t set[AUVID_MAX_SETS];
-    auvid_real_t min_wrench_m2[AUVID_DOF_COUNT]; /* [N2, N2 m2]; see auvid_metric_set_residual */
-    uint32_t recorded;                           /**< sets completed since init */
+    uint64_t until_us;     /* residual path: no row is stored after this while the ring is held */
+    uint64_t resume_us;    /* residual path: no row is stored whose middle is before this */
+    uint32_t recorded;     /**< sets completed since init */
     uint32_t rows_dropped; /**< complete rows lost to every evaluation because the ring was held */
     uint32_t stored;       /* sets stored in the ring so far */
     uint8_t from;          /* number of newest sets of the ring that do not count */
@@ -163,6 +161,9 @@ typedef struct {
     uint8_t least;         /* sets that count are not overwritten if there are so many or fewer */
     bool held, full;
     bool changed; /* a set has entered since it is held */
+    uint8_t reserved[AUVID_GAP(sizeof(auvid_real_t), 18)];
+    auvid_set_t set[AUVID_MAX_SETS];
+    auvid_real_t min_wrench_m2[AUVID_DOF_COUNT]; /* [N2, N2 m2]; see auvid_metric_set_residual */
 } auvid_metric_sets_t;
 
 /** Columns of the test for feedback: one, four of the wrench's past, the residual, the wrench. */
@@ -170,13 +171,13 @@ typedef struct {
 
 /** Is the wrench feedback? Private: see auvid_metric_feedback.c. */
 typedef struct {
+    uint32_t stored; /* sets stored in the ring at the last row */
+    uint32_t cells;  /* without a gap */
     auvid_real_t factor[AUVID_DOF_COUNT][AUVID_FEEDBACK_ORDER * (AUVID_FEEDBACK_ORDER + 1) / 2];
     auvid_real_t rows[AUVID_DOF_COUNT];        /* in the factors; old ones count less */
     auvid_real_t sum[AUVID_DOF_COUNT];         /* of residuals, of the block under way */
     auvid_real_t residual[4][AUVID_DOF_COUNT]; /* means over blocks of cells, the newest first */
     auvid_real_t wrench[3][AUVID_DOF_COUNT];   /* likewise, relative to tau_max */
-    uint32_t stored;                           /* sets stored in the ring at the last row */
-    uint32_t cells;                            /* without a gap */
 } auvid_metric_feedback_t;
 
 /** Where a pass over the rows of the sets stands. Private; whoever begins a pass owns it. */

@@ -91,19 +91,27 @@ typedef struct {
 
 /** State of the global phase: the population S of m points. */
 typedef struct {
-    auvid_real_t theta[AUVID_POPULATION_SLOTS][AUVID_MAX_PARAMETERS]; /**< S [parameter's unit] */
-    auvid_real_t cost[AUVID_POPULATION_SLOTS]; /**< J of each point, once evaluated */
     auvid_real_t initial_spread; /**< J0_max - J0_min over the points that did not fail */
     auvid_real_t last_spread;    /**< J_max - J_min at which the search ends */
     uint32_t rng[4];             /**< state of the random numbers */
     uint32_t rejections;         /**< consecutive trials outside the box, now */
+    uint16_t known;              /**< points added by auvid_optimizer_add_point, 0..m */
+    uint16_t best, worst;        /**< indices of theta_min and theta_max */
+    uint8_t reserved[AUVID_GAP(sizeof(auvid_real_t), 26)];
+    auvid_real_t cost[AUVID_POPULATION_SLOTS]; /**< J of each point, once evaluated */
+    auvid_real_t theta[AUVID_POPULATION_SLOTS][AUVID_MAX_PARAMETERS]; /**< S [parameter's unit] */
     uint16_t order[AUVID_POPULATION_SLOTS]; /**< a permutation of 0..m-1; draws shuffle it */
-    uint16_t known;                         /**< points added by auvid_optimizer_add_point, 0..m */
-    uint16_t best, worst;                   /**< indices of theta_min and theta_max */
 } auvid_crs_t;
 
 /** State of the local phase. */
 typedef struct {
+    uint8_t direction;     /**< 0..2n-1; 2n: the pattern step */
+    uint8_t built;         /**< d_i with i < built have been made conjugate */
+    uint8_t probe;         /**< k of the d_k that is probed */
+    uint8_t move;          /**< private enum: purpose of the trial */
+    uint8_t restarts_left; /**< 0..restarts */
+    bool plain;            /**< no d_i has been made in this sweep */
+    uint8_t reserved[2];
     auvid_real_t axis_cost, axis_step; /**< cost of base + axis_step e_i, where d_i is made */
     auvid_real_t cost, base_cost, previous_cost;  /**< of theta, base, previous */
     auvid_real_t t;                               /**< step of the trial along the line [scale] */
@@ -119,28 +127,21 @@ typedef struct {
     auvid_real_t slope[AUVID_MAX_PARAMETERS];     /**< along d_i, at the end of its line */
     /** d_i = e_i + sum of shear[i (i - 1) / 2 + k] e_k, k < i [scale] */
     auvid_real_t shear[AUVID_MAX_PARAMETERS * (AUVID_MAX_PARAMETERS - 1) / 2 + 1];
-    uint8_t direction;     /**< 0..2n-1; 2n: the pattern step */
-    uint8_t built;         /**< d_i with i < built have been made conjugate */
-    uint8_t probe;         /**< k of the d_k that is probed */
-    uint8_t move;          /**< private enum: purpose of the trial */
-    uint8_t restarts_left; /**< 0..restarts */
-    bool plain;            /**< no d_i has been made in this sweep */
-    uint8_t reserved[2];
 } auvid_line_search_t;
 
 /** State; private except through the accessors. Only this module writes it. */
 typedef struct {
+    auvid_optimizer_work_t work; /**< since init */
+    uint8_t state;               /**< auvid_optimizer_state_t */
+    bool asked;                  /**< a point was returned, its cost is not yet received */
+    bool certified;              /**< there is a certificate, and no cost has refuted it */
+    bool has_goal;               /**< auvid_optimizer_set_goal */
     auvid_search_config_t cfg; /**< as given, zeros replaced by their values. May be filled in here
                                     for init */
     auvid_real_t scale[AUVID_MAX_PARAMETERS]; /**< unit of the steps [parameter's unit] */
     auvid_real_t trial[AUVID_MAX_PARAMETERS]; /**< the point last asked for */
     auvid_real_t least, allowed; /**< least: of the certificate, or the goal; allowed: of the
                                       certificate [cost] */
-    auvid_optimizer_work_t work; /**< since init */
-    uint8_t state;               /**< auvid_optimizer_state_t */
-    bool asked;                  /**< a point was returned, its cost is not yet received */
-    bool certified;              /**< there is a certificate, and no cost has refuted it */
-    bool has_goal;               /**< auvid_optimizer_set_goal */
     union { /* one after the other: the global phase leaves its best point and its cost */
         auvid_crs_t crs;
         auvid_line_search_t line_search;
@@ -250,16 +251,16 @@ const auvid_real_t *auvid_optimizer_best(const auvid_optimizer_t *optimizer, auv
 
 /** Linear least squares within bounds. Private. */
 typedef struct {
+    uint32_t free; /* bit i: x_i is not fixed */
+    uint8_t n, fixed_from, at, changes, spent;
+    uint8_t dof, row;                    /* of the metric: read so far */
+    uint8_t order[AUVID_MAX_PARAMETERS]; /* of the columns: free ones first */
+    uint8_t reserved[AUVID_GAP(sizeof(auvid_real_t), AUVID_MAX_PARAMETERS + 11)];
     auvid_real_t lower[AUVID_MAX_PARAMETERS], upper[AUVID_MAX_PARAMETERS];
     auvid_real_t x[AUVID_MAX_PARAMETERS]; /* the start, then the best point */
     auvid_real_t cost, zero;              /* of it, and of x = 0 */
     auvid_real_t qr_factor[(AUVID_MAX_PARAMETERS + 1) * (AUVID_MAX_PARAMETERS + 2) / 2]; /* R z */
     auvid_real_t work[(AUVID_MAX_PARAMETERS + 1) * (AUVID_MAX_PARAMETERS + 2) / 2]; /* permuted */
-    uint32_t free;                       /* bit i: x_i is not fixed */
-    uint8_t order[AUVID_MAX_PARAMETERS]; /* of the columns: free ones first */
-    uint8_t n, fixed_from, at, changes, spent;
-    uint8_t dof, row; /* of the metric: read so far */
-    uint8_t reserved[AUVID_GAP(sizeof(auvid_real_t), AUVID_MAX_PARAMETERS + 11)];
 } auvid_bounded_ls_t;
 
 /** Gauss-Newton steps within bounds. Private. */

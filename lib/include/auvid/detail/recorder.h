@@ -82,25 +82,25 @@ typedef struct {
     auvid_recorder_part_t *take_part; /* of the input; NULL: nothing takes it */
     void *part_context;
     /* state: from here on, see checkpoint.h */
-    auvid_recorder_stream_t stream[5];
-    uint64_t origin_us;                         /* start of cell 0 */
-    auvid_real_t last[AUVID_RECORDER_CHANNELS]; /* last sample of each stream */
-    auvid_real_t before[3];                     /* velocity before it [m/s] */
-    auvid_real_t slope[3];                      /* up to that one [m/s per us] */
-    auvid_real_t spread[3];                     /* 73 % of the samples deviate less [m/s] */
-    auvid_real_t mean[AUVID_RECORDER_CELLS][AUVID_RECORDER_CHANNELS];
-    uint32_t opened;                                /* cells begun so far */
-    uint32_t next;                                  /* next cell to pop */
-    uint32_t cell_us;                               /* as configured, or as the metric chose */
-    uint32_t velocity_us;                           /* as configured, or as observed */
-    uint32_t gap_us;                                /* longest time between samples */
-    uint32_t before_us[3];                          /* from `before` to `last`; 0: no `before` */
-    uint32_t outliers;                              /**< corrected so far, of u, v and w */
-    uint32_t interval_us[AUVID_RECORDER_INTERVALS]; /* between velocity samples, ascending */
-    uint8_t measured[AUVID_RECORDER_CELLS];         /* bit i: velocity[i] covers the whole cell */
+    uint64_t origin_us;   /* start of cell 0 */
+    uint32_t opened;      /* cells begun so far */
+    uint32_t next;        /* next cell to pop */
+    uint32_t cell_us;     /* as configured, or as the metric chose */
+    uint32_t velocity_us; /* as configured, or as observed */
+    uint32_t gap_us;      /* longest time between samples */
+    uint32_t outliers;    /**< corrected so far, of u, v and w */
     bool running, broken;
     uint8_t intervals; /* observed so far */
-    uint8_t reserved[AUVID_GAP(8, AUVID_RECORDER_CHANNELS * sizeof(auvid_real_t) + 3)];
+    uint8_t reserved[5];
+    auvid_recorder_stream_t stream[5];
+    uint32_t before_us[3];                          /* from `before` to `last`; 0: no `before` */
+    uint32_t interval_us[AUVID_RECORDER_INTERVALS]; /* between velocity samples, ascending */
+    uint8_t measured[AUVID_RECORDER_CELLS];         /* bit i: velocity[i] covers the whole cell */
+    auvid_real_t last[AUVID_RECORDER_CHANNELS];     /* last sample of each stream */
+    auvid_real_t before[3];                         /* velocity before it [m/s] */
+    auvid_real_t slope[3];                          /* up to that one [m/s per us] */
+    auvid_real_t spread[3];                         /* 73 % of the samples deviate less [m/s] */
+    auvid_real_t mean[AUVID_RECORDER_CELLS][AUVID_RECORDER_CHANNELS];
 } auvid_recorder_t;
 
 /** Fill *cfg with the defaults stated at its fields.
