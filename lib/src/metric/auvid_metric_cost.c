@@ -165,10 +165,10 @@ void auvid_metric_scale(const auvid_metric_t *metric, auvid_real_t *scale)
     }
     for (int j = 0; j < AUVID_DOF_COUNT && !auvid_metric_stores_rows(m); ++j) {
         auvid_equation_t e = auvid_metric_equation(m, j);
-        for (int k = 0; k < e.count && auvid_metric_is_excited(m, j); ++k) {
-            for (int i = 0; i <= k; ++i) {
-                auvid_real_t r = auvid_equation_row(&e, i)[k - i];
-                square[e.index[k]] += m->evaluator.weight[j] * r * r;
+        const auvid_real_t *r = e.factor; /* row i */
+        for (int i = 0; i < e.count && auvid_metric_is_excited(m, j); r += e.order - i++) {
+            for (int k = i; k < e.count; ++k) {
+                square[e.index[k]] += m->evaluator.weight[j] * r[k - i] * r[k - i];
             }
         }
     }

@@ -156,8 +156,8 @@ void auvid_metric_solve_dof(auvid_metric_t *m, int j)
     m->result.first_order_lag =
         (uint8_t)((m->result.first_order_lag & ~(1u << j)) | (unsigned)lag << j);
     auvid_metric_delay_weights(s, lag, l);
-    for (int i = 0; i < e.count; ++i) {
-        const auvid_real_t *r = auvid_equation_row(&e, i) + e.count - i;
+    const auvid_real_t *r = e.factor + e.count; /* row i: the wrench */
+    for (int i = 0; i < e.count; r += e.order - 1 - i++) {
         z[i] = r[0] * l[0] + r[1] * l[1] + r[2] * l[2];
         x[i] = z[i];
     }
@@ -231,27 +231,22 @@ bool auvid_metric_for_each_row(auvid_metric_t *m, uint32_t *budget)
 {
     auvid_metric_cursor_t *at = &m->evaluator.at;
     bool rotates = at->pass != PASS_RESIDUAL && at->pass != PASS_MEASURE;
-    while (at->set < at->to_set) {
+    for (; at->set < at->to_set; ++at->set, at->band = 0) {
         const auvid_set_t *set = auvid_metric_set(m, at->set);
-        int j = at->dof;
-        bool inside = metric_pass_reads(m, set, j) && at->row < auvid_metric_order(m, j);
-        if (inside) {
-            if (!auvid_metric_spend(at, budget, rotates ? AUVID_METRIC_ROTATION : 1)) {
-                return false;
-            }
-            if (rotates) {
-                auvid_metric_rotate(m, set, at->band, j, at->row++, AUVID_C(0.0));
-            } else {
-                metric_add_residual(m, set, at->band, j, at->row++);
-            }
-            continue;
-        }
-        at->row = 0;
-        if (++at->dof == AUVID_DOF_COUNT) {
-            at->dof = 0;
-            if (++at->band == AUVID_METRIC_BANDS) {
-                at->band = 0;
-                ++at->set;
+        for (; at->band < AUVID_METRIC_BANDS; ++at->band, at->dof = 0) {
+            for (; at->dof < AUVID_DOF_COUNT; ++at->dof, at->row = 0) {
+                int j = at->dof;
+                int rows = metric_pass_reads(m, set, j) ? auvid_metric_order(m, j) : 0;
+                for (; at->row < rows; ++at->row) {
+                    if (!auvid_metric_spend(at, budget, rotates ? AUVID_METRIC_ROTATION : 1)) {
+                        return false;
+                    }
+                    if (rotates) {
+                        auvid_metric_rotate(m, set, at->band, j, at->row, AUVID_C(0.0));
+                    } else {
+                        metric_add_residual(m, set, at->band, j, at->row);
+                    }
+                }
             }
         }
     }
