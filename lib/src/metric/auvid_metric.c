@@ -55,7 +55,6 @@ static const auvid_field_t metric_fields[] = {
     METRIC_WHOLE(passes, 1, 1, 2),
     METRIC_WHOLE(closed_loop, 1, 0, (1 << AUVID_DOF_COUNT) - 1),
     METRIC_WHOLE(open_loop, 1, 0, (1 << AUVID_DOF_COUNT) - 1),
-    METRIC_REALS(delay_s, AUVID_DOF_COUNT, -AUVID_LARGEST, AUVID_LARGEST),
     METRIC_REALS(delay_sigma_s, 1, AUVID_C(0.0), AUVID_C(1.0)),
 };
 
@@ -67,11 +66,8 @@ static void metric_check_delays(const auvid_metric_config_t *cfg, auvid_refusal_
         cell_s * (auvid_real_t)(AUVID_METRIC_DELAY_CELLS * (AUVID_METRIC_DELAYS - 1));
     auvid_real_t earliest = /* accepts a rounded delay of the metric */
         -cell_s * ((auvid_real_t)AUVID_METRIC_EARLY_CELLS + AUVID_C(0.001));
-    for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
-        auvid_check_element(why, j);
-        auvid_check_in(why, "delay_s", cfg->delay_s[j], earliest, longest);
-    }
-    auvid_check_element(why, -1);
+    const auvid_field_t delays = METRIC_REALS(delay_s, AUVID_DOF_COUNT, earliest, longest);
+    auvid_check_fields(why, cfg, &delays, 1);
 }
 
 void auvid_metric_count(const auvid_vehicle_t *vehicle, uint32_t free, uint32_t *columns,
