@@ -32,6 +32,17 @@ auvid_real_t auvid_max(auvid_real_t a, auvid_real_t b)
     return a > b ? a : b;
 }
 
+auvid_real_t auvid_clamp(auvid_real_t x, auvid_real_t low, auvid_real_t high)
+{
+    return auvid_clamp_here(x, low, high);
+}
+
+auvid_real_t auvid_r2(auvid_real_t unexplained, auvid_real_t total)
+{
+    auvid_real_t part = unexplained / total;
+    return total > AUVID_C(0.0) && auvid_is_finite(part) ? AUVID_C(1.0) - part : AUVID_C(0.0);
+}
+
 void auvid_zero(void *object, size_t bytes)
 {
 #if defined(__GNUC__)
@@ -325,7 +336,7 @@ void auvid_rotation(auvid_real_t phi, auvid_real_t theta, auvid_real_t psi, auvi
     r[2][2] = ct * cf;
 }
 
-static uint64_t math_splitmix64(uint64_t *state)
+static AUVID_NOINLINE uint64_t math_splitmix64(uint64_t *state)
 {
     *state += UINT64_C(0x9e3779b97f4a7c15);
     uint64_t z = *state;

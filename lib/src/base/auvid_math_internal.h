@@ -36,7 +36,8 @@ _Static_assert(AUVID_DOF_COUNT <= 8, "masks of degrees of freedom are uint8_t");
 #define AUVID_SHARED inline
 #endif
 
-/* For a function whose large stack frame must not merge into its caller's. */
+/* For a function that must not merge into its callers: its stack frame is large, or copies of it
+ * would be. */
 #if defined(__GNUC__)
 #define AUVID_NOINLINE __attribute__((noinline))
 #else
@@ -77,7 +78,10 @@ auvid_real_t auvid_min(auvid_real_t a, auvid_real_t b);
 
 auvid_real_t auvid_max(auvid_real_t a, auvid_real_t b);
 
-static inline auvid_real_t auvid_clamp(auvid_real_t x, auvid_real_t low, auvid_real_t high)
+auvid_real_t auvid_clamp(auvid_real_t x, auvid_real_t low, auvid_real_t high);
+
+/** auvid_clamp() without a call, for inner loops. */
+static inline auvid_real_t auvid_clamp_here(auvid_real_t x, auvid_real_t low, auvid_real_t high)
 {
     return x < low ? low : (x > high ? high : x);
 }
@@ -90,11 +94,7 @@ static inline auvid_real_t auvid_half_further(auvid_real_t x)
 }
 
 /** Returns the explained part of a sum of squares, 1 - unexplained / total; 0: it is no number. */
-static inline auvid_real_t auvid_r2(auvid_real_t unexplained, auvid_real_t total)
-{
-    auvid_real_t part = unexplained / total;
-    return total > AUVID_C(0.0) && auvid_is_finite(part) ? AUVID_C(1.0) - part : AUVID_C(0.0);
-}
+auvid_real_t auvid_r2(auvid_real_t unexplained, auvid_real_t total);
 
 /** Sets an object that consists of whole words of 4 bytes to zero. memset() of small C libraries
  * works byte by byte, which is noticed in a tick. */

@@ -83,7 +83,7 @@ static bool can_encode_signal(const auvid_can_type_t *type, can_field_t field, b
     }
     uint32_t limit = type->kind == AUVID_CAN_TYPE_REAL_UNIT ? type->number : sign - 1u;
     auvid_real_t high = can_type_is_float(type) ? FLOAT_LIMIT : (auvid_real_t)limit;
-    auvid_real_t y = auvid_clamp(x, (type->kind & 1u) != 0 ? AUVID_C(0.0) : -high, high);
+    auvid_real_t y = auvid_clamp_here(x, (type->kind & 1u) != 0 ? AUVID_C(0.0) : -high, high);
     if (can_type_is_float(type)) {
         *raw = auvid_single_bits(y);
     } else {

@@ -325,8 +325,9 @@ auvid_status_t auvid_allocation_solve(const auvid_allocation_t *a, const auvid_r
     }
     result->scale = allocation_max_scale(a, first, rest);
     for (int j = 0; j < a->cfg.thrusters; ++j) {
-        result->force_N[j] = auvid_clamp(first[j] + result->scale * rest[j], /* against rounding */
-                                         a->cfg.thruster[j].min_N, a->cfg.thruster[j].max_N);
+        result->force_N[j] =
+            auvid_clamp_here(first[j] + result->scale * rest[j], /* against rounding */
+                             a->cfg.thruster[j].min_N, a->cfg.thruster[j].max_N);
     }
     (void)auvid_allocation_wrench(a, result->force_N, result->wrench);
     return result->dropped != 0 || result->scale_priority < AUVID_C(1.0) ||

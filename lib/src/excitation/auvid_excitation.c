@@ -298,7 +298,7 @@ static auvid_real_t excitation_play_segment(channel_t *c, const auvid_segment_t 
     if (auvid_abs(excursion) > AUVID_C(0.0)) {
         y -= largest * excursion * fade;
     }
-    return auvid_clamp(y, -largest, largest); /* against rounding */
+    return auvid_clamp_here(y, -largest, largest); /* against rounding */
 }
 
 /* ---- the run ---- */

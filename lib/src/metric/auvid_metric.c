@@ -94,6 +94,13 @@ static void metric_check_columns(const auvid_metric_config_t *cfg, auvid_refusal
     auvid_check_count(why, AUVID_ERR_SIZE, "free: AUVID_MAX_FACTOR", factor, AUVID_MAX_FACTOR);
 }
 
+uint32_t auvid_metric_taps(const auvid_metric_config_t *cfg, bool rows)
+{
+    uint32_t smoother =
+        2 * auvid_metric_max_half(cfg) * cfg->passes + 1 + (cfg->velocity_us > 0 ? 2u : 0u);
+    return rows ? cfg->row_cells : smoother;
+}
+
 /* Check that the filter's taps, and the rows that they overlap, fit. */
 static void metric_check_taps(const auvid_metric_config_t *cfg, auvid_refusal_t *why)
 {

@@ -7,8 +7,18 @@
 
 extern auvid_equation_t auvid_metric_equation(const auvid_metric_t *m, int j);
 extern bool auvid_metric_set_counts(const auvid_metric_t *m, const auvid_set_t *set, int j);
-extern const auvid_set_t *auvid_metric_set(const auvid_metric_t *m, int age);
 extern auvid_real_t auvid_metric_node_s(const auvid_metric_t *m);
+
+auvid_real_t auvid_metric_delay(const auvid_metric_t *m, int j, bool *lag)
+{
+    *lag = (m->result.first_order_lag >> j & 1) != 0;
+    return m->result.delay_s[j] / auvid_metric_node_s(m);
+}
+
+const auvid_real_t *auvid_equation_row(const auvid_equation_t *e, int i)
+{
+    return e->factor + auvid_qr_row(e->order, i);
+}
 
 auvid_real_t auvid_metric_longest_delay(const auvid_metric_t *metric)
 {
@@ -204,7 +214,7 @@ bool auvid_metric_joint_row(const auvid_metric_t *m, int j, int i, uint32_t acti
         row[p] = AUVID_C(0.0);
         column[p] = (active >> p & 1u) ? n++ : -1;
     }
-    const auvid_real_t *r = auvid_equation_row(&e, i);
+    const auvid_real_t *r = e.factor + auvid_qr_row(e.order, i);
     auvid_real_t scale = auvid_sqrt(m->evaluator.weight[j]);
     row[n] = scale * e.z[i];
     for (int k = i; k < e.count; ++k, ++r) {

@@ -43,10 +43,7 @@ AUVID_INLINE const uint8_t *auvid_metric_row_parameters(const auvid_metric_t *m,
 }
 
 /** Returns row i of the equation's R factor, from its diagonal on. */
-AUVID_INLINE const auvid_real_t *auvid_equation_row(const auvid_equation_t *e, int i)
-{
-    return e->factor + auvid_qr_row(e->order, i);
-}
+const auvid_real_t *auvid_equation_row(const auvid_equation_t *e, int i);
 
 /** Returns the relative standard error of a parameter of DoF j's own terms because its equation
  * disagrees with those of the excited DoF; 0 unless only coupling moves the DoF. */
@@ -112,11 +109,7 @@ bool auvid_metric_joint_row(const auvid_metric_t *m, int j, int i, uint32_t acti
 /* ---- delays, in units of the spacing of those at which the wrench is stored ---- */
 
 /** DoF j's delay in use; *lag: is it that of a first-order lag? */
-static inline auvid_real_t auvid_metric_delay(const auvid_metric_t *m, int j, bool *lag)
-{
-    *lag = (m->result.first_order_lag >> j & 1) != 0;
-    return m->result.delay_s[j] / auvid_metric_node_s(m);
-}
+auvid_real_t auvid_metric_delay(const auvid_metric_t *m, int j, bool *lag);
 
 /** Weights of the wrench at those delays for a delay, or a first-order lag, s. */
 void auvid_metric_delay_weights(auvid_real_t s, bool lag, auvid_real_t l[AUVID_METRIC_DELAYS]);

@@ -131,12 +131,7 @@ static inline uint32_t auvid_metric_max_half(const auvid_metric_config_t *cfg)
 }
 
 /** Taps of the filter: of a mean over a row, or of the smoother. */
-static inline uint32_t auvid_metric_taps(const auvid_metric_config_t *cfg, bool rows)
-{
-    uint32_t smoother =
-        2 * auvid_metric_max_half(cfg) * cfg->passes + 1 + (cfg->velocity_us > 0 ? 2u : 0u);
-    return rows ? cfg->row_cells : smoother;
-}
+uint32_t auvid_metric_taps(const auvid_metric_config_t *cfg, bool rows);
 
 /** Counts the columns of all equations, and the numbers of their R factors.
  * @param free as in auvid_metric_config_t */

@@ -60,7 +60,7 @@ void auvid_metric_delay_slopes(auvid_real_t s, bool lag, auvid_real_t l[AUVID_ME
 static auvid_real_t metric_unexplained(const auvid_metric_t *m, int j, auvid_real_t s, bool lag)
 {
     auvid_equation_t e = auvid_metric_equation(m, j);
-    const auvid_real_t *t = auvid_equation_row(&e, e.order - AUVID_METRIC_DELAYS);
+    const auvid_real_t *t = e.factor + auvid_qr_row(e.order, e.order - AUVID_METRIC_DELAYS);
     auvid_real_t l[AUVID_METRIC_DELAYS];
     auvid_metric_delay_weights(s, lag, l);
     auvid_real_t a = t[0] * l[0] + t[1] * l[1] + t[2] * l[2];

@@ -337,7 +337,7 @@ static auvid_status_t metric_factor_cost(auvid_metric_t *m, uint32_t *budget)
         }
         auvid_equation_t equation = auvid_metric_equation(m, j);
         const auvid_real_t *x = ev->candidate + equation.at, *z = equation.z;
-        const auvid_real_t *r = auvid_equation_row(&equation, at->row);
+        const auvid_real_t *r = equation.factor + auvid_qr_row(equation.order, at->row);
         int count = equation.count;
         int i = at->row, left = count - i;
         int to = *budget < (uint32_t)left ? i + (int)*budget : count;

@@ -25,9 +25,20 @@ enum { DIGITS = AUVID_METRIC_DIGITS };
  * size, in 73 to 84 % in those twice as large. */
 #define MIN_EXCITATION AUVID_C(3.0)
 
+int auvid_metric_sets(const auvid_metric_t *m)
+{
+    return m->sets.from < m->cfg.sets ? m->cfg.sets - m->sets.from : 0;
+}
+
+const auvid_set_t *auvid_metric_set(const auvid_metric_t *m, int age)
+{
+    uint32_t back = m->sets.from + (uint32_t)age;
+    return &m->sets.set[auvid_metric_ring_index(m->sets.stored, m->cfg.sets, back)];
+}
+
 int auvid_metric_slot(const auvid_metric_t *m, int age)
 {
-    return (int)auvid_metric_ring_index(m->sets.stored, m->cfg.sets, m->sets.from + (uint32_t)age);
+    return (int)(auvid_metric_set(m, age) - m->sets.set);
 }
 
 /* ---- storage ---- */
@@ -112,7 +123,7 @@ int auvid_metric_read_row(const auvid_metric_t *m, const auvid_set_t *set, int b
 /* ---- the ring ---- */
 
 /* Returns the slot of the set stored `back` - 1 sets before the last one; 0: of the next set. */
-static auvid_set_t *metric_set_slot(auvid_metric_t *m, uint32_t back)
+static AUVID_NOINLINE auvid_set_t *metric_set_slot(auvid_metric_t *m, uint32_t back)
 {
     return &m->sets.set[(m->sets.stored + m->cfg.sets - back) % m->cfg.sets];
 }

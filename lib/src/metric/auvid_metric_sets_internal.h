@@ -12,10 +12,7 @@
 enum { AUVID_METRIC_DIGITS = sizeof(auvid_packed_t) == sizeof(int16_t) ? 15 : 52 };
 
 /** Number of sets of the ring that count. */
-static inline int auvid_metric_sets(const auvid_metric_t *m)
-{
-    return m->sets.from < m->cfg.sets ? m->cfg.sets - m->sets.from : 0;
-}
+int auvid_metric_sets(const auvid_metric_t *m);
 
 /** Index of the set that entered a ring of `sets` slots `back` sets before the last one; `stored`
  * sets have entered it. */
@@ -28,10 +25,7 @@ static inline uint32_t auvid_metric_ring_index(uint32_t stored, uint32_t sets, u
 int auvid_metric_slot(const auvid_metric_t *m, int age);
 
 /** Returns the set of that age. */
-AUVID_SHARED const auvid_set_t *auvid_metric_set(const auvid_metric_t *m, int age)
-{
-    return &m->sets.set[auvid_metric_slot(m, age)];
-}
+const auvid_set_t *auvid_metric_set(const auvid_metric_t *m, int age);
 
 /** Residual path: rows of the set of that age; age -1: rows of the set being recorded. */
 static inline auvid_row_t *auvid_metric_rows(const auvid_metric_t *m, int age)

@@ -131,7 +131,8 @@ static void validation_runge_kutta(auvid_validation_t *v, const auvid_sample_t *
     }
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
         auvid_real_t next = v->predicted[j] + h / AUVID_C(6.0) * step[j];
-        v->predicted[j] = auvid_is_finite(next) ? auvid_clamp(next, -DIVERGED, DIVERGED) : DIVERGED;
+        v->predicted[j] =
+            auvid_is_finite(next) ? auvid_clamp_here(next, -DIVERGED, DIVERGED) : DIVERGED;
     }
 }
 

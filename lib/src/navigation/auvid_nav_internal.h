@@ -30,10 +30,7 @@ void auvid_nav_set_up(auvid_nav_t *nav, const auvid_nav_config_t *cfg, auvid_ref
 bool auvid_nav_pose(const auvid_nav_t *nav, auvid_nav_state_t *state);
 
 /** Increment a counter that saturates. */
-static inline void nav_increment(uint16_t *counter)
-{
-    *counter = (uint16_t)(*counter + (*counter < UINT16_MAX));
-}
+void auvid_nav_increment(uint16_t *counter);
 
 AUVID_INLINE auvid_real_t nav_dot(const auvid_real_t a[3], const auvid_real_t b[3])
 {
@@ -59,12 +56,7 @@ AUVID_INLINE auvid_status_t nav_within(const auvid_real_t x[3], auvid_real_t lim
 }
 
 /** Return whether a sample of this sensor was accepted within stale_us. */
-static inline bool nav_is_fresh(const auvid_nav_t *nav, int sensor)
-{
-    const auvid_nav_diagnostics_t *d = &nav->diagnostics[sensor];
-    return d->has_sample &&
-           (nav->imu.t_us < d->good_us || nav->imu.t_us - d->good_us <= nav->cfg.stale_us);
-}
+bool auvid_nav_is_fresh(const auvid_nav_t *nav, int sensor);
 
 /** Add a step to one axis of the position. The rounding error goes to position_lo: Dekker's fast
  * two-sum, exact while |position| >= |step|; otherwise the loss is one rounding of step. */

@@ -11,19 +11,19 @@ static auvid_status_t nav_count_unapplied(auvid_nav_diagnostics_t *d, auvid_stat
     case NAV_HELD:
         return AUVID_PENDING;
     case AUVID_UNUSED:
-        nav_increment(&d->unused);
+        auvid_nav_increment(&d->unused);
         break;
     case AUVID_GATED:
-        nav_increment(&d->gated);
+        auvid_nav_increment(&d->gated);
         break;
     case AUVID_ERR_NOT_FINITE:
-        nav_increment(&d->not_finite);
+        auvid_nav_increment(&d->not_finite);
         break;
     case AUVID_ERR_RANGE:
-        nav_increment(&d->invalid);
+        auvid_nav_increment(&d->invalid);
         break;
     default: /* AUVID_ERR_STALE, _TIME_SAME, _TIME_BACK */
-        nav_increment(&d->stale);
+        auvid_nav_increment(&d->stale);
         break;
     }
     return status;

@@ -119,7 +119,7 @@ static auvid_status_t nav_check_imu(auvid_nav_t *nav, const auvid_real_t *attitu
         status = nav_within(rates, LARGEST_RATE);
     }
     if (status != AUVID_OK) {
-        nav_increment(&nav->imu.invalid);
+        auvid_nav_increment(&nav->imu.invalid);
     }
     return status;
 }
@@ -130,7 +130,7 @@ static auvid_status_t nav_advance(auvid_nav_t *nav, uint64_t t_us, const auvid_r
 {
     bool running = nav->imu.ready == NAV_RUNNING;
     if (running && t_us <= nav->imu.t_us) {
-        nav_increment(&nav->imu.stale);
+        auvid_nav_increment(&nav->imu.stale);
         return t_us < nav->imu.t_us ? AUVID_ERR_TIME_BACK : AUVID_ERR_TIME_SAME;
     }
     uint64_t dt_us = t_us - nav->imu.t_us;
@@ -155,7 +155,7 @@ static auvid_status_t nav_advance(auvid_nav_t *nav, uint64_t t_us, const auvid_r
     }
     if (nav->cfg.gap_us > 0 && dt_us > nav->cfg.gap_us) {
         nav->flags = (uint16_t)(nav->flags | AUVID_NAV_IN_GAP);
-        nav_increment(&nav->imu.gaps);
+        auvid_nav_increment(&nav->imu.gaps);
         return AUVID_GAP;
     }
     return AUVID_OK;

@@ -239,12 +239,12 @@ static auvid_status_t nav_test_gate(auvid_nav_t *nav, auvid_nav_measurement_t *m
         m->outside = nav_beyond_max_acceleration(nav, m);
     }
     if (m->outside != 0) {
-        nav_increment(&d->consecutive_rejections);
+        auvid_nav_increment(&d->consecutive_rejections);
         if (nav->cfg.max_consecutive_rejections == 0 ||
             d->consecutive_rejections < nav->cfg.max_consecutive_rejections) {
             return AUVID_GATED;
         }
-        nav_increment(&d->resets);
+        auvid_nav_increment(&d->resets);
     }
     nav_record_accepted(d, m->t_us);
     return AUVID_OK;

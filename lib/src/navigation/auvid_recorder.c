@@ -292,7 +292,8 @@ static void recorder_correct(auvid_recorder_t *rec, int i, uint64_t t_us, auvid_
     rec->before_us[i] = after_us;
 }
 
-static auvid_status_t recorder_check_time(const auvid_recorder_stream_t *st, uint64_t t_us)
+static AUVID_NOINLINE auvid_status_t recorder_check_time(const auvid_recorder_stream_t *st,
+                                                         uint64_t t_us)
 {
     if (st->valid && t_us <= st->t_us) {
         return t_us == st->t_us ? AUVID_ERR_TIME_SAME : AUVID_ERR_TIME_BACK;

@@ -60,7 +60,8 @@ static void bounded_ls_rotate(auvid_bounded_ls_t *ls, int i)
 }
 
 /* The bound of the k-th column in the direction of d. */
-static auvid_real_t bounded_ls_bound(const auvid_bounded_ls_t *ls, int k, auvid_real_t d)
+static AUVID_NOINLINE auvid_real_t bounded_ls_bound(const auvid_bounded_ls_t *ls, int k,
+                                                    auvid_real_t d)
 {
     return (d > AUVID_C(0.0) ? ls->upper : ls->lower)[ls->order[k]];
 }

@@ -66,10 +66,7 @@ auvid_status_t auvid_optimizer_add_point(auvid_optimizer_t *o, const auvid_real_
     if (!auvid_all_finite(theta, o->cfg.n)) {
         return AUVID_ERR_NOT_FINITE;
     }
-    auvid_real_t *point = o->crs.theta[o->crs.known++];
-    for (size_t i = 0; i < o->cfg.n; ++i) {
-        point[i] = auvid_clamp(theta[i], o->cfg.lower[i], o->cfg.upper[i]);
-    }
+    auvid_search_clip(&o->cfg, theta, o->crs.theta[o->crs.known++]);
     return AUVID_OK;
 }
 
@@ -106,9 +103,7 @@ auvid_status_t auvid_optimizer_certify(auvid_optimizer_t *o, const auvid_real_t 
     if (!(allowed >= AUVID_C(0.0))) {
         return AUVID_ERR_RANGE;
     }
-    for (size_t i = 0; i < o->cfg.n; ++i) {
-        o->trial[i] = auvid_clamp(theta[i], o->cfg.lower[i], o->cfg.upper[i]);
-    }
+    auvid_search_clip(&o->cfg, theta, o->trial);
     o->least = least;
     o->allowed = allowed;
     o->certified = true;

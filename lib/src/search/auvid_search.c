@@ -92,8 +92,8 @@ void auvid_search_check_fields(const auvid_search_config_t *c, auvid_refusal_t *
     const uint32_t m = search_population(c);
     auvid_check_count(why, AUVID_ERR_PARAMETERS, "n", c->n, AUVID_MAX_PARAMETERS);
     auvid_check_limit(why, AUVID_MAX_POPULATION > 0 || c->phases == AUVID_SEARCH_LOCAL,
-                      AUVID_ERR_POPULATION, "phases: AUVID_MAX_POPULATION",
-                      (auvid_real_t)c->phases, (auvid_real_t)AUVID_SEARCH_LOCAL);
+                      AUVID_ERR_POPULATION, "phases: AUVID_MAX_POPULATION", (auvid_real_t)c->phases,
+                      (auvid_real_t)AUVID_SEARCH_LOCAL);
     auvid_check_limit(why, (m > c->n || AUVID_MAX_POPULATION == 0) && m <= AUVID_MAX_POPULATION,
                       AUVID_ERR_POPULATION, "population", (auvid_real_t)m,
                       (auvid_real_t)(m > c->n ? AUVID_MAX_POPULATION : c->n + 1));
@@ -124,6 +124,12 @@ auvid_status_t auvid_search_check(const auvid_search_config_t *cfg)
     return why.status;
 }
 
+bool auvid_search_is_certified(const auvid_optimizer_t *o, auvid_real_t cost)
+{
+    auvid_real_t excess = cost - o->least;
+    return o->certified && excess <= o->allowed && -excess <= o->allowed;
+}
+
 bool auvid_search_inside(const auvid_search_config_t *c, const auvid_real_t *theta)
 {
     for (size_t i = 0; i < c->n; ++i) {
@@ -132,4 +138,11 @@ bool auvid_search_inside(const auvid_search_config_t *c, const auvid_real_t *the
         }
     }
     return true;
+}
+
+void auvid_search_clip(const auvid_search_config_t *c, const auvid_real_t *theta, auvid_real_t *to)
+{
+    for (size_t i = 0; i < c->n; ++i) {
+        to[i] = auvid_clamp(theta[i], c->lower[i], c->upper[i]);
+    }
 }

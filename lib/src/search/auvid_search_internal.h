@@ -17,13 +17,13 @@ void auvid_search_check_fields(const auvid_search_config_t *cfg, auvid_refusal_t
 void auvid_search_resolve(auvid_search_config_t *cfg);
 
 /** Is this the cost of the certificate? */
-static inline bool auvid_search_is_certified(const auvid_optimizer_t *o, auvid_real_t cost)
-{
-    auvid_real_t excess = cost - o->least;
-    return o->certified && excess <= o->allowed && -excess <= o->allowed;
-}
+bool auvid_search_is_certified(const auvid_optimizer_t *o, auvid_real_t cost);
 
 /** Is the point in the box? */
 bool auvid_search_inside(const auvid_search_config_t *cfg, const auvid_real_t *theta);
+
+/** Write the nearest point in the box. @param to may be theta */
+void auvid_search_clip(const auvid_search_config_t *cfg, const auvid_real_t *theta,
+                       auvid_real_t *to);
 
 #endif
