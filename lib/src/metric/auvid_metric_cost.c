@@ -9,17 +9,6 @@ extern auvid_equation_t auvid_metric_equation(const auvid_metric_t *m, int j);
 extern bool auvid_metric_set_counts(const auvid_metric_t *m, const auvid_set_t *set, int j);
 extern auvid_real_t auvid_metric_node_s(const auvid_metric_t *m);
 
-auvid_real_t auvid_metric_delay(const auvid_metric_t *m, int j, bool *lag)
-{
-    *lag = (m->result.first_order_lag >> j & 1) != 0;
-    return m->result.delay_s[j] / auvid_metric_node_s(m);
-}
-
-const auvid_real_t *auvid_equation_row(const auvid_equation_t *e, int i)
-{
-    return e->factor + auvid_qr_row(e->order, i);
-}
-
 auvid_real_t auvid_metric_longest_delay(const auvid_metric_t *metric)
 {
     return metric == NULL ? AUVID_C(0.0)

@@ -37,6 +37,17 @@ enum { DELAY_STEPS = 20, EARLY_STEPS = 7 };
 #define DELAY_STEP AUVID_C(0.1)
 #define EARLIEST (-(auvid_real_t)AUVID_METRIC_EARLY_CELLS / (auvid_real_t)AUVID_METRIC_DELAY_CELLS)
 
+const auvid_real_t *auvid_equation_row(const auvid_equation_t *e, int i)
+{
+    return e->factor + auvid_qr_row(e->order, i);
+}
+
+auvid_real_t auvid_metric_delay(const auvid_metric_t *m, int j, bool *lag)
+{
+    *lag = (m->result.first_order_lag >> j & 1) != 0;
+    return m->result.delay_s[j] / auvid_metric_node_s(m);
+}
+
 /* Weights of the wrench at the delays 0, 1, 2 with sum one, mean s and second moment b: s^2 for a
  * delay (they are the Lagrange polynomials then), 2 s^2 for a first-order lag. */
 void auvid_metric_delay_weights(auvid_real_t s, bool lag, auvid_real_t l[AUVID_METRIC_DELAYS])
