@@ -84,6 +84,7 @@ POINTERS = PATHS | {
     r"listener->command\(": r"auvid_thrusters\.c:thrusters_listen$",
     r"listener->set\(": r"auvid_thrusters\.c:thrusters_drop_lost_sets$",
     r"listener->lead_us\(": r"auvid_thrusters\.c:thrusters_lead_us$",
+    r"set_up_nav\(": r"^auvid_nav_set_up",
     r"timer_handler\(": r"driver_qemu\.c:interrupt$",
 }
 START = r"machine_\w+\.c:start$"

@@ -388,6 +388,14 @@ auvid_status_t auvid_identifier_needs(const auvid_identifier_config_t *cfg, auvi
  * errors of auvid_metric_init. */
 auvid_status_t auvid_identifier_init(auvid_identifier_t *id, const auvid_identifier_config_t *cfg);
 
+#define auvid_identifier_init_motion AUVID_SIZED(auvid_identifier_init_motion)
+/** As auvid_identifier_init, for your own navigation (auvid_identifier_motion): the filter is not
+ * linked, unless auvid_identifier_step is called. cfg->nav is not read, and auvid_identifier_step
+ * drops every sensor sample.
+ * @return as auvid_identifier_init. */
+auvid_status_t auvid_identifier_init_motion(auvid_identifier_t *id,
+                                            const auvid_identifier_config_t *cfg);
+
 #define auvid_identifier_step AUVID_SIZED(auvid_identifier_step)
 /** Run one control tick. A bad sensor sample is dropped and flagged in out->events; the tick
  * continues.

@@ -32,7 +32,7 @@ const auvid_checkpoint_limit_t auvid_checkpoint_limit[] = {
     WITHIN(nav, imu.rates, imu.past_rates, AUVID_C(100.0)),
     SIGNED(nav, int32_t, imu.yaw_revolutions, imu.yaw_revolutions, -1000000, 1000000),
     BYTE(nav, imu.past_next, imu.past_next, 2 * AUVID_NAV_PAST - 1),
-    WHOLE(nav, uint8_t, imu.ready, imu.ready, NAV_READY, NAV_RUNNING),
+    BYTE(nav, imu.ready, imu.ready, NAV_RUNNING),
     LENGTH(nav, ekf.position, ekf.velocity),
     WITHIN(nav, ekf.pp, ekf.vv, AUVID_C(1e15)),
     LENGTH(nav, gps.offset, gps.offset),

@@ -140,7 +140,9 @@ static bool checkpoint_check_nav(const subject_t *s)
         bool ahead = held_us[i] > t_us && held_us[i] - t_us <= s->id->nav.cfg.max_age_us[i];
         good = good && ((holding >> i & 1u) == 0 || ahead);
     }
-    return good && (holding == 0 || WORD(nav.imu.ready) == NAV_RUNNING);
+    bool filters = s->id->nav.imu.ready != NAV_BLANK; /* else: auvid_identifier_init_motion */
+    return good && filters == (WORD(nav.imu.ready) != NAV_BLANK) &&
+           (holding == 0 || WORD(nav.imu.ready) == NAV_RUNNING);
 }
 
 /* A running record has attitude and input, within the ring. The period of the velocity is as

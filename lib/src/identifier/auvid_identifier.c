@@ -128,14 +128,20 @@ static void identifier_configure_metric(auvid_identifier_t *id,
     }
 }
 
+/* auvid_nav_set_up. Who has another navigation does not name it, so the linker drops it. */
+typedef void identifier_nav_t(auvid_nav_t *nav, const auvid_nav_config_t *cfg,
+                              auvid_refusal_t *why);
+
 static void identifier_init_modules(auvid_identifier_t *id, const auvid_identifier_config_t *cfg,
-                                    auvid_refusal_t *why)
+                                    identifier_nav_t *set_up_nav, auvid_refusal_t *why)
 {
     auvid_recorder_config_t recorder = cfg->recorder;
     recorder.velocity_us = cfg->metric.velocity_us;
     identifier_configure_metric(id, cfg);
-    auvid_check_part(why, "nav");
-    auvid_nav_set_up(&id->nav, &cfg->nav, why);
+    if (set_up_nav != NULL) {
+        auvid_check_part(why, "nav");
+        set_up_nav(&id->nav, &cfg->nav, why);
+    }
     auvid_check_part(why, "recorder");
     auvid_recorder_set_up(&id->recorder, &recorder, why);
     auvid_metric_set_up(&id->metric, &id->metric.cfg, why);
@@ -170,7 +176,8 @@ auvid_real_t auvid_estimate_covariance(const auvid_estimate_t *estimate,
     return estimate->covariance[row * vehicle->parameters - row * (row - 1) / 2 + column - row];
 }
 
-auvid_status_t auvid_identifier_init(auvid_identifier_t *id, const auvid_identifier_config_t *cfg)
+static auvid_status_t identifier_init(auvid_identifier_t *id, const auvid_identifier_config_t *cfg,
+                                      identifier_nav_t *set_up_nav)
 {
     if (id == NULL || cfg == NULL) {
         return AUVID_ERR_NULL;
@@ -187,11 +194,22 @@ auvid_status_t auvid_identifier_init(auvid_identifier_t *id, const auvid_identif
         id->exact_inputs = cfg->exact_inputs;
         id->attached.listener = cfg->listener;
         id->attached.listener_context = cfg->listener_context;
-        identifier_init_modules(id, cfg, &why);
+        identifier_init_modules(id, cfg, set_up_nav, &why);
     }
     if (why.status < 0) {
         memset(id, 0, sizeof *id);
         id->refusal = why;
     }
     return why.status;
+}
+
+auvid_status_t auvid_identifier_init(auvid_identifier_t *id, const auvid_identifier_config_t *cfg)
+{
+    return identifier_init(id, cfg, auvid_nav_set_up);
+}
+
+auvid_status_t auvid_identifier_init_motion(auvid_identifier_t *id,
+                                            const auvid_identifier_config_t *cfg)
+{
+    return identifier_init(id, cfg, NULL);
 }

@@ -19,11 +19,11 @@ static auvid_identifier_t id; /* all the memory that auvid uses */
 static bool configure(void)
 {
     static const auvid_real_t largest[AUVID_DOF_COUNT] = {100, 100, 100, 0, 0, 40}; /* [N, Nm] */
-    auvid_identifier_config_t *cfg = &id.cfg; /* undefined after auvid_identifier_init */
+    auvid_identifier_config_t *cfg = &id.cfg; /* undefined after the initialisation */
     auvid_identifier_defaults(cfg, &auvid_girona500);
     memcpy(cfg->metric.tau_max, largest, sizeof largest);
     cfg->exact_inputs = true; /* of a simulated vehicle; of yours: auvid/uncertain.h */
-    return auvid_identifier_init(&id, cfg) >= 0;
+    return auvid_identifier_init_motion(&id, cfg) >= 0;
 }
 
 static void control_tick(uint64_t now_us)

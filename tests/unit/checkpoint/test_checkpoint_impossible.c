@@ -4,6 +4,7 @@
 #include "checkpoint_case.h"
 #include "search/auvid_line_search_directions_internal.h"
 #include "identifier/auvid_identifier_internal.h"
+#include "navigation/auvid_nav_internal.h"
 
 /* As auvid_checkpoint_begin writes them if memory is damaged. */
 static auvid_identifier_t good;
@@ -238,6 +239,22 @@ static void test_a_held_sample_not_ahead_of_the_imu_is_refused(void)
     check_good();
 }
 
+static void test_an_identifier_without_the_filter_is_restored_without_it(void)
+{
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init_motion(&id, &cfg));
+    move_from_to(&id, 0, 30);
+    bytes = save(&id, saved, sizeof saved);
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init_motion(&id, &cfg));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_checkpoint_restore(&id, saved, bytes));
+    id.nav.imu.ready = NAV_READY; /* damaged */
+    bytes = save(&id, saved, sizeof saved);
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init_motion(&id, &cfg));
+    TEST_ASSERT_EQUAL(AUVID_ERR_RANGE, auvid_checkpoint_restore(&id, saved, bytes));
+    init(&id);
+    init(&good);
+    IMPOSSIBLE(nav.imu.ready = NAV_BLANK);
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -250,5 +267,6 @@ int main(void)
     RUN_TEST(test_sets_that_contradict_the_phase_of_work_are_refused);
     RUN_TEST(test_a_prediction_of_more_cells_than_there_were_is_refused);
     RUN_TEST(test_a_held_sample_not_ahead_of_the_imu_is_refused);
+    RUN_TEST(test_an_identifier_without_the_filter_is_restored_without_it);
     return UNITY_END();
 }

@@ -334,6 +334,8 @@ static void test_null_pointers_are_refused_and_outputs_written(void)
     auvid_identifier_attach(NULL, NULL);
     TEST_ASSERT_EQUAL(AUVID_ERR_NULL, auvid_identifier_init(NULL, &cfg.id));
     TEST_ASSERT_EQUAL(AUVID_ERR_NULL, auvid_identifier_init(&chain.id, NULL));
+    TEST_ASSERT_EQUAL(AUVID_ERR_NULL, auvid_identifier_init_motion(NULL, &cfg.id));
+    TEST_ASSERT_EQUAL(AUVID_ERR_NULL, auvid_identifier_init_motion(&chain.id, NULL));
     TEST_ASSERT_EQUAL(AUVID_ERR_NULL, auvid_identifier_excite(NULL));
     TEST_ASSERT_EQUAL(AUVID_ERR_NULL, auvid_identifier_stop(NULL));
     TEST_ASSERT_EQUAL(AUVID_ERR_NULL, auvid_identifier_arm(NULL));

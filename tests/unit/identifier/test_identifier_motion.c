@@ -83,13 +83,37 @@ static void test_attitude_and_velocity_apart_record_the_bits_of_motion(void)
         attitude[2] = nu[AUVID_YAW] += AUVID_C(0.0001);
         TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_motion(&together, t_us, attitude, nu));
         TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_applied(&together, t_us, tau, NULL));
-        TEST_ASSERT_EQUAL(
-            AUVID_OK, auvid_identifier_attitude(&chain.id, t_us, attitude, nu + AUVID_ROLL));
+        TEST_ASSERT_EQUAL(AUVID_OK,
+                          auvid_identifier_attitude(&chain.id, t_us, attitude, nu + AUVID_ROLL));
         TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_velocity(&chain.id, t_us, nu, 7u));
         TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_applied(&chain.id, t_us, tau, NULL));
     }
     TEST_ASSERT_EQUAL_MEMORY(&together.recorder, &chain.id.recorder, sizeof chain.id.recorder);
     TEST_ASSERT_EQUAL_MEMORY(&together.metric, &chain.id.metric, sizeof chain.id.metric);
+}
+
+static void test_without_the_filter_motion_is_recorded_and_sensors_are_dropped(void)
+{
+    static auvid_identifier_t filters;
+    auvid_real_t attitude[3] = {0}, nu[AUVID_DOF_COUNT] = {0}, tau[AUVID_DOF_COUNT] = {0};
+    auvid_input_t in = {.t_us = 5000000, .imu = {.present = true, .t_us = 5000000}};
+    auvid_output_t out;
+    in.dvl.present = true;
+    in.dvl.sample.t_us = 5000000;
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&filters, &cfg.id));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init_motion(&chain.id, &cfg.id));
+    for (uint64_t t_us = 20000; t_us < 5000000; t_us += 20000) {
+        attitude[2] = nu[AUVID_YAW] += AUVID_C(0.0001);
+        for (int k = 0; k < 2; ++k) {
+            auvid_identifier_t *to = k == 0 ? &filters : &chain.id;
+            TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_motion(to, t_us, attitude, nu));
+            TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_applied(to, t_us, tau, NULL));
+        }
+    }
+    TEST_ASSERT_EQUAL_MEMORY(&filters.recorder, &chain.id.recorder, sizeof chain.id.recorder);
+    TEST_ASSERT_EQUAL_MEMORY(&filters.metric, &chain.id.metric, sizeof chain.id.metric);
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_step(&chain.id, &in, &out));
+    TEST_ASSERT_EQUAL_HEX32(AUVID_EVENT_IMU_DROPPED | AUVID_EVENT_DVL_DROPPED, out.events);
 }
 
 static void test_attitude_and_velocity_apart_may_have_different_rates(void)
@@ -158,6 +182,7 @@ int main(void)
     RUN_TEST(test_motion_and_wrench_of_a_wrong_time_or_value_are_refused);
     RUN_TEST(test_motion_is_refused_as_a_whole_if_one_half_is);
     RUN_TEST(test_attitude_and_velocity_apart_record_the_bits_of_motion);
+    RUN_TEST(test_without_the_filter_motion_is_recorded_and_sensors_are_dropped);
     RUN_TEST(test_attitude_and_velocity_apart_may_have_different_rates);
     RUN_TEST(test_attitude_and_velocity_of_a_wrong_time_or_value_are_refused);
     RUN_TEST(test_the_period_of_motion_from_elsewhere_is_observed);

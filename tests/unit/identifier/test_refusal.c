@@ -59,6 +59,13 @@ static void check_named(auvid_status_t status, const char *part, const char *fie
     assert_why(&node.id.refusal, part, field, element, value, limit);
     TEST_ASSERT_EQUAL_INT(AUVID_ERR_STATE, auvid_identifier_work(&node.id, 1));
     memset(&node, 0xFF, sizeof node);
+    if (strcmp(part, "nav") == 0) { /* is not read for another navigation */
+        TEST_ASSERT_EQUAL_INT(AUVID_OK, auvid_identifier_init_motion(&node.id, &cfg));
+    } else {
+        TEST_ASSERT_EQUAL_INT(status, auvid_identifier_init_motion(&node.id, &cfg));
+        assert_why(&node.id.refusal, part, field, element, value, limit);
+    }
+    memset(&node, 0xFF, sizeof node);
     node.id.cfg = cfg; /* the same where init may overwrite its configuration, through the node */
     TEST_ASSERT_EQUAL_INT(status, auvid_node_init(&node, &bus, &thrusters, &node.id.cfg));
     assert_why(&node.id.refusal, part, field, element, value, limit);
