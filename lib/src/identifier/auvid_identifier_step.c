@@ -180,7 +180,7 @@ static void identifier_record_state(auvid_identifier_t *id, const auvid_input_t 
         (void)auvid_recorder_attitude(&id->recorder, state.t_us, state.attitude, state.rates);
     }
     identifier_record_velocity(id);
-    if (!auvid_nav_is_fresh(&id->nav, water ? AUVID_NAV_DVL_WATER : AUVID_NAV_DVL_BOTTOM)) {
+    if (!nav_is_fresh(&id->nav, water ? AUVID_NAV_DVL_WATER : AUVID_NAV_DVL_BOTTOM)) {
         id->events |= AUVID_EVENT_VELOCITY_STALE;
     }
 }

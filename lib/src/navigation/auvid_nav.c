@@ -150,13 +150,6 @@ void auvid_nav_increment(uint16_t *counter)
     *counter = (uint16_t)(*counter + (*counter < UINT16_MAX));
 }
 
-bool auvid_nav_is_fresh(const auvid_nav_t *nav, int sensor)
-{
-    const auvid_nav_diagnostics_t *d = &nav->diagnostics[sensor];
-    return d->has_sample &&
-           (nav->imu.t_us < d->good_us || nav->imu.t_us - d->good_us <= nav->cfg.stale_us);
-}
-
 bool auvid_nav_pose(const auvid_nav_t *nav, auvid_nav_state_t *state)
 {
     if (nav->imu.ready != NAV_RUNNING) {
@@ -183,7 +176,7 @@ auvid_status_t auvid_nav_state(const auvid_nav_t *nav, auvid_nav_state_t *state)
     }
     state->flags = nav->flags;
     for (int i = 0; i < AUVID_NAV_SENSOR_COUNT; ++i) {
-        state->flags |= auvid_nav_is_fresh(nav, i) ? AUVID_NAV_FRESH(i) : 0u;
+        state->flags |= nav_is_fresh(nav, i) ? AUVID_NAV_FRESH(i) : 0u;
     }
     return AUVID_OK;
 }

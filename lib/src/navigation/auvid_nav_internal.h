@@ -56,7 +56,12 @@ AUVID_INLINE auvid_status_t nav_within(const auvid_real_t x[3], auvid_real_t lim
 }
 
 /** Return whether a sample of this sensor was accepted within stale_us. */
-bool auvid_nav_is_fresh(const auvid_nav_t *nav, int sensor);
+static inline bool nav_is_fresh(const auvid_nav_t *nav, int sensor)
+{
+    const auvid_nav_diagnostics_t *d = &nav->diagnostics[sensor];
+    return d->has_sample &&
+           (nav->imu.t_us < d->good_us || nav->imu.t_us - d->good_us <= nav->cfg.stale_us);
+}
 
 /** Add a step to one axis of the position. The rounding error goes to position_lo: Dekker's fast
  * two-sum, exact while |position| >= |step|; otherwise the loss is one rounding of step. */

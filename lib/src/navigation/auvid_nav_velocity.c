@@ -162,7 +162,7 @@ auvid_status_t auvid_nav_update_velocity(auvid_nav_t *nav, uint8_t sensor, uint6
     }
     nav_dvl_to_body(nav, v, valid, &m);
     bool water = sensor == AUVID_NAV_DVL_WATER;
-    bool hold_back = water && auvid_nav_is_fresh(nav, AUVID_NAV_DVL_BOTTOM);
+    bool hold_back = water && nav_is_fresh(nav, AUVID_NAV_DVL_BOTTOM);
     bool present = !hold_back && !m.directed && !(m.age > AUVID_C(0.0));
     status = auvid_nav_apply_sample(nav, &m, hold_back, present && nav_apply_velocity(nav, &m));
     if (status != AUVID_OK) {

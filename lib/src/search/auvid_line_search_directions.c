@@ -51,6 +51,14 @@ static bool line_search_place_probe(auvid_optimizer_t *o)
     return false;
 }
 
+/* Set parameter k of the trial, cut at the box. @return does it differ from the iterate's? */
+static bool line_search_put(auvid_optimizer_t *o, size_t k, auvid_real_t x)
+{
+    const auvid_real_t best = o->line_search.theta[k];
+    o->trial[k] = auvid_clamp_here(x, o->cfg.lower[k], o->cfg.upper[k]);
+    return o->trial[k] < best || o->trial[k] > best;
+}
+
 /* trial = base + t d_i; the box limits t. Returns false if the trial equals the iterate. */
 static bool line_search_place_along(auvid_optimizer_t *o)
 {
@@ -72,8 +80,7 @@ static bool line_search_place_along(auvid_optimizer_t *o)
     }
     for (size_t k = first; k <= i; ++k) {
         const auvid_real_t x = ls->base[k] + t * (sign * line_search_component(o, i, k));
-        o->trial[k] = k == bound ? to : auvid_clamp(x, c->lower[k], c->upper[k]);
-        moved = moved || o->trial[k] < ls->theta[k] || o->trial[k] > ls->theta[k];
+        moved = line_search_put(o, k, k == bound ? to : x) || moved;
     }
     ls->t = c->paper ? (o->trial[i] - ls->base[i]) / d : t;
     return moved;
@@ -82,13 +89,11 @@ static bool line_search_place_along(auvid_optimizer_t *o)
 /* The same with d the displacement of the sweep. */
 static bool line_search_place_pattern(auvid_optimizer_t *o)
 {
-    auvid_line_search_t *ls = &o->line_search;
-    const auvid_search_config_t *c = &o->cfg;
+    const auvid_line_search_t *ls = &o->line_search;
     bool moved = false;
-    for (size_t k = 0; k < c->n; ++k) {
+    for (size_t k = 0; k < o->cfg.n; ++k) {
         const auvid_real_t x = ls->base[k] + ls->t * (ls->base[k] - ls->previous[k]);
-        o->trial[k] = auvid_clamp(x, c->lower[k], c->upper[k]);
-        moved = moved || o->trial[k] < ls->theta[k] || o->trial[k] > ls->theta[k];
+        moved = line_search_put(o, k, x) || moved;
     }
     return moved;
 }

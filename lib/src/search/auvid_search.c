@@ -143,6 +143,6 @@ bool auvid_search_inside(const auvid_search_config_t *c, const auvid_real_t *the
 void auvid_search_clip(const auvid_search_config_t *c, const auvid_real_t *theta, auvid_real_t *to)
 {
     for (size_t i = 0; i < c->n; ++i) {
-        to[i] = auvid_clamp(theta[i], c->lower[i], c->upper[i]);
+        to[i] = auvid_clamp_here(theta[i], c->lower[i], c->upper[i]);
     }
 }
