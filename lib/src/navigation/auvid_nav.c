@@ -6,6 +6,8 @@
 #include "../base/auvid_refusal_internal.h"
 #include "auvid_nav_internal.h"
 
+extern void auvid_nav_subtract(auvid_real_t *p, const auvid_real_t *k, const auvid_real_t *c);
+
 #define NAV_SENSOR(name, input, event, kind, axis, axes, config, noise_mm, surface, start)         \
     [AUVID_NAV_##name] = {offsetof(auvid_nav_config_t, sigma_##config),                            \
                           offsetof(auvid_nav_config_t, config##_max_age_us),                       \

@@ -122,7 +122,7 @@ AUVID_INLINE void nav_times(const auvid_real_t s[6], const auvid_real_t x[3], au
 }
 
 /* P -= k c' of a symmetric block */
-AUVID_INLINE void nav_subtract(auvid_real_t p[6], const auvid_real_t k[3], const auvid_real_t c[3])
+AUVID_SHARED void auvid_nav_subtract(auvid_real_t *p, const auvid_real_t *k, const auvid_real_t *c)
 {
     p[0] -= k[0] * c[0];
     p[1] -= k[0] * c[1];
@@ -140,8 +140,8 @@ AUVID_INLINE auvid_real_t nav_apply(auvid_nav_t *nav, const auvid_real_t c[6], a
     auvid_real_t inverse = AUVID_C(1.0) / s;
     const auvid_real_t k[6] = {c[0] * inverse, c[1] * inverse, c[2] * inverse,
                                c[3] * inverse, c[4] * inverse, c[5] * inverse};
-    nav_subtract(nav->ekf.pp, k, c);
-    nav_subtract(nav->ekf.vv, k + 3, c + 3);
+    auvid_nav_subtract(nav->ekf.pp, k, c);
+    auvid_nav_subtract(nav->ekf.vv, k + 3, c + 3);
     nav_add(nav->ekf.pv[0], -k[0], c + 3);
     nav_add(nav->ekf.pv[1], -k[1], c + 3);
     nav_add(nav->ekf.pv[2], -k[2], c + 3);
