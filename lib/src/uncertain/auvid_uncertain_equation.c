@@ -8,7 +8,7 @@
 
 #define PROJECTED_NOISE AUVID_C(1.4)     /* of projected rows: disturbances are slow */
 #define LARGEST_BAND_RATIO AUVID_C(30.0) /* of the residuals of the bands */
-#define MOVES_FORCES AUVID_C(0.7)        /* lambda, see auvid_uncertain_solve.c */
+#define MOVES_FORCES AUVID_C(0.7)        /* lambda / h, see auvid_uncertain_solve.c */
 #define MOVES_MOMENTS AUVID_C(0.4)
 /* Parts of the supplied thrust that are delivered: gamma is 1 from the first to all of it, and
  * constant below the second. */
@@ -189,8 +189,34 @@ static auvid_real_t uncertain_gamma(const uncertain_t *u, int j,
     return auvid_max(auvid_clamp(delivered, LEAST_THRUST, FULL_THRUST) / FULL_THRUST, delivered);
 }
 
-/* What the residual adds to each column, and the same for the joint solution (side). */
+/* Returns h of DoF j, a force's: which part of a residual with these squares in the bands
+ * accelerates a vehicle of this mass. */
+static auvid_real_t uncertain_accelerating(const uncertain_t *u, const auvid_metric_t *m, int j,
+                                           auvid_real_t mass,
+                                           const auvid_real_t squares[AUVID_METRIC_BANDS])
+{
+    const auvid_uncertain_part_t *p = &u->work.part;
+    int l = p->drag_at[0], q = p->drag_at[1], none = u->equation[j].order;
+    auvid_real_t speed = AUVID_C(0.0), drag = AUVID_C(0.0);
+    if (q != none) {
+        speed = auvid_sqrt(auvid_sqrt(auvid_uncertain_product(u, j, q, q) / u->rows[j]));
+    }
+    if (l != none) {
+        speed = auvid_sqrt(auvid_uncertain_product(u, j, l, l) / u->rows[j]);
+        drag = p->value[l];
+    }
+    drag += q != none ? AUVID_C(2.0) * speed * p->value[q] : AUVID_C(0.0);
+    auvid_real_t pair_s = AUVID_C(1e-6) * (auvid_real_t)m->cfg.cell_us *
+                          (auvid_real_t)(m->cfg.row_cells * m->cfg.lag[0]);
+    auvid_real_t rate = AUVID_C(2.0) * squares[1] * mass;
+    auvid_real_t all = rate + pair_s * squares[0] * auvid_abs(drag);
+    return mass > AUVID_C(0.0) && all > AUVID_C(0.0) ? auvid_sqrt(rate / all) : AUVID_C(1.0);
+}
+
+/* What the residual, with these squares in the bands, adds to each column, and the same for the
+ * joint solution (side). */
 static void uncertain_prepare_slopes(uncertain_t *u, const auvid_metric_t *m, int j,
+                                     const auvid_real_t squares[AUVID_METRIC_BANDS],
                                      const auvid_real_t weight[AUVID_METRIC_BANDS])
 {
     auvid_uncertain_part_t *p = &u->work.part;
@@ -205,6 +231,9 @@ static void uncertain_prepare_slopes(uncertain_t *u, const auvid_metric_t *m, in
     auvid_zero(&p->regressor, sizeof p->regressor); /* the factor is there from now on */
     for (int k = 0; k < e->order - 1 - e->inputs; ++k) {
         mass += a[index[k]] * u->pi[index[k]];
+    }
+    if (j < AUVID_ROLL) {
+        lambda *= uncertain_accelerating(u, m, j, mass, squares);
     }
     auvid_clear(u->work.side[j], JOINT_ORDER);
     for (int k = 0; k < e->order - 1; ++k) {
@@ -331,7 +360,7 @@ void auvid_uncertain_prepare(uncertain_t *u, const auvid_metric_t *m, int j)
         uncertain_weigh_projected(u, m, j,
                                   auvid_max(auvid_sqrt(AUVID_UNCERTAIN_SMOOTHED * mean), least));
     }
-    uncertain_prepare_slopes(u, m, j, weight);
+    uncertain_prepare_slopes(u, m, j, squares, weight);
 }
 
 void auvid_uncertain_add_row(uncertain_t *u, int j, int band, int i)
