@@ -16,6 +16,9 @@ extern "C" {
 // auvid_uncertain_parts_internal.h, which is C
 auvid_real_t auvid_uncertain_sigma(const auvid_uncertain_t *u, const auvid_metric_t *m, int code,
                                    int j);
+void auvid_uncertain_begin(auvid_uncertain_t *u);
+auvid_status_t auvid_uncertain_solve(auvid_uncertain_t *u, const auvid_metric_t *m,
+                                     uint32_t *budget);
 }
 
 enum { INPUT_DELAY = AUVID_UNCERTAIN_SHARED, INPUT_ASYMMETRY };
@@ -135,7 +138,8 @@ struct Reference {
                       double(u.rows[j]));
         double force_per_speed = -x(AUVID_UNCERTAIN_SHARED + drag[j]) -
                                  2.0 * speed * x(AUVID_UNCERTAIN_SHARED + drag[j] + 1);
-        double between_s = 1e-6 * m.cfg.cell_us * m.cfg.row_cells * m.cfg.lag[0];
+        double between_s =
+            1e-6 * (m.cfg.cell_us << m.result.doublings) * m.cfg.row_cells * m.cfg.lag[0];
         double bandwidth = 2.0 * squares[1] / squares[0] / between_s; // [rad/s]
         double m_j = x(AUVID_UNCERTAIN_SHARED + mass(j));
         double part = std::sqrt(bandwidth / (bandwidth + force_per_speed / m_j));
@@ -239,10 +243,8 @@ void identify(field_vehicle_t vehicle, uint64_t seed, const char *changed, doubl
     TEST_ASSERT_TRUE(run.uncertain.estimate.number > 0);
 }
 
-Reference check(field_vehicle_t vehicle, uint64_t seed, const char *changed = nullptr,
-                double value = 0.0)
+Reference compare()
 {
-    identify(vehicle, seed, changed, value);
     Reference reference;
     reference.solve();
     for (int i = 0; i < PARAMETERS; ++i) {
@@ -255,6 +257,13 @@ Reference check(field_vehicle_t vehicle, uint64_t seed, const char *changed = nu
         TEST_ASSERT_DOUBLE_WITHIN(0.1 * sigma, reference.x(k), double(run.uncertain.shared[k]));
     }
     return reference;
+}
+
+Reference check(field_vehicle_t vehicle, uint64_t seed, const char *changed = nullptr,
+                double value = 0.0)
+{
+    identify(vehicle, seed, changed, value);
+    return compare();
 }
 
 void test_the_solution_is_that_of_the_joint_normal_equations()
@@ -286,6 +295,21 @@ void test_so_it_is_of_a_quick_vehicle_in_waves()
     }
 }
 
+// The same rows, as if their cells were longer.
+void test_so_it_is_with_longer_cells()
+{
+    double part = check(FIELD_ROV20, 5, "waves", 20.0).smallest_part;
+    run.id.metric.result.doublings = 1;
+    for (int pass = 0; pass < PASSES; ++pass) {
+        uint32_t budget = 100000000;
+        auvid_uncertain_begin(&run.uncertain);
+        TEST_ASSERT_EQUAL(AUVID_OK, auvid_uncertain_solve(&run.uncertain, &run.id.metric, &budget));
+    }
+    double longer = compare().smallest_part;
+    printf("part that accelerates: %.2f; if the cells were longer: %.2f\n", part, longer);
+    TEST_ASSERT_TRUE(longer < 0.9 * part);
+}
+
 } // namespace
 
 int main()
@@ -293,6 +317,7 @@ int main()
     UNITY_BEGIN();
     RUN_TEST(test_the_solution_is_that_of_the_joint_normal_equations);
     RUN_TEST(test_so_it_is_of_a_quick_vehicle_in_waves);
+    RUN_TEST(test_so_it_is_with_longer_cells);
     RUN_TEST(test_so_it_is_where_much_of_the_thrust_is_not_delivered_or_more_than_all);
     return UNITY_END();
 }

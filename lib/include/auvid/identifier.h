@@ -337,8 +337,7 @@ typedef struct auvid_identifier {
     bool started;
     uint8_t reserved[7];
     auvid_identifier_work_t work;
-    /* the modules, each with its configuration first; what is above is reached by short
-     * instructions */
+    /* the modules; what is above is reached by short instructions */
     auvid_recorder_t recorder;
     auvid_metric_t metric;
     auvid_nav_t nav;
@@ -392,7 +391,7 @@ auvid_status_t auvid_identifier_init(auvid_identifier_t *id, const auvid_identif
 /** As auvid_identifier_init, for your own navigation (auvid_identifier_motion): the filter is not
  * linked, unless auvid_identifier_step is called. cfg->nav is not read, and auvid_identifier_step
  * drops every sensor sample.
- * @return as auvid_identifier_init. */
+ * @return as auvid_identifier_init, without the errors of auvid_nav_init. */
 auvid_status_t auvid_identifier_init_motion(auvid_identifier_t *id,
                                             const auvid_identifier_config_t *cfg);
 

@@ -46,7 +46,7 @@ typedef float auvid_real_t;
 #endif
 
 /** Bytes that fill up a multiple of `unit` after this many bytes: 1..unit. State has no gaps that a
- * compiler leaves (checkpoint.h), so a struct ends with as many reserved bytes. */
+ * compiler leaves (checkpoint.h), so reserved bytes fill it. */
 #define AUVID_GAP(unit, bytes) ((unit) - (bytes) % (unit))
 
 /** So many bytes, or a few more, fill up whole reals. */
@@ -136,8 +136,9 @@ const char *auvid_status_str(auvid_status_t status);
 auvid_status_t auvid_selftest(void);
 
 /**
- * What a configuration was refused for. Written by auvid_identifier_init, auvid_node_init (to its
- * identifier), auvid_identifier_attach_actuation (to its storage) and auvid_terms_init.
+ * What a configuration was refused for. Written by auvid_identifier_init and
+ * auvid_identifier_init_motion, auvid_node_init (to its identifier),
+ * auvid_identifier_attach_actuation (to its storage) and auvid_terms_init.
  * To print it: "cfg.<part>.<field>[<element>] is <value>, limit <limit>";
  * without "<part>." if part is empty, without "[<element>]" if element is -1. An empty field: all
  * of the part.

@@ -14,7 +14,8 @@
  * error, three Gauss-Newton steps; one if an excitation continues). Otherwise columns that contain
  * the thrust would shrink it. What the inputs leave of their own errors is in the thrust, though:
  * 0.3 of e is ascribed to it, and 0.6 in the moments, which thrusters form as small differences;
- * more where e is slower than the vehicle, which then gets speed from it instead of acceleration.
+ * of a force more, where e is slower than the vehicle, which then gets speed from it, and little
+ * acceleration.
  * Columns of the hull and its weight are made orthogonal to its drag, so that X_u and X_uu remain
  * the best drag of the model for the motion that was seen. In a model of roll or pitch the weight
  * is no part of the drag.

@@ -80,7 +80,7 @@ auvid_real_t auvid_max(auvid_real_t a, auvid_real_t b);
 
 auvid_real_t auvid_clamp(auvid_real_t x, auvid_real_t low, auvid_real_t high);
 
-/** auvid_clamp() without a call, for inner loops. */
+/** auvid_clamp() without a call: for what is called in every tick or trial. */
 static inline auvid_real_t auvid_clamp_here(auvid_real_t x, auvid_real_t low, auvid_real_t high)
 {
     return x < low ? low : (x > high ? high : x);

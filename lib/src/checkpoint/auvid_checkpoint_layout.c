@@ -44,7 +44,7 @@ const auvid_checkpoint_block_t auvid_checkpoint_block[CHECKPOINT_BLOCKS] = {
     OF_ID(optimum, optimum, PART_OPTIMUM),
     OF_ID(linear.windows, linear.windows, PART_NEWTON | PART_WINDOWS),
     OF_ID(linear.newton, linear.newton, PART_NEWTON),
-    OF_ID(confidence.n, confidence.part, PART_CONFIDENCE),
+    OF_ID(confidence.dry_mass_kg, confidence.part, PART_CONFIDENCE),
     BLOCK(ROOT_ACTUATION, auvid_actuation_t, excitation.repeated_us, excitation.reserved,
           PART_ACTUATION),
     BLOCK(ROOT_ACTUATION, auvid_actuation_t, guard.t_us, guard.reserved, PART_ACTUATION),
@@ -128,8 +128,8 @@ const auvid_checkpoint_struct_t auvid_checkpoint_struct[] = {
 const size_t auvid_checkpoint_structs =
     sizeof auvid_checkpoint_struct / sizeof auvid_checkpoint_struct[0];
 
-/* No gap after the last member: with the members in the order of their widths, none between them
- * either. */
+/* No gap after the last member: with the members in the order of their widths, or small ones filled
+ * up, none between them either. */
 #define NO_GAP(type, last) _Static_assert(END(type, last) == sizeof(type), "a gap in " #type)
 NO_GAP(auvid_nav_velocity_sample_t, reserved);
 NO_GAP(auvid_recorder_stream_t, reserved);

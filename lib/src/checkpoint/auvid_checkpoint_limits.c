@@ -191,7 +191,8 @@ const auvid_checkpoint_limit_t auvid_checkpoint_limit[] = {
     BYTE(gauss_newton, rejected, rejected, NEWTON_MAX_REJECTED),
     BYTE(gauss_newton, damped, damped, AUVID_MAX_PARAMETERS),
 
-    FINITE(confidence_job, dry_mass_kg, part),
+    FINITE(confidence_job, dry_mass_kg, dry_mass_kg),
+    FINITE(confidence_job, score, part),
     VALUE(confidence_job, pi, single_dof_optimum),
     BYTE(confidence_job, parameter_of, parameter_of, AUVID_MAX_PARAMETERS - 1),
     WHOLE(confidence_job, uint8_t, n, n, 1, AUVID_MAX_PARAMETERS),

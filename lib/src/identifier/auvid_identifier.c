@@ -128,7 +128,8 @@ static void identifier_configure_metric(auvid_identifier_t *id,
     }
 }
 
-/* auvid_nav_set_up. Who has another navigation does not name it, so the linker drops it. */
+/* auvid_nav_set_up; NULL for another navigation. A program that calls only
+ * auvid_identifier_init_motion does not reference it, so the linker drops it. */
 typedef void identifier_nav_t(auvid_nav_t *nav, const auvid_nav_config_t *cfg,
                               auvid_refusal_t *why);
 

@@ -9,7 +9,7 @@
 #define PROJECTED_NOISE AUVID_C(1.4)     /* of projected rows: disturbances are slow */
 #define LARGEST_BAND_RATIO AUVID_C(30.0) /* of the residuals of the bands */
 #define MOVES_FORCES AUVID_C(0.7)        /* lambda / h, see auvid_uncertain_solve.c */
-#define MOVES_MOMENTS AUVID_C(0.4)
+#define MOVES_MOMENTS AUVID_C(0.4)       /* lambda */
 /* Parts of the supplied thrust that are delivered: gamma is 1 from the first to all of it, and
  * constant below the second. */
 #define FULL_THRUST AUVID_C(0.9)
@@ -189,8 +189,8 @@ static auvid_real_t uncertain_gamma(const uncertain_t *u, int j,
     return auvid_max(auvid_clamp(delivered, LEAST_THRUST, FULL_THRUST) / FULL_THRUST, delivered);
 }
 
-/* Returns h of DoF j, a force's: which part of a residual with these squares in the bands
- * accelerates a vehicle of this mass. */
+/* Returns h = sqrt(eta) of DoF j, a force's, for a residual with these squares in the bands; see
+ * auvid_uncertain_solve.c. */
 static auvid_real_t uncertain_accelerating(const uncertain_t *u, const auvid_metric_t *m, int j,
                                            auvid_real_t mass,
                                            const auvid_real_t squares[AUVID_METRIC_BANDS])
@@ -206,7 +206,7 @@ static auvid_real_t uncertain_accelerating(const uncertain_t *u, const auvid_met
         drag = p->value[l];
     }
     drag += q != none ? AUVID_C(2.0) * speed * p->value[q] : AUVID_C(0.0);
-    auvid_real_t pair_s = AUVID_C(1e-6) * (auvid_real_t)m->cfg.cell_us *
+    auvid_real_t pair_s = AUVID_C(1e-6) * (auvid_real_t)auvid_metric_cell_us(m) *
                           (auvid_real_t)(m->cfg.row_cells * m->cfg.lag[0]);
     auvid_real_t rate = AUVID_C(2.0) * squares[1] * mass;
     auvid_real_t all = rate + pair_s * squares[0] * auvid_abs(drag);

@@ -74,6 +74,7 @@ typedef struct {
 typedef struct {
     const auvid_metric_t *metric; /* during a call only */
     /* state: from here on, see checkpoint.h */
+    auvid_real_t dry_mass_kg;
     uint8_t n, spent, phase;
     auvid_confidence_place_t at;
     bool not_converged; /* the search has not converged */
@@ -83,7 +84,6 @@ typedef struct {
     uint8_t parameter_of[AUVID_MAX_PARAMETERS]; /* of column k */
     uint8_t reserved[AUVID_GAP(sizeof(auvid_real_t), 2 * AUVID_MAX_PARAMETERS + 12)];
     auvid_confidence_t result;
-    auvid_real_t dry_mass_kg;
     auvid_real_t score[AUVID_MAX_PARAMETERS]; /* of one DoF of one set, at its optimum */
     auvid_confidence_influence_t influence;
     auvid_real_t variance[AUVID_MAX_PARAMETERS]; /* diagonal of (J'J)^-1 */
