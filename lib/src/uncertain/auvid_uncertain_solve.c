@@ -20,11 +20,11 @@
  * without linear drag, the fourth root of the mean of v^4), and drag that is not estimated does not
  * count. a follows from the squares s, d of both bands, as in uncertain_weigh_bands: of two rows T
  * apart a first-order autoregression has d / s = tanh(a T / 2), and a is taken as 2 d / (T s). For
- * slow vehicles h is near 1. With 1 instead, masses of quick ROVs are 7 to 21 % too large where waves or
- * a cable pull at them (means of 24 logs each of two ROVs, three kinds of motion, in an independent
- * simulator), and with h -2 to 4 %. With eta drag is less exact (rms error 11 to 17 % instead of 10
- * to 14). What does not accelerate is left to the thrust: with the rest in the columns of drag,
- * drag becomes 6 to 15 % too large, as it takes what a wrong model leaves as well.
+ * slow vehicles h is near 1. With 1 instead, masses of quick ROVs are 7 to 21 % too large where
+ * waves or a cable pull at them (means of 24 logs each of two ROVs, three kinds of motion, in an
+ * independent simulator), and with h -2 to 4 %. With eta drag is less exact (rms error 11 to 17 %
+ * instead of 10 to 14). What does not accelerate is left to the thrust: with the rest in the
+ * columns of drag, drag becomes 7 to 14 % too large, as it takes what a wrong model leaves as well.
  *
  * No motion shows the scale of thrust, masses and drag together. With v its direction, and d the
  * part of the thrust that is delivered, 1 - sum_k k b_k, X v = -e, and X~ v = 0 if gamma = d. If
