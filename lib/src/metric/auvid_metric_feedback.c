@@ -23,7 +23,7 @@
  *
  * The wrench is feedback if the sum over n DoF exceeds 10 sqrt(n). Simulated for 600 s in mixtures
  * of usual size: so it does in 793 of 800 surveys under a controller, in 97 of 100 runs of one that
- * keeps its place, and with a joystick in none of 100; in mixtures twice as large in 182 of 200,
+ * keeps its place, and with a joystick in none of 100; in mixtures twice as large in 181 of 200,
  * 100 of 100 and none of 100. Roll and pitch are summed by themselves: an autopilot often holds
  * them while the rest is driven in open loop. They have one block of the wrench's past: such an
  * autopilot is quick, and more of the past hides its answers (found in 5 of 12 logs, not 10). DoF

@@ -25,6 +25,7 @@
  * independent simulator), and with h -2 to 4 %. With eta drag is less exact (rms error 11 to 17 %
  * instead of 10 to 14). What does not accelerate is left to the thrust: with the rest in the
  * columns of drag, drag becomes 7 to 14 % too large, as it takes what a wrong model leaves as well.
+ * Moments keep 0.4: with h drag forces are wrong twice as often.
  *
  * No motion shows the scale of thrust, masses and drag together. With v its direction, and d the
  * part of the thrust that is delivered, 1 - sum_k k b_k, X v = -e, and X~ v = 0 if gamma = d. If
