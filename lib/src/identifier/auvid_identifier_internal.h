@@ -107,10 +107,6 @@ static inline void identifier_judge_uncertain(auvid_identifier_t *id, bool chang
     }
 }
 
-/** Largest speed of a DoF in the ring's sets in which it was excited [m/s, rad/s].
- * @param k 2 j: forward in DoF j; 2 j + 1: backward */
-auvid_real_t auvid_identifier_speed(const auvid_metric_t *m, int k);
-
 /** A linear combination of parameters, sum of a_i pi_i. */
 typedef struct {
     uint8_t terms, index[AUVID_MAX_PARAMETERS]; /* of parameters with a standard error */

@@ -33,15 +33,22 @@ static void identifier_rest(auvid_identifier_t *id)
     identifier_take_set(id, auvid_metric_release(&id->metric, id->applied.t_us + lead_us));
 }
 
-auvid_real_t auvid_identifier_speed(const auvid_metric_t *m, int k)
+/* Write the largest speeds of each DoF, forward and backward, in the sets in which it was excited.
+ */
+static void identifier_find_speeds(const auvid_metric_t *m, auvid_real_t speed[AUVID_DOF_COUNT][2])
 {
-    uint16_t max_speed = 0;
+    uint16_t largest[2 * AUVID_DOF_COUNT] = {0};
     for (int age = 0; age < auvid_metric_sets(m); ++age) {
         const auvid_set_t *set = auvid_metric_set(m, age);
-        uint16_t speed = auvid_metric_set_counts(m, set, k / 2) ? set->fastest[k / 2][k % 2] : 0;
-        max_speed = speed > max_speed ? speed : max_speed;
+        for (int k = 0; k < 2 * AUVID_DOF_COUNT; ++k) {
+            uint16_t of_set = set->fastest[k / 2][k % 2];
+            bool counts = of_set > largest[k] && auvid_metric_set_counts(m, set, k / 2);
+            largest[k] = counts ? of_set : largest[k];
+        }
     }
-    return AUVID_C(0.001) * (auvid_real_t)max_speed;
+    for (int k = 0; k < 2 * AUVID_DOF_COUNT; ++k) {
+        speed[k / 2][k % 2] = AUVID_C(0.001) * (auvid_real_t)largest[k];
+    }
 }
 
 /* The rows were mostly noise: record longer cells. */
@@ -78,9 +85,7 @@ static void identifier_publish_estimate(auvid_identifier_t *id)
     }
     e->first_order_lag = id->metric.result.first_order_lag;
     auvid_metric_r2(&id->metric, e->r2_force);
-    for (int k = 0; k < 2 * AUVID_DOF_COUNT; ++k) {
-        e->speed[k / 2][k % 2] = auvid_identifier_speed(&id->metric, k);
-    }
+    identifier_find_speeds(&id->metric, e->speed);
     e->not_converged = id->work.not_converged;
     e->evaluations_crs = id->work.searched.crs;
     e->evaluations_line = id->work.searched.line_search;

@@ -183,11 +183,10 @@ static void uncertain_assess_parameter(auvid_identifier_t *id, int i, const auvi
     auvid_confidence_job_t *job = &id->confidence;
     int p = job->parameter_of[i];
     bool linear = vehicle->parameter[p].kind == AUVID_PARAMETER_LINEAR_DRAG;
-    auvid_real_t inflow =
-        auvid_uncertain_inflow_drag(uncertain_of(id), (int)vehicle->parameter[p].dof);
+    int dof = (int)vehicle->parameter[p].dof;
     auvid_finding_t found = {
         .sigma = sigma[p],
-        .inflow = linear ? inflow : AUVID_C(0.0),
+        .inflow = linear ? auvid_uncertain_inflow_drag(uncertain_of(id), dof) : AUVID_C(0.0),
         .bound_shift = free[p] - e->pi[p],
         .partner = uncertain_partner(e, vehicle, sigma, p, ~0u, AUVID_CORRELATED),
         .bound_partner = uncertain_partner(e, vehicle, sigma, p, job->at_bound, AUVID_C(0.0))};
