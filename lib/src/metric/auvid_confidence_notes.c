@@ -160,21 +160,21 @@ auvid_real_t auvid_confidence_allowed(const auvid_metric_config_t *cfg, int i, a
                : AUVID_CONFIDENCE_IDENTIFIABLE * auvid_abs(value);
 }
 
-/* Returns the value of parameter i whose force is AUVID_CONFIDENCE_SMALL of DoF j's rms wrench. */
-static auvid_real_t confidence_small_value_in_dof(const auvid_confidence_job_t *c, int i, int j)
-{
-    auvid_real_t rows, force = auvid_metric_force_squares(c->metric, j, &rows);
-    return AUVID_CONFIDENCE_SMALL * auvid_sqrt(force / rows * c->spread.rows[j]) /
-           auvid_confidence_column(c, j, i);
-}
-
-/* Returns the smallest such value over the informative equations. */
+/* Returns the smallest value of parameter i whose force is AUVID_CONFIDENCE_SMALL of the rms wrench,
+ * over the informative equations. */
 static auvid_real_t confidence_small_value(const auvid_confidence_job_t *c, int i)
 {
     auvid_real_t smallest = AUVID_LARGEST;
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
-        auvid_real_t value = confidence_small_value_in_dof(c, i, j);
-        smallest = auvid_metric_is_informative(c->metric, j) && value < smallest ? value : smallest;
+        auvid_real_t column = auvid_metric_is_informative(c->metric, j)
+                                  ? auvid_confidence_column(c, j, i)
+                                  : AUVID_C(0.0);
+        if (column > AUVID_C(0.0)) {
+            auvid_real_t rows, force = auvid_metric_force_squares(c->metric, j, &rows);
+            auvid_real_t value =
+                AUVID_CONFIDENCE_SMALL * auvid_sqrt(force / rows * c->spread.rows[j]) / column;
+            smallest = value < smallest ? value : smallest;
+        }
     }
     return smallest < AUVID_LARGEST ? smallest : AUVID_C(0.0);
 }

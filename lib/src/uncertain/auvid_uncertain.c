@@ -134,24 +134,32 @@ static auvid_real_t uncertain_sag(const auvid_identifier_t *id)
                : AUVID_C(0.0);
 }
 
-/* Returns the parameter among these, a bit each, with which parameter p is most correlated, and by
+/* Write, for each parameter, that among these, a bit each, with which it is most correlated, and by
  * more than `least`; or NOWHERE. */
-static uint8_t uncertain_partner(const auvid_estimate_t *e, const auvid_vehicle_t *vehicle,
-                                 const auvid_real_t *sigma, int p, uint32_t among,
-                                 auvid_real_t least)
+static void uncertain_find_partners(const auvid_estimate_t *e, int n, const auvid_real_t *sigma,
+                                    uint32_t among, auvid_real_t least, uint8_t *partner)
 {
-    auvid_real_t largest = least;
-    const auvid_real_t *covariance = e->covariance + p; /* walks along column p, then row p */
-    uint8_t partner = NOWHERE;
-    for (int k = 0; k < vehicle->parameters && among >> k != 0; ++k) {
-        auvid_real_t both = sigma[p] * sigma[k], size = auvid_abs(*covariance);
-        covariance += k < p ? vehicle->parameters - 1 - k : 1;
-        if (k != p && (among >> k & 1u) != 0 && both > AUVID_C(0.0) && size > largest * both) {
-            largest = size / both;
-            partner = (uint8_t)k;
+    auvid_real_t largest[AUVID_MAX_PARAMETERS];
+    const auvid_real_t *covariance = e->covariance;
+    for (int p = 0; p < n; ++p) {
+        largest[p] = least;
+        partner[p] = NOWHERE;
+    }
+    for (int p = 0; p < n && among != 0; ++p) {
+        ++covariance; /* its variance */
+        for (int k = p + 1; k < n; ++k) {
+            auvid_real_t both = sigma[p] * sigma[k], size = auvid_abs(*covariance++);
+            bool some = both > AUVID_C(0.0);
+            if (some && (among >> k & 1u) != 0 && size > largest[p] * both) {
+                largest[p] = size / both;
+                partner[p] = (uint8_t)k;
+            }
+            if (some && (among >> p & 1u) != 0 && size > largest[k] * both) {
+                largest[k] = size / both;
+                partner[k] = (uint8_t)p;
+            }
         }
     }
-    return partner;
 }
 
 /* Inputs less exact than configured make the scales that are not observable less certain, by the
@@ -174,23 +182,27 @@ static bool uncertain_is_unchecked(const auvid_identifier_t *id)
     return (exact && !id->exact_inputs) || u->scale >= AUVID_UNCERTAIN_LARGEST_SCALE;
 }
 
-/* Assess parameter i of the joint solution. free: what it would be without bounds. */
-static void uncertain_assess_parameter(auvid_identifier_t *id, int i, const auvid_real_t *sigma,
-                                       const auvid_real_t *free)
+/* Assess the parameters of the joint solution. free: what they would be without bounds. */
+static void uncertain_assess_parameters(auvid_identifier_t *id, const auvid_real_t *sigma,
+                                        const auvid_real_t *free)
 {
     const auvid_estimate_t *e = &uncertain_of(id)->estimate;
     const auvid_vehicle_t *vehicle = id->metric.cfg.vehicle;
     auvid_confidence_job_t *job = &id->confidence;
-    int p = job->parameter_of[i];
-    bool linear = vehicle->parameter[p].kind == AUVID_PARAMETER_LINEAR_DRAG;
-    int dof = (int)vehicle->parameter[p].dof;
-    auvid_finding_t found = {
-        .sigma = sigma[p],
-        .inflow = linear ? auvid_uncertain_inflow_drag(uncertain_of(id), dof) : AUVID_C(0.0),
-        .bound_shift = free[p] - e->pi[p],
-        .partner = uncertain_partner(e, vehicle, sigma, p, ~0u, AUVID_CORRELATED),
-        .bound_partner = uncertain_partner(e, vehicle, sigma, p, job->at_bound, AUVID_C(0.0))};
-    auvid_confidence_revise_parameter(job, &id->metric, i, &found);
+    uint8_t partner[AUVID_MAX_PARAMETERS], at_bound[AUVID_MAX_PARAMETERS];
+    uncertain_find_partners(e, vehicle->parameters, sigma, ~0u, AUVID_CORRELATED, partner);
+    uncertain_find_partners(e, vehicle->parameters, sigma, job->at_bound, AUVID_C(0.0), at_bound);
+    for (int i = 0; i < job->n; ++i) {
+        int p = job->parameter_of[i], dof = (int)vehicle->parameter[p].dof;
+        bool linear = vehicle->parameter[p].kind == AUVID_PARAMETER_LINEAR_DRAG;
+        auvid_finding_t found = {
+            .sigma = sigma[p],
+            .inflow = linear ? auvid_uncertain_inflow_drag(uncertain_of(id), dof) : AUVID_C(0.0),
+            .bound_shift = free[p] - e->pi[p],
+            .partner = partner[p],
+            .bound_partner = at_bound[p]};
+        auvid_confidence_revise_parameter(job, &id->metric, i, &found);
+    }
 }
 
 /* Assess the solution, and write the estimate. */
@@ -219,9 +231,7 @@ static void uncertain_assess(auvid_identifier_t *id)
     if (job->at_bound != 0) {
         auvid_uncertain_free(u, free);
     }
-    for (int i = 0; i < job->n; ++i) {
-        uncertain_assess_parameter(id, i, sigma, free);
-    }
+    uncertain_assess_parameters(id, sigma, free);
     auvid_confidence_close_loop(job, &id->metric,
                                 u->excited ? id->metric.cfg.closed_loop
                                            : auvid_metric_feedback_dofs(&id->metric),

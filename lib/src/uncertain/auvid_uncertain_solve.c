@@ -255,7 +255,7 @@ static uint32_t uncertain_price(const uncertain_t *u)
         return SEARCH_START_COST;
     case SOLVE_OPTIMUM:
     case SOLVE_SEARCH:
-        return uncertain_rotation(m->cfg.vehicle->parameters) / 2u + 6u;
+        return uncertain_rotation(m->cfg.vehicle->parameters) / 2u + 4u;
     case SOLVE_FINISH:
     case SOLVE_KEEP:
         return joint / 10u;
