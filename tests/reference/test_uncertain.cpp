@@ -90,6 +90,13 @@ struct Reference {
         return j == AUVID_YAW ? SIM_M_R : SIM_M_U + j;
     }
 
+    // The first of a DoF's two parameters of drag.
+    int drag(int j) const
+    {
+        static const int first[] = {SIM_X_U, SIM_Y_V, SIM_Z_W, 0, 0, SIM_N_R};
+        return first[j];
+    }
+
     // Products of both drags with a column, of early rows that faded.
     Vector2d faded(int at) const
     {
@@ -100,12 +107,11 @@ struct Reference {
     MatrixXd columns(int j, const MatrixXd &r) const
     {
         const auvid_uncertain_equation_t &e = u.equation[j];
-        static const int drag[] = {SIM_X_U, SIM_Y_V, SIM_Z_W, 0, 0, SIM_N_R};
         MatrixXd all(2 * e.order, e.order), d(2 * e.order, 2), out = r;
         all << band(j, 0), band(j, 1);
         MatrixXd chosen(r.rows(), 2);
         for (int k = e.inputs; k < e.order - 1; ++k) {
-            int p = unknown(j, k) - AUVID_UNCERTAIN_SHARED - drag[j];
+            int p = unknown(j, k) - AUVID_UNCERTAIN_SHARED - drag(j);
             if (p == 0 || p == 1) {
                 d.col(p) = all.col(k);
                 chosen.col(p) = r.col(k);
@@ -124,27 +130,36 @@ struct Reference {
         return out;
     }
 
-    // Part of the residual that accelerates a force's DoF.
-    double accelerating(int j, const double squares[2], const MatrixXd &first,
-                        const MatrixXd &second)
+    // Where a unit of the residual is: part of the acceleration, of the velocity, and what this adds
+    // to the columns of linear and quadratic drag.
+    struct Shares {
+        double accelerates, moves;
+        Vector2d drag;
+    };
+
+    Shares shares(int j, const double squares[2], const MatrixXd &first, const MatrixXd &second)
     {
-        static const int drag[] = {SIM_X_U, SIM_Y_V, SIM_Z_W};
         int linear = 0;
-        while (unknown(j, linear) != AUVID_UNCERTAIN_SHARED + drag[j]) {
+        while (unknown(j, linear) != AUVID_UNCERTAIN_SHARED + drag(j)) {
             ++linear;
         }
         double speed =
             std::sqrt((first.col(linear).squaredNorm() + second.col(linear).squaredNorm()) /
                       double(u.rows[j]));
-        double force_per_speed = -x(AUVID_UNCERTAIN_SHARED + drag[j]) -
-                                 2.0 * speed * x(AUVID_UNCERTAIN_SHARED + drag[j] + 1);
-        double between_s =
-            1e-6 * (m.cfg.cell_us << m.result.doublings) * m.cfg.row_cells * m.cfg.lag[0];
+        double force_per_speed = -x(AUVID_UNCERTAIN_SHARED + drag(j)) -
+                                 2.0 * speed * x(AUVID_UNCERTAIN_SHARED + drag(j) + 1);
+        double between_s = 1e-6 * (m.cfg.cell_us << m.result.doublings) * m.cfg.row_cells *
+                           m.cfg.lag[j == AUVID_YAW];
         double bandwidth = 2.0 * squares[1] / squares[0] / between_s; // [rad/s]
         double m_j = x(AUVID_UNCERTAIN_SHARED + mass(j));
-        double part = std::sqrt(bandwidth / (bandwidth + force_per_speed / m_j));
+        if (!(m_j > 0.0)) { // in an early pass
+            return {0.7, 0.0, Vector2d::Zero()};
+        }
+        double part = std::sqrt(bandwidth / (bandwidth + std::abs(force_per_speed) / m_j));
+        double moves = j == AUVID_YAW || force_per_speed < 0.0 ? 0.0 : 0.5 * (1.0 - part);
         smallest_part = std::min(smallest_part, part);
-        return part;
+        // the columns are -v and -v |v|; the noise e moves the vehicle by -e / force_per_speed
+        return {0.7 * part, moves, -moves / force_per_speed * Vector2d(1.0, 2.0 * speed)};
     }
 
     void add(int j, VectorXd &right)
@@ -168,7 +183,7 @@ struct Reference {
         double zz =
             weight[0] * c[0].col(cols).squaredNorm() + weight[1] * c[1].col(cols).squaredNorm();
         double m_j = x(AUVID_UNCERTAIN_SHARED + mass(j));
-        double lambda = j == AUVID_YAW ? 0.4 : 0.7 * accelerating(j, squares, c[0], c[1]);
+        Shares of = shares(j, squares, c[0], c[1]);
         MatrixXd jacobian[2] = {c[0].leftCols(cols), c[1].leftCols(cols)};
         VectorXd part = VectorXd::Zero(cols); // of the thrust, each column that is formed from it
         for (int k = 0; k < e.inputs; ++k) {
@@ -185,10 +200,13 @@ struct Reference {
         most = std::max(most, delivered);
         for (int k = 0; k < cols; ++k) {
             double share = 0.0;
-            if (k < e.inputs) {
-                share = -(1.0 - lambda) * part(k) / gamma;
-            } else if (unknown(j, k) == AUVID_UNCERTAIN_SHARED + mass(j)) {
-                share = lambda / m_j;
+            int parameter = unknown(j, k) - AUVID_UNCERTAIN_SHARED;
+            if (k < e.inputs && code(j, k) != AUVID_UNCERTAIN_INFLOW) {
+                share = -(1.0 - of.accelerates - of.moves) * part(k) / gamma;
+            } else if (k >= e.inputs && parameter == mass(j)) {
+                share = m_j > 0.0 ? of.accelerates / m_j : 0.0;
+            } else if (k >= e.inputs && (parameter == drag(j) || parameter == drag(j) + 1)) {
+                share = of.drag(parameter - drag(j));
             }
             for (int b = 0; b < 2; ++b) {
                 jacobian[b].col(k) += share * residual[b];
@@ -203,7 +221,7 @@ struct Reference {
             right += weight[b] / s2 * wide.transpose() * residual[b];
         }
         for (int k = 0; k < e.own; ++k) {
-            double sigma = double(auvid_uncertain_sigma(&u, &m, code(j, k), j));
+            double sigma = std::max(double(auvid_uncertain_sigma(&u, &m, code(j, k), j)), 1e-6);
             normal(unknown(j, k), unknown(j, k)) += 1.0 / (sigma * sigma);
             right(unknown(j, k)) -= x(unknown(j, k)) / (sigma * sigma);
         }

@@ -12,10 +12,10 @@
  * z is the supplied thrust behind a nominal lag of the propellers' speed. The noise is in the
  * acceleration, not in the thrust: in the column of the mass, u' becomes u' + e / m (prediction
  * error, three Gauss-Newton steps; one if an excitation continues). Otherwise columns that contain
- * the thrust would shrink it. What the inputs leave of their own errors is in the thrust, though:
- * 0.3 of e is ascribed to it, and 0.6 in the moments, which thrusters form as small differences;
- * of a force more, where e is slower than the vehicle, which then gets speed from it, and little
- * acceleration.
+ * the thrust would shrink it. Where e is slower than the vehicle, a force of it gives the vehicle
+ * speed and little acceleration: half of that share is in the columns of drag. What the inputs
+ * leave of their own errors is in the thrust: 0.3 of e is ascribed to it, and more in a quick
+ * vehicle.
  * Columns of the hull and its weight are made orthogonal to its drag, so that X_u and X_uu remain
  * the best drag of the model for the motion that was seen. In a model of roll or pitch the weight
  * is no part of the drag.

@@ -8,8 +8,8 @@
 
 #define PROJECTED_NOISE AUVID_C(1.4)     /* of projected rows: disturbances are slow */
 #define LARGEST_BAND_RATIO AUVID_C(30.0) /* of the residuals of the bands */
-#define MOVES_FORCES AUVID_C(0.7)        /* lambda / h, see auvid_uncertain_solve.c */
-#define MOVES_MOMENTS AUVID_C(0.4)       /* lambda */
+#define ACCELERATES AUVID_C(0.7)         /* of h, see auvid_uncertain_solve.c */
+#define MOVES AUVID_C(0.5)               /* of 1 - h, of a force */
 /* Parts of the supplied thrust that are delivered: gamma is 1 from the first to all of it, and
  * constant below the second. */
 #define FULL_THRUST AUVID_C(0.9)
@@ -189,15 +189,25 @@ static auvid_real_t uncertain_gamma(const uncertain_t *u, int j,
     return auvid_max(auvid_clamp(delivered, LEAST_THRUST, FULL_THRUST) / FULL_THRUST, delivered);
 }
 
-/* Returns h = sqrt(eta) of DoF j, a force's, for a residual with these squares in the bands; see
+/* Shares of the residual: in the acceleration, and in the velocity; what that one adds to the
+ * columns of linear and quadratic drag, per unit of the residual. */
+typedef struct {
+    auvid_real_t accelerates, moves, drag[2];
+} uncertain_shares_t;
+
+/* Returns the shares of DoF j's residual with these squares in the bands; see
  * auvid_uncertain_solve.c. */
-static auvid_real_t uncertain_accelerating(const uncertain_t *u, const auvid_metric_t *m, int j,
-                                           auvid_real_t mass,
-                                           const auvid_real_t squares[AUVID_METRIC_BANDS])
+static uncertain_shares_t uncertain_find_shares(const uncertain_t *u, const auvid_metric_t *m,
+                                                int j, auvid_real_t mass,
+                                                const auvid_real_t squares[AUVID_METRIC_BANDS])
 {
     const auvid_uncertain_part_t *p = &u->work.part;
     int l = p->drag_at[0], q = p->drag_at[1], none = u->equation[j].order;
     auvid_real_t speed = AUVID_C(0.0), drag = AUVID_C(0.0);
+    uncertain_shares_t shares = {.moves = AUVID_C(0.0)};
+    if (u->work.strong != 0) {
+        return shares;
+    }
     if (q != none) {
         speed = auvid_sqrt(auvid_sqrt(auvid_uncertain_product(u, j, q, q) / u->rows[j]));
     }
@@ -207,10 +217,18 @@ static auvid_real_t uncertain_accelerating(const uncertain_t *u, const auvid_met
     }
     drag += q != none ? AUVID_C(2.0) * speed * p->value[q] : AUVID_C(0.0);
     auvid_real_t pair_s = AUVID_C(1e-6) * (auvid_real_t)auvid_metric_cell_us(m) *
-                          (auvid_real_t)(m->cfg.row_cells * m->cfg.lag[0]);
+                          (auvid_real_t)(m->cfg.row_cells * m->cfg.lag[j >= AUVID_ROLL]);
     auvid_real_t rate = AUVID_C(2.0) * squares[1] * mass;
     auvid_real_t all = rate + pair_s * squares[0] * auvid_abs(drag);
-    return mass > AUVID_C(0.0) && all > AUVID_C(0.0) ? auvid_sqrt(rate / all) : AUVID_C(1.0);
+    bool known = mass > AUVID_C(0.0) && all > AUVID_C(0.0);
+    auvid_real_t h = known ? auvid_sqrt(rate / all) : AUVID_C(1.0);
+    shares.accelerates = ACCELERATES * h;
+    if (j < AUVID_ROLL && drag < AUVID_C(0.0)) {
+        shares.moves = MOVES * (AUVID_C(1.0) - h);
+        shares.drag[0] = shares.moves / drag;
+        shares.drag[1] = AUVID_C(2.0) * speed * shares.drag[0];
+    }
+    return shares;
 }
 
 /* What the residual, with these squares in the bands, adds to each column, and the same for the
@@ -222,35 +240,36 @@ static void uncertain_prepare_slopes(uncertain_t *u, const auvid_metric_t *m, in
     auvid_uncertain_part_t *p = &u->work.part;
     const auvid_uncertain_equation_t *e = &u->equation[j];
     const uint8_t *index = auvid_metric_row_parameters(m, j);
-    auvid_real_t mass = AUVID_C(0.0), lambda = u->work.strong != 0 ? AUVID_C(0.0)
-                                               : j < AUVID_ROLL    ? MOVES_FORCES
-                                                                   : MOVES_MOMENTS;
-    auvid_real_t a[AUVID_MAX_PARAMETERS];
+    auvid_real_t a[AUVID_MAX_PARAMETERS], mass = AUVID_C(0.0);
     auvid_real_t gamma = uncertain_gamma(u, j, weight, p->slope);
     auvid_confidence_acceleration_row(m->cfg.vehicle, j, &p->regressor, a);
     auvid_zero(&p->regressor, sizeof p->regressor); /* the factor is there from now on */
     for (int k = 0; k < e->order - 1 - e->inputs; ++k) {
         mass += a[index[k]] * u->pi[index[k]];
     }
-    if (j < AUVID_ROLL) {
-        lambda *= uncertain_accelerating(u, m, j, mass, squares);
-    }
+    const uncertain_shares_t shares = uncertain_find_shares(u, m, j, mass, squares);
+    auvid_real_t rest = AUVID_C(1.0) - shares.accelerates - shares.moves;
     auvid_clear(u->work.side[j], JOINT_ORDER);
     for (int k = 0; k < e->order - 1; ++k) {
-        auvid_real_t side = AUVID_C(0.0), share = AUVID_C(1.0) - lambda;
+        auvid_real_t side = AUVID_C(0.0);
         if (k >= e->inputs) {
-            share = lambda;
             side = mass > AUVID_C(0.0) ? a[index[k - e->inputs]] / mass : AUVID_C(0.0);
-            p->slope[k] = share * side;
+            p->slope[k] = shares.accelerates * side;
         } else {
-            side = p->slope[k] / gamma;
-            p->slope[k] = -share * side;
+            side = u->code[e->channel_at + k] == AUVID_UNCERTAIN_INFLOW ? AUVID_C(0.0)
+                                                                        : p->slope[k] / gamma;
+            p->slope[k] = -rest * side;
         }
         side *= p->squares;
         if (k < e->own) {
             p->own_side[k] = side;
         } else {
             u->work.side[j][auvid_uncertain_joint_column(u, m, j, k)] = side;
+        }
+    }
+    for (int d = 0; d < 2; ++d) {
+        if (p->drag_at[d] < e->order) {
+            p->slope[p->drag_at[d]] += shares.drag[d];
         }
     }
 }

@@ -3,36 +3,39 @@
  *
  *     e    = z - X theta                                 at the last pass
  *     s^2  = 2.6 ||e||^2 / rows                          bands weighted (uncertain_weigh_bands)
- *     X~   = X, with u' + lambda e / m in the column of the mass, and
- *            c - (1 - lambda) k e / gamma in a column c of the thrust, k = c'z / z'z
+ *     X~   = X, with u' + lambda e / m in the column of the mass,
+ *            c + mu e dc/dv / D in a column c of drag, D = X_u + 2 v X_uu, and
+ *            c - (1 - lambda - mu) k e / gamma in a column c of the thrust, k = c'z / z'z
  *     min sum_j ||(e + X~ theta_0 - X~ theta) / s||^2 + sum_k (b_k / sigma_k)^2
  *
- * (Gauss-Newton.) lambda = 1: the noise moves the vehicle; 0: it is an error of the thrust. What
- * the inputs leave of their errors is of the second kind, disturbances are of the first. With 1
- * masses are 2 to 6 % too large in mixtures of usual errors (medians, six vehicles), and so is
- * every mass that is wrongly identifiable. It is 0.7 h for forces, and 0.4 for moments, which are
- * small differences of the thrusters' forces: then most medians are within 2 %. It is 0 for rows
- * that are projected onto instruments (auvid_instruments.c): their motion is without noise.
+ * (Gauss-Newton.) The shares of the noise e: lambda accelerates the vehicle, mu changes its
+ * velocity, and the rest is an error of the thrust. A force of bandwidth a accelerates a vehicle of
+ * mass m and drag D with its part eta = a / (a + |D| / m); the rest moves the velocity. Noise of
+ * the measured velocity is in the acceleration with all of it. h = sqrt(eta) is between both,
  *
- * A force of bandwidth a accelerates a vehicle of mass m and drag D = |X_u + 2 v X_uu| with its
- * part eta = a / (a + D / m); the rest moves the velocity. Noise of the measured velocity is in the
- * acceleration with all of it. h = sqrt(eta) is between both. v is the rms speed (of a model
- * without linear drag, the fourth root of the mean of v^4), and drag that is not estimated does not
- * count. a follows from the squares s, d of both bands, as in uncertain_weigh_bands: of two rows T
- * apart a first-order autoregression has d / s = tanh(a T / 2), and a is taken as 2 d / (T s). For
- * slow vehicles h is near 1. With 1 instead, masses of quick ROVs are 7 to 21 % too large where
- * waves or a cable pull at them (means of 24 logs each of two ROVs, three kinds of motion, in an
- * independent simulator), and with h -2 to 4 %. With eta drag is less exact (rms error 11 to 17 %
- * instead of 10 to 14). What does not accelerate is left to the thrust: with the rest in the
- * columns of drag, drag becomes 7 to 14 % too large, as it takes what a wrong model leaves as well.
- * Moments keep 0.4: with h drag forces are wrong twice as often.
+ *     lambda = 0.7 h,   mu = 0.5 (1 - h) for forces, 0 for moments,
+ *
+ * as the residual contains what the inputs leave of their own errors, too. v is the rms speed (of a
+ * model without linear drag, the fourth root of the mean of v^4), and drag that is not estimated
+ * does not count. a follows from the squares s, d of both bands, as in uncertain_weigh_bands: of
+ * two rows T apart a first-order autoregression has d / s = tanh(a T / 2), and a is taken as
+ * 2 d / (T s). For slow vehicles h is near 1. Both shares are 0 for rows that are projected onto
+ * instruments (auvid_instruments.c): their motion is without noise.
+ *
+ * The loss of thrust with speed is a column of the thrust, but e is not in it like that: it
+ * contains the measured velocity. With -(1 - lambda) k e in it, too, the loss becomes too small, or
+ * a gain, and the drag too large: by 10 to 35 % at 0.6 of the largest speed in a quick ROV of 9 kg,
+ * where a quarter of these forces were wrongly identifiable (an independent simulator; now none of
+ * 143, and a mean error of -3 to 3 %). With a share mu of moments, or of all of 1 - h, N_rr is 15
+ * to 25 % too large in such a vehicle. With mu = 0 drag is 2 to 6 % too small in mixtures of usual
+ * errors.
  *
  * No motion shows the scale of thrust, masses and drag together. With v its direction, and d the
  * part of the thrust that is delivered, 1 - sum_k k b_k, X v = -e, and X~ v = 0 if gamma = d. If
- * gamma = 1, the residual pulls towards less thrust, by (1 - lambda) (1 - d) e'e / s^2. Losses have
- * one sign, so some of this is right: estimates are less often 20 % too large. But where the model
- * leaves much of the force, it exceeds what the priors hold, and the solution ran off to no thrust
- * and no mass (in a fifth of a joystick's logs, from an independent simulator). So gamma is
+ * gamma = 1, the residual pulls towards less thrust, by (1 - lambda - mu) (1 - d) e'e / s^2. Losses
+ * have one sign, so some of this is right: estimates are less often 20 % too large. But where the
+ * model leaves much of the force, it exceeds what the priors hold, and the solution ran off to no
+ * thrust and no mass (in a fifth of a joystick's logs, from an independent simulator). So gamma is
  * d / 0.9, at most 1, with d at least 0.5. Above 1 it is d: the pull would be towards more thrust,
  * away from the priors.
  *
