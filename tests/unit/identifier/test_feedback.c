@@ -9,6 +9,7 @@
 #include "auvid/prior.h"
 #include "base/auvid_linalg_internal.h"
 #include "chain.h"
+#include "identifier/auvid_identifier_internal.h"
 #include "metric/auvid_metric_feedback_internal.h"
 #include "simulator.h"
 #include "unity.h"
@@ -33,6 +34,7 @@ static auvid_identifier_t id;
 static body_t body, aside; /* in surge, in sway */
 static bool has_aside;
 static double lag_s; /* of the thrusters */
+static double sag;   /* part of the thrust that is lost in 240 s */
 
 void setUp(void)
 {
@@ -40,7 +42,7 @@ void setUp(void)
     memset(&body, 0, sizeof body);
     memset(&aside, 0, sizeof aside);
     has_aside = false;
-    lag_s = 0.0;
+    lag_s = sag = 0.0;
     sim_rng_seed(&body.rng, 7, 1);
     sim_rng_seed(&aside.rng, 8, 1);
     auvid_identifier_defaults(&cfg, &auvid_girona500);
@@ -95,7 +97,8 @@ static void move(body_t *b)
         -b->disturbance * dt / 2.0 + DISTURBANCE_N * sqrt(dt) * sim_rng_gauss(&b->rng);
     double drag = (LINEAR + QUADRATIC * fabs(b->u)) * b->u;
     b->delivered += lag_s > 0.0 ? (b->tau - b->delivered) * dt / lag_s : b->tau - b->delivered;
-    b->u += (b->delivered + b->disturbance - drag) / M_KG * dt;
+    double lost = sag * (double)b->t_us * 1e-6 / 240.0;
+    b->u += ((1.0 - lost) * b->delivered + b->disturbance - drag) / M_KG * dt;
     b->t_us += TICK_US;
 }
 
@@ -146,6 +149,59 @@ static void test_a_sum_of_sines_is_no_feedback(void)
     TEST_ASSERT_TRUE(id.estimate.number > 5);
     TEST_ASSERT_NOT_EQUAL(AUVID_NOTE_FEEDBACK, note(AUVID_G500_M_U));
     TEST_ASSERT_NOT_EQUAL(0, id.estimate.confidence.identifiable);
+}
+
+/* In the place of the uncertain inputs: they know the sag, of a set of 30 s, and nothing else. */
+static bool no_step(auvid_identifier_t *identifier)
+{
+    (void)identifier;
+    return false;
+}
+
+static void nothing(auvid_identifier_t *identifier)
+{
+    (void)identifier;
+}
+
+static void judge(auvid_identifier_t *identifier, bool changed)
+{
+    (void)identifier;
+    (void)changed;
+}
+
+static const auvid_estimate_t *no_estimate(const auvid_identifier_t *identifier)
+{
+    (void)identifier;
+    return NULL;
+}
+
+static auvid_real_t known_sag(const auvid_identifier_t *identifier)
+{
+    (void)identifier;
+    return (auvid_real_t)(sag * 30.0 / 240.0);
+}
+
+static const auvid_uncertain_functions_t knows_the_sag = {.add_cell = no_step,
+                                                          .rotate = nothing,
+                                                          .begin = no_step,
+                                                          .publish = nothing,
+                                                          .estimate = no_estimate,
+                                                          .judge = judge,
+                                                          .sag = known_sag};
+
+/* What the model leaves then is in proportion to the wrench. */
+static void test_a_wrench_whose_thrust_sags_is_no_feedback_if_the_sag_is_known(void)
+{
+    sag = 0.35;
+    run(400.0, SINES);
+    TEST_ASSERT_EQUAL(AUVID_NOTE_FEEDBACK, note(AUVID_G500_M_U));
+    setUp();
+    sag = 0.35;
+    id.attached.uncertain_functions = &knows_the_sag;
+    run(400.0, SINES);
+    TEST_ASSERT_TRUE(id.estimate.number > 5);
+    TEST_ASSERT_NOT_EQUAL(AUVID_NOTE_FEEDBACK, note(AUVID_G500_M_U));
+    TEST_ASSERT_EQUAL(0, auvid_metric_feedback_dofs(&id.metric));
 }
 
 static void test_a_controllers_wrench_is_feedback_and_nothing_is_identifiable(void)
@@ -377,6 +433,7 @@ int main(void)
     UNITY_BEGIN();
     RUN_TEST(test_a_pilots_wrench_is_no_feedback);
     RUN_TEST(test_a_sum_of_sines_is_no_feedback);
+    RUN_TEST(test_a_wrench_whose_thrust_sags_is_no_feedback_if_the_sag_is_known);
     RUN_TEST(test_a_controllers_wrench_is_feedback_and_nothing_is_identifiable);
     RUN_TEST(test_where_the_closed_loop_is_known_the_rest_is_identifiable);
     RUN_TEST(test_where_it_is_not_known_nothing_is);
