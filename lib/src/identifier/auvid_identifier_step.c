@@ -24,27 +24,28 @@ static void identifier_pass_cell(auvid_identifier_t *id, const auvid_sample_t *c
     }
 }
 
-/* Test whether the wrench is feedback; the excitation is not. Thrust that sags leaves a residual in
- * proportion to the wrench, which looks like feedback: it has lost so much more than in the middle
- * of the sets of the estimate. */
+/* Returns the part of the thrust that is certainly lost since the middle of the estimate's sets. */
+static auvid_real_t identifier_lost_thrust(const auvid_identifier_t *id)
+{
+    const auvid_uncertain_functions_t *uncertain = id->attached.uncertain_functions;
+    const auvid_metric_t *m = &id->metric;
+    if (uncertain == NULL) {
+        return AUVID_C(0.0);
+    }
+    auvid_real_t sets = (auvid_real_t)(m->sets.recorded - id->estimate.sets) +
+                        (auvid_real_t)m->rows.set.rows / (auvid_real_t)m->cfg.set_rows +
+                        AUVID_C(0.5) * (auvid_real_t)id->estimate.confidence.sets;
+    return sets * uncertain->sag(id);
+}
+
+/* Test whether the wrench is feedback; the excitation is not. */
 static void identifier_watch_cell(auvid_identifier_t *id, const auvid_sample_t *cell)
 {
     const auvid_estimate_t *e = &id->estimate;
-    const auvid_uncertain_functions_t *uncertain = id->attached.uncertain_functions;
     auvid_change_detector_t *change = id->attached.change;
     bool excites = auvid_actuation_excites(id), watched = e->number > 0 && !excites;
-    auvid_sample_t delivered = *cell;
-    if (watched && uncertain != NULL) {
-        const auvid_metric_t *m = &id->metric;
-        auvid_real_t sets = (auvid_real_t)(m->sets.recorded - e->sets) +
-                            (auvid_real_t)m->rows.set.rows / (auvid_real_t)m->cfg.set_rows +
-                            AUVID_C(0.5) * (auvid_real_t)e->confidence.sets;
-        auvid_real_t part = AUVID_C(1.0) - sets * uncertain->sag(id);
-        for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
-            delivered.tau[j] *= part;
-        }
-    }
-    auvid_metric_watch(&id->metric, &delivered, watched ? e->pi : NULL, e->excited);
+    auvid_metric_watch(&id->metric, cell, watched ? e->pi : NULL, e->excited,
+                       watched ? identifier_lost_thrust(id) : AUVID_C(0.0));
     if (change != NULL) {
         change->passive_cells = excites ? 0 : change->passive_cells + 1;
     }

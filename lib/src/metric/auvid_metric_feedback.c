@@ -133,7 +133,7 @@ static void feedback_add_row(auvid_metric_t *m, int j)
 }
 
 void auvid_metric_watch(auvid_metric_t *m, const auvid_sample_t *cell, const auvid_real_t *pi,
-                        uint8_t dofs)
+                        uint8_t dofs, auvid_real_t lost)
 {
     auvid_metric_feedback_t *f = &m->feedback;
     uint32_t gap, block = feedback_block(m, &gap);
@@ -146,7 +146,8 @@ void auvid_metric_watch(auvid_metric_t *m, const auvid_sample_t *cell, const auv
     auvid_vehicle_residual(m->cfg.vehicle, cell, pi, e);
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
         bool known = (dofs >> j & 1) != 0 && auvid_is_finite(e[j]);
-        f->sum[j] += known ? e[j] / (auvid_real_t)block : AUVID_C(0.0);
+        auvid_real_t residual = e[j] + lost * cell->tau[j];
+        f->sum[j] += known ? residual / (auvid_real_t)block : AUVID_C(0.0);
     }
     uint32_t phase = f->cells++ % block;
     if (phase == gap - 1u) {

@@ -112,11 +112,13 @@ static void feed_cells(void)
         }
         TEST_ASSERT_TRUE(auvid_metric_add(&metric, &s) >= 0);
         uint8_t dofs = (uint8_t)(1u << AUVID_SURGE | (n >= 300 ? 1u << AUVID_YAW : 0u));
-        auvid_metric_watch(&metric, &s, n == 600 ? NULL : truth, dofs);
+        double lost = 1e-4 * n; /* of the thrust */
+        auvid_metric_watch(&metric, &s, n == 600 ? NULL : truth, dofs, (auvid_real_t)lost);
         auvid_vehicle_residual(&auvid_girona500, &s, truth, e);
         for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
             tau[n][j] = (double)s.tau[j];
-            residual[n][j] = (dofs >> j & 1) != 0 ? (double)e[j] : 0.0;
+            double left = (double)e[j] + lost * tau[n][j];
+            residual[n][j] = (dofs >> j & 1) != 0 ? left : 0.0;
         }
         bool counts = n > 0 && n != 200 && n != 400 && n != 600;
         count = counts ? count + 1 : 0;
