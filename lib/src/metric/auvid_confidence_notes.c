@@ -160,8 +160,8 @@ auvid_real_t auvid_confidence_allowed(const auvid_metric_config_t *cfg, int i, a
                : AUVID_CONFIDENCE_IDENTIFIABLE * auvid_abs(value);
 }
 
-/* Returns the smallest value of parameter i whose force is AUVID_CONFIDENCE_SMALL of the rms wrench,
- * over the informative equations. */
+/* Returns the smallest value of parameter i whose force is AUVID_CONFIDENCE_SMALL of the rms
+ * wrench, over the informative equations. */
 static auvid_real_t confidence_small_value(const auvid_confidence_job_t *c, int i)
 {
     auvid_real_t smallest = AUVID_LARGEST;
