@@ -210,10 +210,10 @@ for bad in 0 0.05 2 x; do
     check "--max-gap $bad" refuses "--max-gap: '$bad' is .* from 0.1 to 1$" \
         fit log.csv --max-gap $bad
 done
-check "--dry-mass above the bounds" refuses '--dry-mass 2000 is not below the upper bound' \
-    fit log.csv --dry-mass 2000
-
 "$AUVID" demo --json --sets 1 --csv good.csv >/dev/null
+check "a dry mass above the bounds" rejects \
+    'the dry mass, 300 kg, is not below the upper bound of the masses, 200: widen --bounds' \
+    fit good.csv --dry-mass 300 --bounds=-200,200
 log t_s,u_mps,X_N 0,0,0 0.1,x,0
 check "an error in the test log names it" rejects 'log.csv:3:5: u_mps' \
     fit good.csv --validate log.csv

@@ -205,6 +205,24 @@ check "    no warning with --plain" sh -c '! grep -q mount err'
 exits 3 fit mounted.csv --vehicle mounted.ini --thrusters mounted.ini
 check "    else fit says that it must" grep -q '\[mount\] of the vehicle file is not applied' err
 
+# ---- a vehicle of 1200 kg ----
+sed -E 's/^dry_mass_kg = .*/dry_mass_kg = 1200/; s/^(forward|backward)_N = .*/\1_N = 400/
+    s/^surge_N = .*/surge_N = 300/; s/^heave_N = .*/heave_N = 150/; s/^yaw_Nm = .*/yaw_Nm = 25/
+    s/^m_u = .*/m_u = 1500/; s/^m_v = .*/m_v = 2000/; s/^m_w = .*/m_w = 2200/
+    s/^m_r = .*/m_r = 90/; s/^X_uu = .*/X_uu = -300/; s/^Z_ww = .*/Z_ww = -1100/
+    s/^N_r = .*/N_r = -20/; s/^N_rr = .*/N_rr = -40/' minnow.ini >heavy.ini
+check "a vehicle of 1200 kg is identified" exits 0 demo --vehicle heavy.ini --csv heavy.csv --json
+check "  with masses above 1000 kg" is out 'assert all(P[n]["identifiable"] and
+    abs(P[n]["estimate"] / P[n]["truth"] - 1) < 0.1 for n in ("m_u", "m_w")), P'
+check "  by fit, too" exits 0 fit heavy.csv --vehicle heavy.ini --json
+check "  with masses above 1000 kg" is out \
+    'assert P["m_u"]["estimate"] > 1300 and P["m_w"]["estimate"] > 1900 and d["status"] == "ok", P'
+check "  within the bounds that are given" rejects \
+    'the dry mass, 1200 kg, is not below the upper bound of the masses, 1000: widen --bounds' \
+    fit heavy.csv --vehicle heavy.ini --bounds=-1000,1000
+check "a light one has the bounds of the library" \
+    sh -c '"$0" check minnow.ini --header >light.h && ! grep -q search light.h' "$AUVID"
+
 # ---- the header ----
 cp "$ROOT/tests/program/vehicle_config.h" .
 cat >from_header.c <<'END'
@@ -269,8 +287,8 @@ configured() { # NAME FILE
 }
 cp mounted.ini inputs.ini
 printf '\n[uncertain]\narm_m = 0.2\ndvl_late_s = 0.03\n' >>inputs.ini
-for name in minnow:inputs.ini bluerov2:bluerov2 surface:surface; do
-    check "${name%%:*}: the header gives the same bits" configured "${name%%:*}" "${name#*:}"
+for name in minnow:inputs.ini minnow:heavy.ini bluerov2:bluerov2 surface:surface; do
+    check "$name: the header gives the same bits" configured "${name%%:*}" "${name#*:}"
 done
 sed 's/^\[guard\]/&\noff = altitude/' inputs.ini >deep.ini
 check "what is assumed, and the limits" exits 0 check deep.ini

@@ -44,6 +44,8 @@ static void print_identifier(const auvid_identifier_config_t *c)
     real("dvl_scale", 0, c->uncertainty.dvl_scale);
     real("delay_s", 0, c->uncertainty.delay_s);
     real("dry_mass_kg", 0, c->dry_mass_kg);
+    reals("lower", c->search.lower, AUVID_MAX_PARAMETERS);
+    reals("upper", c->search.upper, AUVID_MAX_PARAMETERS);
     printf("cells %lu %lu, half widths %d %d\n", (unsigned long)c->recorder.cell_us,
            (unsigned long)c->metric.max_cell_us, c->metric.half_width[0], c->metric.half_width[1]);
 }

@@ -96,7 +96,8 @@ static const char field_help[] =
 static const char fit_help[] =
     "options of fit\n"
     "  --validate TEST.csv   simulate this log with the estimate: R2 of the velocities\n"
-    "  --bounds=LO,HI        bounds of every parameter; default -1000,1000\n"
+    "  --bounds=LO,HI        bounds of every parameter; default -1000,1000, wider for a vehicle\n"
+    "                        with more than 250 kg of dry mass\n"
     "  --model NAME          girona500 (default), fossen (six degrees of freedom), bluerov2 (the\n"
     "                        same, for a vehicle that is faster than its DVL of 5 Hz)\n"
     "  --vehicle NAME        model, thrusters and uncertainties of this vehicle, or of FILE.ini\n"

@@ -6,6 +6,7 @@
 
 #include "auvid/config.h"
 #include "../vehicle/vehicle_keys.h"
+#include "../vehicle/vehicles.h"
 #include "vehicle_output.h"
 
 /* Longest real number as a literal. */
@@ -137,6 +138,12 @@ static void print_identifier(const vehicle_t *v)
     print_members(KEYS_MOUNT, v, "nav.mount.");
     print_members(KEYS_UNCERTAINTY, v, "uncertainty.");
     printf("    cfg->dry_mass_kg = %s;\n", literal_of(v->dry_mass_kg, text));
+    if (vehicle_bound((double)v->dry_mass_kg) > vehicle_bound(0.0)) {
+        printf("    for (int i = 0; i < AUVID_MAX_PARAMETERS; ++i) {\n"
+               "        cfg->search.upper[i] = %s;\n"
+               "        cfg->search.lower[i] = -cfg->search.upper[i];\n    }\n",
+               literal_of((auvid_real_t)vehicle_bound((double)v->dry_mass_kg), text));
+    }
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
         if (v->amplitude[j] > 0) {
             printf("    cfg->metric.tau_max[%d] = %s;\n", j, literal_of(v->amplitude[j], text));

@@ -257,6 +257,7 @@ static int run(job_t *job)
         return EXIT_REFUSED;
     }
     int refused = fit_read_logs(job);
+    refused = refused != 0 ? refused : fit_check_bounds(job);
     refused = refused != 0 ? refused : fit_choose_map(job);
     fitted_t *fitted = refused == 0 ? fit_choose_model(job) : NULL;
     if (fitted == NULL) {

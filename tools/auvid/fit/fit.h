@@ -62,6 +62,10 @@ static inline bool fit_in_commands(const job_t *job)
 /** Dry mass: that of --dry-mass, or of the vehicle; 0: not known, or of no use for commands. */
 double fit_dry_mass_kg(const job_t *job);
 
+/** Refuses bounds that leave no room above the dry mass. Returns 0, or EXIT_REFUSED after one line
+ * on stderr. */
+int fit_check_bounds(const job_t *job);
+
 /** Opens and surveys all logs, and finds the DoF that can be identified. Returns 0, or EXIT_REFUSED
  * after one line on stderr. */
 int fit_read_logs(job_t *job);

@@ -145,6 +145,26 @@ double fit_dry_mass_kg(const job_t *job)
                                       : (double)options->vehicle->dry_mass_kg;
 }
 
+int fit_check_bounds(const job_t *job)
+{
+    double dry_kg = fit_dry_mass_kg(job), upper = job->options->upper;
+    return job->options->has_bounds && dry_kg > 0.0 && !(dry_kg < upper)
+               ? report_error("fit: the dry mass, %g kg, is not below the upper bound of the "
+                              "masses, %g: widen --bounds, or leave it out",
+                              dry_kg, upper)
+               : 0;
+}
+
+static void set_bounds(const job_t *job, auvid_identifier_config_t *cfg)
+{
+    const options_t *options = job->options;
+    vehicle_bounds(fit_dry_mass_kg(job), cfg);
+    for (int i = 0; i < AUVID_MAX_PARAMETERS && options->has_bounds; ++i) {
+        cfg->search.lower[i] = (auvid_real_t)options->lower;
+        cfg->search.upper[i] = (auvid_real_t)options->upper;
+    }
+}
+
 static void configure(const job_t *job, const auvid_vehicle_t *vehicle, decoupled_t *six,
                       auvid_identifier_config_t *cfg)
 {
@@ -172,10 +192,7 @@ static void configure(const job_t *job, const auvid_vehicle_t *vehicle, decouple
     memcpy(cfg->metric.tau_max, job->tau_max, sizeof job->tau_max);
     cfg->metric.free = job->free;
     memcpy(cfg->metric.fixed, job->fixed, sizeof job->fixed);
-    for (int i = 0; i < AUVID_MAX_PARAMETERS; ++i) {
-        cfg->search.lower[i] = (auvid_real_t)options->lower;
-        cfg->search.upper[i] = (auvid_real_t)options->upper;
-    }
+    set_bounds(job, cfg);
     set_velocity_time(job, cfg);
     /* make the whole log fit the ring */
     double row_s = 1e-6 * cfg->recorder.cell_us * cfg->metric.row_cells;

@@ -76,7 +76,7 @@ typedef struct {
     /* fit */
     const char *train[OPTIONS_LOGS];
     const char *validate; /**< NULL: none */
-    double lower, upper;  /**< bounds of every parameter; default +-1000 */
+    double lower, upper;  /**< bounds of every parameter, if has_bounds */
     bool bias;
     bool has_gain; /**< commands are converted to newtons */
     bool whole;    /**< --vehicle was given: model, thrusters, all else */
@@ -84,6 +84,7 @@ typedef struct {
     coupling_t coupling;
     options_map_t map;
     bool current;                        /**< a constant current is identified, too */
+    bool has_bounds;                     /**< --bounds; else those of vehicle_bounds */
     const vehicle_t *thrusters;          /**< of this vehicle; NULL: not known */
     const auvid_vehicle_t *model;        /**< default Girona500 */
     double dry_mass_kg;                  /**< 0: not known */

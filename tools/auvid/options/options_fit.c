@@ -161,11 +161,6 @@ int options_fit(options_t *options, int count, char **argument)
                             "model %s has no form without coupling",
                             options->model->name);
     }
-    if (status == 0 && options->dry_mass_kg > 0.0 && !(options->dry_mass_kg < options->upper)) {
-        return report_error("fit: --dry-mass %g is not below the upper bound of the masses, %g: "
-                            "see --bounds",
-                            options->dry_mass_kg, options->upper);
-    }
     if (status == 0 && options->whole && options->thrusters == NULL && !options->plain &&
         !options->literal) {
         options->thrusters = options->vehicle;

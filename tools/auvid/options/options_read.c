@@ -175,6 +175,7 @@ int take_bounds(reader_t *r, options_t *options)
         return report_error("%s: '%s': the lower bound is not below the upper bound", r->name,
                             text);
     }
+    options->has_bounds = true;
     options->lower = low;
     options->upper = high;
     return 0;
@@ -263,9 +264,7 @@ int options_read(options_t *options, int count, char **argument, const char *com
                            .thrust_scale = -1.0,
                            .dvl_scale = -1.0,
                            .delay_s = -1.0,
-                           .max_gap_s = 0.5,
-                           .lower = -1000.0,
-                           .upper = 1000.0};
+                           .max_gap_s = 0.5};
     while (next(&r)) {
         if (r.name == NULL) {
             if (words == NULL || words->count == words->room) {

@@ -13,6 +13,10 @@
 /* Interval of the DVL samples. */
 #define DVL_US 200000u
 
+/* Bound of every parameter, and the dry mass up to which it is the same [kg]. */
+#define BOUND 1000.0
+#define BOUND_MASS_KG 250.0
+
 /* Vehicles in use: the ready ones, each read when it is needed, and those of files. */
 enum { READY = 8, FILES = 8 };
 static vehicle_t *vehicle_ready[READY], *vehicle_of_file[FILES];
@@ -163,6 +167,20 @@ void vehicle_use_fast_excitation(auvid_excitation_config_t *excitation)
     }
 }
 
+double vehicle_bound(double dry_mass_kg)
+{
+    double factor = dry_mass_kg / BOUND_MASS_KG;
+    return factor > 1.0 ? BOUND * factor * factor : BOUND;
+}
+
+void vehicle_bounds(double dry_mass_kg, auvid_identifier_config_t *cfg)
+{
+    for (int i = 0; i < AUVID_MAX_PARAMETERS; ++i) {
+        cfg->search.upper[i] = (auvid_real_t)vehicle_bound(dry_mass_kg);
+        cfg->search.lower[i] = -cfg->search.upper[i];
+    }
+}
+
 void vehicle_identifier(const vehicle_t *vehicle, uint64_t seed, auvid_identifier_config_t *cfg)
 {
     auvid_identifier_defaults(cfg, vehicle->model);
@@ -171,6 +189,7 @@ void vehicle_identifier(const vehicle_t *vehicle, uint64_t seed, auvid_identifie
     cfg->nav.mount = vehicle->mount;
     cfg->uncertainty = vehicle->uncertainty;
     cfg->dry_mass_kg = vehicle->dry_mass_kg;
+    vehicle_bounds((double)vehicle->dry_mass_kg, cfg);
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
         if (vehicle->amplitude[j] > 0) {
             cfg->metric.tau_max[j] = vehicle->amplitude[j];

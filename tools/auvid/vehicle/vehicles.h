@@ -40,6 +40,14 @@ void vehicle_use_fast_excitation(auvid_excitation_config_t *excitation);
 /** Writes the configuration of its simulation. */
 void vehicle_simulation(const vehicle_t *vehicle, vehicle_sim_config_t *cfg);
 
+/** The upper bound of every parameter for this dry mass, in kg (0: not known): 1000, the library's,
+ * up to 250 kg. A heavier vehicle is also larger: masses are in proportion to its mass, inertia and
+ * drag of turns to the power 5/3 of it for hulls of one shape. The bound has its square. */
+double vehicle_bound(double dry_mass_kg);
+
+/** Sets the bounds of all parameters to +- vehicle_bound. */
+void vehicle_bounds(double dry_mass_kg, auvid_identifier_config_t *cfg);
+
 /** Writes the configuration of its identification, based on auvid_identifier_defaults. */
 void vehicle_identifier(const vehicle_t *vehicle, uint64_t seed, auvid_identifier_config_t *cfg);
 
