@@ -122,6 +122,20 @@ change 'h.append("note"); r = [y + [1e99] for y in r]' <train.csv >more.csv
 check "other columns are ignored" same more.csv
 check "  but listed" grep -qx 'auvid: more.csv: ignored columns: note' err
 check "  once" test "$(wc -l <err)" = 1
+change 'h = h + ["depth_m"]
+z, before = 10, r[0][0]
+for y in r:
+    t, phi, theta, u, v, w = (y[C[n]] for n in
+                              "t_s phi_rad theta_rad u_mps v_mps w_mps".split())
+    z += (t - before) * (math.cos(theta) * (math.cos(phi) * w + math.sin(phi) * v)
+                         - math.sin(theta) * u)
+    before = t
+    y.append(z)' <train.csv >depth.csv
+check "a column that is compared with others is not ignored" same depth.csv
+check "  nothing on stderr" test ! -s err
+change 'for y in r: y[C["depth_m"]] *= -1' <depth.csv >height.csv
+exits 3 fit height.csv --plain --json >height.said
+check "  it is compared indeed" grep -q '^auvid: height.csv: depth_m changes against w_mps' err
 change 'h = ["u_ms" if n == "u_mps" else n for n in h]; drop("X_N")' <train.csv >misspelt.csv
 exits 0 fit misspelt.csv --plain --json >misspelt.said
 check "a column that resembles a missing one is named" grep -qx \

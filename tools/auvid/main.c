@@ -195,8 +195,8 @@ static const char columns_help[] =
     "An empty cell is no new sample, so each sensor may have its own rate. Velocities that are\n"
     "held between samples are recognised. Several logs are records of their own. weight_N: a\n"
     "weight in water that hangs on the vehicle for a part of the log calibrates the thrust.\n"
-    "check compares more columns: north_m east_m depth_m, and fx_mps2 fy_mps2 fz_mps2, the\n"
-    "specific force of an accelerometer in body axes (fz_mps2 is -9.8 at rest).\n"
+    "check and fit compare more columns with these: north_m east_m depth_m, and fx_mps2 fy_mps2\n"
+    "fz_mps2, the specific force of an accelerometer in body axes (fz_mps2 is -9.8 at rest).\n"
     "\n";
 static const char fit_exit_help[] =
     "exit status of fit: 0 at least one parameter or drag force is identifiable; 1 a log is\n"

@@ -185,11 +185,12 @@ static int check_velocities(const job_t *job, const csv_log_t *log)
     return 0;
 }
 
-/* Marks the known columns that are not used. */
+/* Marks the known columns that are not used. Position and specific force are: examine_logs compares
+ * them with the rest. */
 static void ignore_unused(const job_t *job, csv_log_t *log)
 {
     bool used[CSV_COLUMNS] = {[CSV_WEIGHT] = true};
-    for (int c = CSV_REFERENCE; c < CSV_POSITION; ++c) { /* and the quaternion */
+    for (int c = CSV_REFERENCE; c < CSV_THRUSTER; ++c) { /* and the quaternion */
         used[c] = true;
     }
     for (int k = 0; k < log_inputs(&job->use); ++k) {
