@@ -27,6 +27,9 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     } else {
         auvid_allocation_t allocation;
         auvid_guard_t guard;
+        if (v->excitation_refusal[0] != '\0') {
+            check_message(v->excitation_refusal);
+        }
         REQUIRE(message[0] == '\0' && auvid_vehicle_check(v->model) == AUVID_OK);
         REQUIRE(auvid_allocation_init(&allocation, v->allocation) == AUVID_OK);
         REQUIRE(auvid_guard_init(&guard, &v->guard) == AUVID_OK);

@@ -50,8 +50,8 @@ bad "an unknown key" \
     "13:1: unknown key 'colour' in \[thruster\.1\]; known: position_m, direction, forward_N"
 edit 's/^\[guard\]/[guards]/'
 bad "an unknown section" "[0-9]+:2: unknown section \[guards\]; known: vehicle, "
-edit '/^\[excitation\]/,/^yaw/d'
-bad "a section that is missing" "1:1: no section \[excitation\]: add it"
+edit '/^\[vehicle\]/,/^dry/d'
+bad "a section that is missing" "1:1: no section \[vehicle\]: add it"
 edit 's/^dry_mass_kg = .*/dry_mass_kg = 0/'
 bad "a mass of zero" "5:15: dry_mass_kg: 0 is not from 0.001 to 1e\+06"
 edit 's/^m_u = 5/m_u = -5/'
@@ -192,6 +192,29 @@ for command in "demo" "vehicle --bus vcan0" "node --bus memory"; do
     # shellcheck disable=SC2086
     check "  but not $command" refuses "the vehicle 'minnow' has no section \[truth\]" \
         $command --vehicle real.ini
+done
+sed '/^\[excitation\]/,/^yaw/d' minnow.ini >passive.ini
+sed 's/^surge_N = .*/surge_N = 60/' minnow.ini >strong.ini
+for file in passive strong; do
+    check "$file.ini, which cannot be excited: fit" exits 0 fit minnow.csv --vehicle $file.ini
+    check "  gives the bits of one that can" sh -c \
+        '"$0" fit minnow.csv --vehicle minnow.ini >first && cmp first out' "$AUVID"
+    check "  nothing on stderr" test ! -s err
+    check "  auvid-log can read it" exits 0 check $file.ini --json
+done
+check "without [excitation]: check says what that means" exits 0 check passive.ini
+check "  in one sentence" grep -q '^    \[excitation\]: without it a log can be checked and' out
+for command in "demo" "vehicle --bus vcan0" "node --bus memory" "replay minnow.log" \
+    "node --bus vcan0"; do
+    # shellcheck disable=SC2086
+    check "  but not $command" refuses 'passive.ini:1:1: no section \[excitation\]: add it' \
+        $command --vehicle passive.ini
+done
+check "  nor its header" refuses 'passive.ini:1:1: no section' check passive.ini --header
+for command in "demo" "replay minnow.log" "node --bus memory --excite"; do
+    # shellcheck disable=SC2086
+    check "more than the thrusters give: not $command" refuses \
+        'strong.ini:[0-9]+:1: surge_N is more than the thrusters give' $command --vehicle strong.ini
 done
 cp minnow.ini mounted.ini
 printf '\n[mount]\ndvl_lever_m = -0.1 0 0.1\ndvl_euler_deg = 0 0 45\n' >>mounted.ini

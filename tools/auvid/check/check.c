@@ -18,6 +18,10 @@ static int check_vehicle(const char *file, const options_t *options)
     if (vehicle == NULL) {
         return EXIT_REFUSED;
     }
+    bool wrong = vehicle->excitation_refusal[0] != '\0';
+    if (wrong && !options->json && (options->header || vehicle->has_excitation)) {
+        return report_error("%s", vehicle->excitation_refusal);
+    }
     if (options->header) {
         vehicle_header(vehicle);
         return 0;

@@ -93,6 +93,8 @@ static void print_missing(const vehicle_t *v)
         const char *text;
     } all[] = {
         {!(v->dry_mass_kg > 0), "[vehicle] dry_mass_kg: weigh it; a smaller mass is then refused"},
+        {!v->has_excitation,
+         "[excitation]: without it a log can be checked and fitted, but nothing is excited"},
         {!v->has_truth, "[truth]: rough parameters, so that demo can simulate it"},
         {newtons, "[group.NAME] map: without it thruster commands are read as newtons"},
         {!voltage, "[group.NAME] voltage_V, voltage_exponent: thrust follows the battery"},
@@ -316,7 +318,7 @@ int vehicle_report(const vehicle_t *v, const char *path)
     print_capacity(v, &allocation);
     print_missing(v);
     print_assumed(v);
-    return !v->has_truth || advise(v)
+    return !v->has_truth || !v->has_excitation || advise(v)
                ? 0
                : report_error("check: %s: the simulated vehicle could not be excited to the end: "
                               "see auvid demo --vehicle %s",

@@ -128,6 +128,7 @@ int options_node(options_t *options, int count, char **argument)
         return report_error(
             "node: --bus memory does not allow --clock own: its vehicle sends the ticks");
     }
+    status = status != 0 ? status : options_check_excitation(options, options->excite);
     if (status == 0 && strcmp(options->bus, "memory") == 0) {
         return options_check_truth(options, "node");
     }
@@ -150,6 +151,7 @@ int options_vehicle(options_t *options, int count, char **argument)
     if (status == 0 && other != NULL) {
         return report_error("vehicle: unknown option %s (see auvid --help)", other);
     }
+    status = status != 0 ? status : options_check_excitation(options, true);
     return status != 0 ? status : options_check_truth(options, "vehicle");
 }
 
@@ -160,5 +162,8 @@ int options_replay(options_t *options, int count, char **argument)
     options->log = log.word[0];
     options->bus = "";
     status = status != 0 ? status : check_bus(options, "replay");
-    return status == 0 && log.count == 0 ? report_error("replay: no FILE.log given") : status;
+    if (status == 0 && log.count == 0) {
+        return report_error("replay: no FILE.log given");
+    }
+    return status != 0 ? status : options_check_excitation(options, true);
 }

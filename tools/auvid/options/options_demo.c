@@ -76,6 +76,7 @@ int options_demo(options_t *options, int count, char **argument)
     int status = options_read(options, count, argument, "demo", demo_option, NULL);
     status = status != 0 ? status : check_scenario(options);
     status = status != 0 ? status : options_field_check(options);
+    status = status != 0 ? status : options_check_excitation(options, true);
     status = status != 0 ? status : options_check_truth(options, "demo");
     if (options->disturbance_N < 0.0) {
         options->disturbance_N = options->scenario != NULL ? 1.0 : 0.0;

@@ -230,11 +230,11 @@ static bool read_guard(ini_t *ini, vehicle_t *v)
 
 static bool read_all(ini_t *ini, vehicle_t *v)
 {
-    static const char *const needed[] = {"vehicle", "thruster.1", "excitation"};
+    static const char *const needed[] = {"vehicle", "thruster.1"};
     if (!check_sections(ini)) { /* before what may only be misspelt is missing */
         return false;
     }
-    for (int i = 0; i < 3; ++i) {
+    for (int i = 0; i < 2; ++i) {
         if (ini_find(ini, needed[i], "") == NULL) {
             return ini_refuse(ini, 1, 1, "no section [%s]: add it", needed[i]);
         }
@@ -242,12 +242,13 @@ static bool read_all(ini_t *ini, vehicle_t *v)
     if (!vehicle_keys_section(ini, "vehicle", KEYS_VEHICLE, v) || !read_model(ini, v) ||
         !vehicle_thrusters_read(ini, v) ||
         !vehicle_keys_section(ini, "allocation", KEYS_ALLOCATION, v) ||
-        !vehicle_keys_section(ini, "excitation", KEYS_EXCITATION, v) ||
-        !vehicle_excitation_check(ini, v) || !read_guard(ini, v) ||
+        !vehicle_allocation_check(ini, v) ||
+        !vehicle_keys_section(ini, "excitation", KEYS_EXCITATION, v) || !read_guard(ini, v) ||
         !vehicle_keys_section(ini, "mount", KEYS_MOUNT, v) || !read_uncertainty(ini, v) ||
         !vehicle_calibrations_read(ini, v) || !read_truth(ini, v)) {
         return false;
     }
+    vehicle_excitation_check(ini, v);
     /* Girona500 reports the parameters of the paper */
     v->linger_ticks =
         10u * (v->kind == VEHICLE_GIRONA500 ? SIM_PARAMETERS : (uint32_t)v->model->parameters);

@@ -8,6 +8,7 @@
 
 #include "auvid/actuation.h"
 #include "auvid/uncertain.h"
+#include "../base/ini.h"
 #include "simulator.h"
 #include "thrust_map.h"
 
@@ -67,6 +68,8 @@ typedef struct {
     const auvid_allocation_config_t *allocation; /**< of these thrusters */
 
     auvid_real_t amplitude[AUVID_DOF_COUNT]; /**< of the excitation [N, Nm] */
+    bool has_excitation;                     /**< one of them is above 0 */
+    char excitation_refusal[INI_MESSAGE]; /**< why it cannot be excited with them; "": it can be */
     auvid_guard_config_t guard;
     auvid_nav_mount_t mount;
     auvid_uncertainty_t uncertainty;

@@ -235,11 +235,11 @@ static const char *excitation_key(int dof)
     return vehicle_keys[KEYS_EXCITATION].key[dof].key;
 }
 
-/* Does [allocation] name only degrees of freedom in which a thruster acts, and priority only those?
- */
-static bool check_allocation(ini_t *ini, const vehicle_t *v)
+/* [allocation] names only degrees of freedom in which a thruster acts, and priority only those. */
+bool vehicle_allocation_check(ini_t *ini, const vehicle_t *v)
 {
     const auvid_allocation_config_t *cfg = &v->allocation_cfg;
+    auvid_allocation_t allocation;
     unsigned acts = 0;
     for (int i = 0; i < cfg->thrusters; ++i) {
         for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
@@ -250,28 +250,24 @@ static bool check_allocation(ini_t *ini, const vehicle_t *v)
         return ini_refuse_key(ini, "allocation", "dofs",
                               "names a degree of freedom in which no thruster acts");
     }
-    return ini_find(ini, "allocation", "priority") == NULL ||
-           (cfg->priority & ~(cfg->dofs != 0 ? cfg->dofs : acts)) == 0 ||
-           ini_refuse_key(ini, "allocation", "priority",
-                          "names a degree of freedom that the thrusters do not control");
+    if (ini_find(ini, "allocation", "priority") != NULL &&
+        (cfg->priority & ~(cfg->dofs != 0 ? cfg->dofs : acts)) != 0) {
+        return ini_refuse_key(ini, "allocation", "priority",
+                              "names a degree of freedom that the thrusters do not control");
+    }
+    return auvid_allocation_init(&allocation, cfg) >= 0 ||
+           ini_refuse(ini, ini_line(ini, "allocation"), 1,
+                      "no thruster acts in any of the controlled degrees of freedom");
 }
 
-/* Can the thrusters excite what is to be excited, one by one and together? */
-bool vehicle_excitation_check(ini_t *ini, const vehicle_t *v)
+/* The wrenches one by one and together. */
+static bool check_excitation(ini_t *ini, const vehicle_t *v)
 {
     auvid_allocation_t allocation;
     auvid_allocation_fit_t fit = {0};
-    bool any = false;
-    if (!check_allocation(ini, v)) {
-        return false;
-    }
-    if (auvid_allocation_init(&allocation, v->allocation) < 0) {
-        return ini_refuse(ini, ini_line(ini, "allocation"), 1,
-                          "no thruster acts in any of the controlled degrees of freedom");
-    }
+    (void)auvid_allocation_init(&allocation, v->allocation); /* vehicle_allocation_check did */
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
         const char *key = excitation_key(j);
-        any = any || v->amplitude[j] > 0;
         if (v->amplitude[j] > 0 && v->model->columns[j] == 0) {
             return ini_refuse_key(ini, "excitation", key,
                                   "is of a degree of freedom that the model "
@@ -283,10 +279,6 @@ bool vehicle_excitation_check(ini_t *ini, const vehicle_t *v)
                                   "check positions and directions, or [allocation] dofs");
         }
     }
-    if (!any) {
-        return ini_refuse(ini, ini_line(ini, "excitation"), 1,
-                          "[excitation] needs a wrench above 0: add e.g. surge_N");
-    }
     if (auvid_allocation_check(&allocation, v->amplitude, NULL, &fit) < 0) {
         char what[160];
         (void)snprintf(what, sizeof what,
@@ -296,4 +288,24 @@ bool vehicle_excitation_check(ini_t *ini, const vehicle_t *v)
         return ini_refuse_key(ini, "excitation", excitation_key(fit.dof >= 0 ? fit.dof : 0), what);
     }
     return true;
+}
+
+void vehicle_excitation_check(ini_t *ini, vehicle_t *v)
+{
+    bool good = false;
+    v->has_excitation = false;
+    for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
+        v->has_excitation = v->has_excitation || v->amplitude[j] > 0;
+    }
+    if (ini_find(ini, "excitation", "") == NULL) {
+        (void)ini_refuse(ini, 1, 1, "no section [excitation]: add it");
+    } else if (!v->has_excitation) {
+        (void)ini_refuse(ini, ini_line(ini, "excitation"), 1,
+                         "[excitation] needs a wrench above 0: add e.g. surge_N");
+    } else {
+        good = check_excitation(ini, v);
+    }
+    (void)snprintf(v->excitation_refusal, sizeof v->excitation_refusal, "%s",
+                   good ? "" : ini->message);
+    ini->message[0] = '\0'; /* the file is not refused */
 }

@@ -17,8 +17,12 @@ enum {
  * @return false after a message */
 bool vehicle_thrusters_read(ini_t *ini, vehicle_t *v);
 
-/** Checks that model and thrusters have the wrenches of [excitation], one by one and together.
+/** Checks that the thrusters act in the degrees of freedom of [allocation].
  * @return false after a message */
-bool vehicle_excitation_check(ini_t *ini, const vehicle_t *v);
+bool vehicle_allocation_check(ini_t *ini, const vehicle_t *v);
+
+/** Checks that model and thrusters have the wrenches of [excitation], one by one and together. If
+ * not, the message goes to v->excitation_refusal, for the commands that excite. */
+void vehicle_excitation_check(ini_t *ini, vehicle_t *v);
 
 #endif
