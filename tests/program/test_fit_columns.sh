@@ -264,6 +264,9 @@ check "a log of a controller" exits 3 fit loop.csv --plain --json
 check "  nothing of it is identifiable" is out '
 assert not any(p["identifiable"] for p in P.values())
 assert P["m_u"]["note"] == P["X_uu"]["note"] == "closed loop: the wrench is feedback", P'
+check "  and what to do if there was no controller" is out '
+assert d["missing"][0].startswith("closed loop: the wrench is feedback of a controller; "), d
+assert d["missing"][0].endswith("; if no controller drove it: --open-loop AXIS,.."), d["missing"]'
 check "a log of a pilot" exits 0 fit open.csv --plain --json
 check "  is none of a controller" is out '
 assert P["m_u"]["identifiable"] and P["X_uu"]["identifiable"]'
@@ -277,7 +280,8 @@ check "  nothing of these is identifiable, the others are" is out '
 for n, p in P.items():
     loop = p["note"] == "closed loop: the wrench is feedback"
     assert loop == (n in ("m_w", "m_r", "W-B", "Z_w", "Z_ww", "N_r", "N_rr")), (n, p)
-    assert not (loop and p["identifiable"]) and (n != "m_u" or p["identifiable"])'
+    assert not (loop and p["identifiable"]) and (n != "m_u" or p["identifiable"])
+assert "yaw: closed loop; drive it in open loop" in d["missing"], d["missing"]'
 
 # ---- six degrees of freedom without coupling ----
 python3 - >axes.csv <<'END'

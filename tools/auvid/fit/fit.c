@@ -236,6 +236,7 @@ static void gather(const job_t *job, const auvid_identifier_t *id, result_t *res
     report_gather(result, id, job->options->seed);
     gather_logs(job, result);
     result->in_commands = fit_in_commands(job);
+    result->has_loop_option = true;
     result->left_out = job->left_out;
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
         bool excited = (id->estimate.excited >> j & 1u) != 0;

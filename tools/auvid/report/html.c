@@ -13,7 +13,7 @@
 #include "../base/report_error.h"
 
 /* Longest note and sentence. */
-enum { WORDS = 200 };
+enum { WORDS = 300 };
 
 extern const embedded_t report_template[]; /* generated from report.html */
 

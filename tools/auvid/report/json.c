@@ -8,7 +8,7 @@
 #include "report.h"
 
 /* Longest note and sentence. */
-enum { WORDS = 200 };
+enum { WORDS = 300 };
 
 /* Nine digits represent a float exactly. JSON has no infinity. */
 static void json_number(FILE *out, double x)

@@ -275,6 +275,24 @@ void report_note(const result_t *result, int i, char *text, size_t size)
     }
 }
 
+/* Where a closed loop was recognised: the option for one that was not there. */
+static void add_loop_option(const result_t *result, char *text, size_t size)
+{
+    const char *axis = "AXIS,..";
+    size_t used = strlen(text);
+    bool told = strstr(text, "closed loop") == NULL;
+    for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
+        if (strncmp(text, report_dof_name[j], strlen(report_dof_name[j])) == 0) {
+            axis = report_dof_name[j];
+            told = told || (result->closed_loop >> j & 1u) != 0;
+        }
+    }
+    if (!told) {
+        (void)snprintf(text + used, size - used, "; if no controller drove it: --open-loop %s",
+                       axis);
+    }
+}
+
 bool report_missing(const result_t *result, unsigned which, char *text, size_t size)
 {
     const auvid_estimate_t *e = &result->estimate;
@@ -291,8 +309,12 @@ bool report_missing(const result_t *result, unsigned which, char *text, size_t s
         wanted &= ~((uint32_t)(result->left_out >> parameter[i].dof & 1u) << i);
     }
     vehicle.parameter = parameter;
-    return auvid_confidence_missing(e->number > 0 ? &e->confidence : NULL, &vehicle, wanted, which,
-                                    text, size) == AUVID_OK;
+    bool any = auvid_confidence_missing(e->number > 0 ? &e->confidence : NULL, &vehicle, wanted,
+                                        which, text, size) == AUVID_OK;
+    if (any && result->has_loop_option) {
+        add_loop_option(result, text, size);
+    }
+    return any;
 }
 
 bool report_cause(const result_t *result, unsigned which, char *text, size_t size)

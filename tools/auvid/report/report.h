@@ -109,6 +109,7 @@ typedef struct {
     bool has_truth;                   /**< the vehicle is simulated */
     bool has_guard;                   /**< something was excited */
     bool inputs_estimated;            /**< errors of thrust and sensors, with the parameters */
+    bool has_loop_option;             /**< the command has --open-loop */
     bool in_commands;                 /**< the inputs are commands, which set the units */
     bool has_validation, has_interval, has_r2_truth;
     report_calibration_t calibration;

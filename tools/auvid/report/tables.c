@@ -8,7 +8,7 @@
 #include "report.h"
 
 /* Longest note and sentence. */
-enum { WORDS = 200 };
+enum { WORDS = 300 };
 
 static double error_percent(const result_t *result, int i)
 {
