@@ -194,6 +194,41 @@ check "  by fit, too" sh -c "
     grep -q '^auvid: reversed.csv: thruster_2 has the wrong sign' err"
 check "  and a log" refuses '--vehicle is for a log' check girona500 --vehicle girona500
 
+# A second pair of thrusters that turns the vehicle, always with the first one.
+python3 - "$ROOT/tools/auvid/vehicles/girona500.ini" >tunnels.ini <<'END'
+import re, sys
+text = re.sub(r"\[thruster\.5\].*?(?=\n\[)", "", open(sys.argv[1]).read(), flags=re.S)
+for k, x in ((5, 0.5), (6, -0.5)):
+    text += f"\n[thruster.{k}]\nposition_m = {x} 0 0\ndirection = 0 1 0\n"
+    text += "forward_N = 153.8\nbackward_N = 153.8\ngroup = all\n"
+print(text)
+END
+tunnels() { # OUT SHARE: the first pair has this share of the yaw moment
+    change "
+def pairs(y):
+    X, Y, Z, N = (y[C[n]] for n in ('X_N', 'Y_N', 'Z_N', 'N_Nm'))
+    share = $2
+    f = share * N / 0.8
+    return [-X / 2 - f, -X / 2 + f, -Z / 2, -Z / 2, Y / 2 + N - share * N, Y / 2 - N + share * N]
+add(['thruster_%d_N' % k for k in range(1, 7)], pairs); drop(*WRENCH)" <train.csv >"$1"
+    sed '1s/thruster_1/other/; 1s/thruster_2/thruster_1/; 1s/other/thruster_2/' "$1" >"exchanged-$1"
+}
+tunnels together.csv 0.3
+tunnels apart.csv '(0.9 if y[0] < 25 else 0.3)'
+slips='act together in this log, .*: thruster_1_N and thruster_2_N exchanged; run each of them'
+for log in together.csv exchanged-together.csv; do
+    check "$log: a slip that motion cannot show" exits 0 check $log --vehicle tunnels.ini
+    check "  is said" grep -q "warning  the thrusters always $slips" out
+done
+check "  by fit, too" sh -c "'$AUVID' fit together.csv --vehicle tunnels.ini 2>err >fit.said
+    grep -q 'warning: together.csv: the thrusters always $slips' err"
+check "where the pairs act apart" exits 0 check apart.csv --vehicle tunnels.ini
+check "  nothing is said" sh -c '! grep -q "these slips" out'
+check "  since the exchange is found" exits 1 check exchanged-apart.csv --vehicle tunnels.ini
+check "  and named" grep -q 'error    thruster_1_N and thruster_2_N are exchanged' out
+check "vehicles whose thrusters are checked" exits 0 check throttle.csv --vehicle girona500
+check "  no such sentence" sh -c '! grep -q "these slips" out'
+
 # ---- which map ----
 sed 's/^map = signed-square/map = linear/' "$ROOT/tools/auvid/vehicles/girona500.ini" >linear.ini
 sed 's/^map = signed-square/map = table\ncommand = -1 -0.5 0 0.5 1\nforce_N = -140 -38 0 38 140/' \

@@ -62,6 +62,7 @@ typedef enum {
     DOCTOR_NO_GRAVITY,      /**< specific force without gravity */
     DOCTOR_THRUSTER_SIGN,   /**< a thruster has the wrong sign */
     DOCTOR_THRUSTER_SWAP,   /**< two thrusters are exchanged */
+    DOCTOR_THRUSTER_HIDDEN, /**< a reversed or exchanged thruster would not be seen */
     DOCTOR_SCALE,           /**< pulse widths as commands, velocities not in m/s, forces not in N */
     DOCTOR_OFFSET,          /**< a velocity has a constant offset (value) */
     DOCTOR_HELD,            /**< velocities repeat their value */

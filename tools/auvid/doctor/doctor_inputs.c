@@ -406,6 +406,9 @@ void doctor_inputs(doctor_t *d)
     if (!exchanged && !shifted && !frame && !(sign_llr > 0.0)) {
         take_long_lag(d);
     }
+    if (d->use != NULL && !exchanged && !frame && !(sign_llr > 0.0)) {
+        doctor_thrusters_hidden(d);
+    }
     for (int j = 0; j < 6; ++j) {
         bool pushed = d->pushed[j].llr > 0.0;
         if (has_pair(d, j) && pushed && !shifted && !rate_is_wrong(d, j) &&

@@ -272,6 +272,8 @@ void doctor_thrusters_row(doctor_t *d, csv_row_t *row, double force_N[AUVID_MAX_
 bool doctor_thrust_is_wrong(const doctor_t *d);
 /** Finds thrusters in another unit, or with the wrong sign. Returns whether there is one. */
 bool doctor_thrusters(doctor_t *d); /* doctor_thrusters.c */
+/** Names thrusters whose slips motion cannot show. */
+void doctor_thrusters_hidden(doctor_t *d);
 
 /* doctor.c */
 /** Adds a finding; range NULL: the whole log. Returns it. */

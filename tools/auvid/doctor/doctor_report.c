@@ -41,6 +41,7 @@ static const char *const code_name[DOCTOR_CODES] = {
     [DOCTOR_NO_GRAVITY] = "no_gravity",
     [DOCTOR_THRUSTER_SIGN] = "thruster_sign",
     [DOCTOR_THRUSTER_SWAP] = "thruster_exchanged",
+    [DOCTOR_THRUSTER_HIDDEN] = "thruster_unchecked",
     [DOCTOR_SCALE] = "scale",
     [DOCTOR_OFFSET] = "offset",
     [DOCTOR_HELD] = "held",

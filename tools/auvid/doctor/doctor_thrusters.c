@@ -2,7 +2,8 @@
  * Inputs of single thrusters. Their wrench, by the vehicle's thrust maps and allocation, is
  * compared with the motion as that of a log is (doctor_inputs.c). A thruster with the wrong sign,
  * or two that are exchanged, explain the accelerations of all degrees of freedom together, if they
- * are the cause. Where a slip changes a single degree of freedom, that one is named.
+ * are the cause. Where a slip changes a single degree of freedom, that one is named. Where
+ * thrusters act in a fixed ratio, a slip of one may only scale the wrench: then no motion shows it.
  */
 #include <math.h>
 #include <stddef.h>
@@ -14,6 +15,15 @@
 #define MIN_LLR 20.0          /* as in doctor_inputs.c */
 #define MIN_EXCHANGE_LLR 45.0 /* there are many pairs; strong mismatches reach 42 */
 #define MIN_LEAD 8.0          /* of one thruster over the next one: else both are named */
+#define MAX_REST 0.02    /* share of the wrench with a slip that is no multiple of the told one */
+#define MIN_SCALING 0.05 /* by which a multiple differs from 1, if it is one */
+#define NO_WRENCH 1e-3   /* share of the thrusters' own variances that is no wrench */
+
+enum {
+    MEAN = 5,                      /* of GAIN_TERMS */
+    NO_SLIP = AUVID_MAX_THRUSTERS, /* a thruster exchanged with itself */
+    SLIPS = AUVID_MAX_THRUSTERS * (1 + AUVID_MAX_THRUSTERS)
+};
 
 static double effect(const doctor_t *d, int k, int j)
 {
@@ -75,6 +85,13 @@ static double slipped(const doctor_t *d, int slip, int k, int j)
     return effect(d, k == one ? other : k == other ? one : k, j);
 }
 
+/* Can the wrench of DoF j be compared with motion? */
+static bool is_compared(const doctor_t *d, const doctor_sums_t *s, int j)
+{
+    bool moves = d->has[CSV_NU + j] && d->column[CSV_NU + j].changes > 0.0;
+    return d->has[CSV_WRENCH + j] && moves && s->count[j] >= 1.0;
+}
+
 /* Of all DoF together, with a slip. Both at one lag, as others are not summed. */
 static double slip_score(const doctor_t *d, const doctor_sums_t *s, int slip)
 {
@@ -83,8 +100,7 @@ static double slip_score(const doctor_t *d, const doctor_sums_t *s, int slip)
     for (int j = 0; j < 6; ++j) {
         double products[GAIN_TERMS] = {0}, part[AUVID_MAX_THRUSTERS];
         doctor_gain_t g, clean;
-        bool moves = d->has[CSV_NU + j] && d->column[CSV_NU + j].changes > 0.0;
-        if (!d->has[CSV_WRENCH + j] || !moves || s->count[j] < 1.0) {
+        if (!is_compared(d, s, j)) {
             continue;
         }
         for (int k = 0; k < thrusters; ++k) {
@@ -130,6 +146,16 @@ static void slip_name(const doctor_t *d, int slip, char text[40])
     }
 }
 
+/* Is this the number of a slip that changes a wrench? */
+static bool is_slip(const doctor_t *d, int slip)
+{
+    int thrusters = log_inputs(d->use), pair = slip - AUVID_MAX_THRUSTERS;
+    int one = pair < 0 ? slip : pair / AUVID_MAX_THRUSTERS;
+    int other = pair < 0 ? slip : pair % AUVID_MAX_THRUSTERS;
+    return one < thrusters && other < thrusters &&
+           (pair < 0 || (one < other && !are_equal(d, one, other)));
+}
+
 /* A slip, and how much better it explains the whole log: columns do not change during a log. */
 typedef struct {
     double llr;
@@ -139,15 +165,10 @@ typedef struct {
 /* Finds the best explanation, and the next one. */
 static void explain(const doctor_t *d, explained_t *best, explained_t *next)
 {
-    int thrusters = log_inputs(d->use);
     doctor_sums_t all;
     doctor_sum(d, 0, d->blocks - 1, &all);
-    for (int slip = 0; slip < AUVID_MAX_THRUSTERS * (1 + AUVID_MAX_THRUSTERS); ++slip) {
-        int pair = slip - AUVID_MAX_THRUSTERS;
-        int one = pair < 0 ? slip : pair / AUVID_MAX_THRUSTERS;
-        int other = pair < 0 ? slip : pair % AUVID_MAX_THRUSTERS;
-        if (one >= thrusters || other >= thrusters ||
-            (pair >= 0 && (one >= other || are_equal(d, one, other)))) {
+    for (int slip = 0; slip < SLIPS; ++slip) {
+        if (!is_slip(d, slip)) {
             continue;
         }
         explained_t now = {slip_score(d, &all, slip), slip};
@@ -212,4 +233,78 @@ bool doctor_thrusters(doctor_t *d)
                            : " or ",
                both ? second : "");
     return true;
+}
+
+/* Covariance of the wrenches of DoF j with two slips. */
+static double covariance(const doctor_t *d, const doctor_sums_t *s, int j, int a, int b)
+{
+    double sum = 0.0, n = s->count[j];
+    for (int k = 0; k < log_inputs(d->use); ++k) {
+        for (int i = 0; i < log_inputs(d->use); ++i) {
+            double of_thrust =
+                s->both[j][k][i] / n - s->thrust[j][k][MEAN] / n * (s->thrust[j][i][MEAN] / n);
+            sum += slipped(d, a, k, j) * slipped(d, b, i, j) * of_thrust;
+        }
+    }
+    return sum;
+}
+
+/* Sum of the variances of what each thruster does in DoF j. */
+static double size_of_parts(const doctor_t *d, const doctor_sums_t *s, int j)
+{
+    double sum = 0.0, n = s->count[j];
+    for (int k = 0; k < log_inputs(d->use); ++k) {
+        double mean = s->thrust[j][k][MEAN] / n, part = effect(d, k, j);
+        sum += part * part * (s->both[j][k][k] / n - mean * mean);
+    }
+    return sum;
+}
+
+/* Are all wrenches with a slip multiples of those without, so that no motion tells them apart?
+ * Returns the DoF in which they are not the same, a bit each; 0: it is not hidden. */
+static unsigned hidden(const doctor_t *d, const doctor_sums_t *s, int slip)
+{
+    unsigned scaled = 0;
+    for (int j = 0; j < 6; ++j) {
+        if (!is_compared(d, s, j)) {
+            continue;
+        }
+        double told = covariance(d, s, j, NO_SLIP, NO_SLIP), with = covariance(d, s, j, slip, slip);
+        double both = covariance(d, s, j, NO_SLIP, slip);
+        if (!(fmax(told, with) > NO_WRENCH * size_of_parts(d, s, j))) {
+            continue;
+        }
+        if (!(both > 0.0 && told * with - both * both < MAX_REST * told * with)) {
+            return 0;
+        }
+        scaled |= (unsigned)(d->answers[j] && fabs(both / told - 1.0) > MIN_SCALING) << j;
+    }
+    return scaled;
+}
+
+void doctor_thrusters_hidden(doctor_t *d)
+{
+    char list[200] = "";
+    int column = -1;
+    doctor_sums_t all;
+    doctor_sum(d, 0, d->blocks - 1, &all);
+    for (int slip = 0; slip < SLIPS; ++slip) {
+        unsigned dofs = is_slip(d, slip) ? hidden(d, &all, slip) : 0;
+        size_t used = strlen(list);
+        char name[40];
+        if (dofs == 0 || used + sizeof name + 12 > sizeof list) {
+            continue;
+        }
+        slip_name(d, slip, name);
+        (void)snprintf(list + used, sizeof list - used, "%s%s %s", used > 0 ? ", " : "", name,
+                       slip < AUVID_MAX_THRUSTERS ? "reversed" : "exchanged");
+        int one = slip < AUVID_MAX_THRUSTERS ? slip : slip / AUVID_MAX_THRUSTERS - 1;
+        column = column < 0 ? log_input(d->use, one) : column;
+    }
+    if (column >= 0) {
+        doctor_add(d, DOCTOR_WARNING, DOCTOR_THRUSTER_HIDDEN, column, -1, NULL,
+                   "the thrusters always act together in this log, so that the motion would not "
+                   "show these slips: %s; run each of them alone to see whether it is right",
+                   list);
+    }
 }
