@@ -130,8 +130,8 @@ struct Reference {
         return out;
     }
 
-    // Where a unit of the residual is: part of the acceleration, of the velocity, and what this adds
-    // to the columns of linear and quadratic drag.
+    // Where a unit of the residual is: in the acceleration, in the velocity, and what that adds to
+    // the columns of linear and quadratic drag.
     struct Shares {
         double accelerates, moves;
         Vector2d drag;

@@ -10,7 +10,7 @@
 /** Add the newest cell to the test for feedback, after auvid_metric_add.
  * @param pi parameters of the last estimate; NULL: the cell is not part of the test
  * @param dofs bit j: they are known in DoF j
- * @param lost part of the supplied wrench that was not delivered, although it was to the estimate */
+ * @param lost part of the supplied wrench that is not delivered, less that of the estimate */
 void auvid_metric_watch(auvid_metric_t *m, const auvid_sample_t *cell, const auvid_real_t *pi,
                         uint8_t dofs, auvid_real_t lost);
 

@@ -8,8 +8,8 @@
 
 #define PROJECTED_NOISE AUVID_C(1.4)     /* of projected rows: disturbances are slow */
 #define LARGEST_BAND_RATIO AUVID_C(30.0) /* of the residuals of the bands */
-#define ACCELERATES AUVID_C(0.7)         /* of h, see auvid_uncertain_solve.c */
-#define MOVES AUVID_C(0.5)               /* of 1 - h, of a force */
+#define IN_ACCELERATION AUVID_C(0.7)     /* of h, see auvid_uncertain_solve.c */
+#define IN_VELOCITY AUVID_C(0.5)         /* of 1 - h, of a force */
 /* Parts of the supplied thrust that are delivered: gamma is 1 from the first to all of it, and
  * constant below the second. */
 #define FULL_THRUST AUVID_C(0.9)
@@ -222,9 +222,9 @@ static uncertain_shares_t uncertain_find_shares(const uncertain_t *u, const auvi
     auvid_real_t all = rate + pair_s * squares[0] * auvid_abs(drag);
     bool known = mass > AUVID_C(0.0) && all > AUVID_C(0.0);
     auvid_real_t h = known ? auvid_sqrt(rate / all) : AUVID_C(1.0);
-    shares.accelerates = ACCELERATES * h;
+    shares.accelerates = IN_ACCELERATION * h;
     if (j < AUVID_ROLL && drag < AUVID_C(0.0)) {
-        shares.moves = MOVES * (AUVID_C(1.0) - h);
+        shares.moves = IN_VELOCITY * (AUVID_C(1.0) - h);
         shares.drag[0] = shares.moves / drag;
         shares.drag[1] = AUVID_C(2.0) * speed * shares.drag[0];
     }
