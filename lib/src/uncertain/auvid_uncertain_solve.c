@@ -24,11 +24,11 @@
  *
  * The loss of thrust with speed is a column of the thrust, but e is not in it like that: it
  * contains the measured velocity. With -(1 - lambda) k e in it, too, the loss becomes too small, or
- * a gain, and the drag too large: at 0.6 of the largest speed by 4 to 18 % on average in a quick ROV
- * of 9 kg, where 45 of 331 such forces were wrongly identifiable (60 fresh logs of an independent
- * simulator). Now none of 395 is, and the mean error is -2 to 5 %. With a share mu of moments, or
- * with 1 - h instead of half of it, N_rr is 15 to 25 % too large in such a vehicle. With mu = 0 drag
- * is 2 to 6 % too small in mixtures of usual errors.
+ * a gain, and the drag too large: at 0.6 of the largest speed by 4 to 18 % on average in a quick
+ * ROV of 9 kg, where 45 of 331 such forces were wrongly identifiable (60 fresh logs of an
+ * independent simulator). Now none of 395 is, and the mean error is -2 to 5 %. With a share mu of
+ * moments, or with 1 - h instead of half of it, N_rr is 15 to 25 % too large in such a vehicle.
+ * With mu = 0 drag is 2 to 6 % too small in mixtures of usual errors.
  *
  * No motion shows the scale of thrust, masses and drag together. With v its direction, and d the
  * part of the thrust that is delivered, 1 - sum_k k b_k, X v = -e, and X~ v = 0 if gamma = d. If
