@@ -27,7 +27,7 @@
  * a gain, and the drag too large: at 0.6 of the largest speed by 4 to 18 % on average in a quick
  * ROV of 9 kg, where 45 of 331 such forces were wrongly identifiable (60 fresh logs of an
  * independent simulator). Now none of 395 is, and the mean error is -2 to 5 %. With a share mu of
- * moments, or with 1 - h instead of half of it, N_rr is 15 to 25 % too large in such a vehicle.
+ * moments, too, its drag in yaw is 15 to 25 % too large.
  * With mu = 0 drag is 2 to 6 % too small in mixtures of usual errors.
  *
  * No motion shows the scale of thrust, masses and drag together. With v its direction, and d the
