@@ -4,8 +4,9 @@
  *     e    = z - X theta                                 at the last pass
  *     s^2  = 2.6 ||e||^2 / rows                          bands weighted (uncertain_weigh_bands)
  *     X~   = X, with u' + lambda e / m in the column of the mass,
- *            c + mu e dc/dv / D in a column c of drag, D = X_u + 2 v X_uu, and
- *            c - (1 - lambda - mu) k e / gamma in a column c of the thrust, k = c'z / z'z
+ *            c + mu e |dc/dv| / D in a column c of drag, D = X_u + 2 v X_uu, and
+ *            c - (1 - lambda - mu) k e / gamma in a column c of the thrust, k = c'z / z'z, but
+ *            not in that of its loss with speed
  *     min sum_j ||(e + X~ theta_0 - X~ theta) / s||^2 + sum_k (b_k / sigma_k)^2
  *
  * (Gauss-Newton.) The shares of the noise e: lambda accelerates the vehicle, mu changes its
@@ -27,8 +28,8 @@
  * a gain, and the drag too large: at 0.6 of the largest speed by 4 to 18 % on average in a quick
  * ROV of 9 kg, where 45 of 331 such forces were wrongly identifiable (60 fresh logs of an
  * independent simulator). Now none of 395 is, and the mean error is -2 to 5 %. With a share mu of
- * moments, too, its drag in yaw is 15 to 25 % too large.
- * With mu = 0 drag is 2 to 6 % too small in mixtures of usual errors.
+ * moments, too, its drag in yaw is 15 to 25 % too large; with mu = 0 drag is 2 to 6 % too small in
+ * mixtures of usual errors.
  *
  * No motion shows the scale of thrust, masses and drag together. With v its direction, and d the
  * part of the thrust that is delivered, 1 - sum_k k b_k, X v = -e, and X~ v = 0 if gamma = d. If
