@@ -104,7 +104,10 @@ check "backward thrust that is a third weaker" exits 3 fit weaker-1.5.csv --json
     --thrusters girona500
 check "  is named, and makes the thrust scale too uncertain" is out '
 assert d["wrong_inputs"], d["wrong_inputs"]
-assert d["assumed"]["thrust_scale"] > 0.09'
+assert d["assumed"]["thrust_scale"] > 0.09
+assert abs(d["assumed"]["thrust_scale"] / 0.05 - d["assumed"]["over_priors"] ** 2) < 0.01'
+check "  the text says why" exits 3 fit weaker-1.5.csv --thrusters girona500
+check "    the scale is so uncertain" grep -q 'times as large as their standard deviations' out
 check "thrusters of no vehicle" refuses "'mine' is not one of" fit train.csv --thrusters mine
 check "--thrusters and --plain" refuses '--thrusters and --plain cannot be combined' \
     fit train.csv --thrusters girona500 --plain

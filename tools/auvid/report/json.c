@@ -254,6 +254,10 @@ static void json_missing(FILE *out, const result_t *result)
             result->estimate.confidence.unchecked ? "unchecked"
             : result->inputs_estimated            ? "estimated"
                                                   : "exact");
+    if (result->over_priors > 0.0) {
+        fprintf(out, ", \"over_priors\": ");
+        json_number(out, result->over_priors);
+    }
     json_dof_names(out, "closed_loop", result->closed_loop);
     json_dof_names(out, "open_loop", result->open_loop);
     fprintf(out, "}");

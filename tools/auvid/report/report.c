@@ -56,6 +56,7 @@ void report_gather(result_t *result, const auvid_identifier_t *id, uint64_t seed
     }
     result->inputs_estimated = id->attached.uncertain != NULL;
     if (id->attached.uncertain != NULL) {
+        result->over_priors = (double)id->attached.uncertain->scale;
         (void)auvid_uncertain_causes(id->attached.uncertain, &result->causes);
     }
 }

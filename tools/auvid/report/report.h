@@ -109,8 +109,9 @@ typedef struct {
     bool has_truth;                   /**< the vehicle is simulated */
     bool has_guard;                   /**< something was excited */
     bool inputs_estimated;            /**< errors of thrust and sensors, with the parameters */
-    bool has_loop_option;             /**< the command has --open-loop */
-    bool in_commands;                 /**< the inputs are commands, which set the units */
+    double over_priors;   /**< these, relative to their standard deviations; 0: not estimated */
+    bool has_loop_option; /**< the command has --open-loop */
+    bool in_commands;     /**< the inputs are commands, which set the units */
     bool has_validation, has_interval, has_r2_truth;
     report_calibration_t calibration;
     int k_tau; /**< its parameter, if a force is known */

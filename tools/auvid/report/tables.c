@@ -222,6 +222,12 @@ static void missing_list(const result_t *result)
         printf("  assumed        thrust scale to %.3g %%, DVL scale to %.3g %% (1 sigma); heading "
                "exact\n",
                100.0 * (double)u->thrust_scale, 100.0 * (double)u->dvl_scale);
+        if (result->over_priors > 1.05) {
+            printf("                 (errors of thrust and sensors are %.1f times as large as "
+                   "their standard deviations:\n                 so the scales are less certain "
+                   "than configured, by the square of it)\n",
+                   result->over_priors);
+        }
     }
     print_axes("closed loop", result->closed_loop);
     print_axes("open loop", result->open_loop);
