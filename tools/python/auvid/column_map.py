@@ -2,7 +2,7 @@
 
     [t_s]              ; only for a .csv: without it the column t_s
     from = time_us
-    unit = us
+    unit = us          ; or ISO 8601: 2026-05-01T12:00:00.25Z
 
     [v_mps]
     from = /dvl/data velocity.y     ; topic and field of a bag; in a .csv, the name of a column
@@ -12,9 +12,10 @@
 """
 import configparser
 import csv
+import datetime
 import itertools
 import math
-from typing import NamedTuple
+from typing import Callable, NamedTuple
 
 from auvid.log_error import LogError, UsageError
 from auvid.series import ATTITUDE, COMMANDS, FORCE, POSITION, QUATERNION, RATES, REFERENCE, \
@@ -25,6 +26,7 @@ UNITS = {"": 1, "1": 1, "%": 0.01, "s": 1, "ms": 1e-3, "us": 1e-6, "ns": 1e-9, "
          "mm": 1e-3, "m/s": 1, "cm/s": 0.01, "mm/s": 1e-3, "kn": 1852 / 3600, "rad": 1,
          "deg": math.pi / 180, "rad/s": 1, "deg/s": math.pi / 180, "N": 1, "kN": 1e3, "Nm": 1,
          "V": 1, "m/s2": 1, "g": 9.80665, "mV": 1e-3, "rpm": 1}
+ISO_TIME = "ISO 8601"
 GROUPS = {"dvl": VELOCITY, "attitude": ATTITUDE, "quaternion": QUATERNION, "rates": RATES,
           "position": POSITION, "specific_force": FORCE}
 KNOWN = {"t_s", *(c for group in GROUPS.values() for c in group), *WRENCH, *COMMANDS, *REFERENCE,
@@ -36,10 +38,11 @@ TURNED = {"v_mps", "w_mps", "q_radps", "r_radps", "theta_rad", "depth_m", "fy_mp
 
 
 class Entry(NamedTuple):
-    """A column is factor * source + offset."""
+    """A column is factor * source + offset; number: of the text of a cell."""
     source: str
     factor: float
     offset: float
+    number: Callable[[str], float] = float
 
 
 def _entry(path, column, section):
@@ -51,17 +54,19 @@ def _entry(path, column, section):
         raise UsageError(f"{path}: [{column}]: no key from: name the source of the column")
     unit, sign = section.get("unit", ""), section.get("sign", "1")
     frame = section.get("frame", "ned")
-    for key, value, allowed in (("unit", unit, UNITS), ("sign", sign, ("1", "+1", "-1")),
+    units = {**UNITS, ISO_TIME: 1} if column == "t_s" else UNITS
+    for key, value, allowed in (("unit", unit, units), ("sign", sign, ("1", "+1", "-1")),
                                 ("frame", frame, ("ned", "enu"))):
         if value not in allowed:
             raise UsageError(f"{path}: [{column}]: {key} = {value}: use one of "
                              f"{', '.join(filter(None, allowed))}")
     if frame == "enu" and column in QUATERNION:
         raise UsageError(f"{path}: [{column}]: a quaternion is read in NED and FRD: give angles")
-    factor = UNITS[unit] * int(sign)
+    factor = units[unit] * int(sign)
     if frame == "enu" and column == "psi_rad":
         return Entry(section["from"], -factor, math.pi / 2)
-    return Entry(section["from"], -factor if frame == "enu" and column in TURNED else factor, 0.0)
+    return Entry(section["from"], -factor if frame == "enu" and column in TURNED else factor, 0.0,
+                 _iso_time if unit == ISO_TIME else float)
 
 
 def load(path):
@@ -91,11 +96,18 @@ def grouped(entries):
     return [(name, columns) for name, columns in out if columns] + [(c, [c]) for c in single]
 
 
-def _number(line, name, text):
+def _iso_time(text):
+    """Seconds of a date and time, as 2026-05-01T12:00:00.25Z; without a zone it is UTC."""
+    time = datetime.datetime.fromisoformat(text.strip())
+    return (time if time.tzinfo else time.replace(tzinfo=datetime.timezone.utc)).timestamp()
+
+
+def _number(line, entry, text):
     try:
-        return float(text)
+        return entry.number(text)
     except ValueError:
-        raise LogError(f"line {line}: {name}: '{text[:24]}' is not a number") from None
+        what = "number" if entry.number is float else "time in " + ISO_TIME
+        raise LogError(f"line {line}: {entry.source}: '{text[:24]}' is not a {what}") from None
 
 
 def _whole_lines(file, recording):
@@ -133,7 +145,7 @@ def read_csv(path, options):
             text = row[entry.source]
             if separator != ",":
                 text = text.replace(",", ".")  # a decimal comma
-            return entry.factor * _number(rows.line_num, entry.source, text) + entry.offset
+            return entry.factor * _number(rows.line_num, entry, text) + entry.offset
         groups = grouped(entries)
         for row in rows:
             if None in row.values() or None in row:

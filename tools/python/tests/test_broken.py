@@ -213,6 +213,18 @@ def test_a_table_is_read_by_its_map(tmp_path, convert):
     assert "note: no rates in this log" in said and "no attitude" not in said
 
 
+@pytest.mark.parametrize("form,separator", [
+    ("2026-05-01T23:59:5{}.{}00Z", ","), ("2026-05-01 23:59:5{}.{}", ","),
+    ("2026-05-02T01:59:5{},{}+02:00", ";")])
+def test_times_may_be_iso_8601(form, separator, tmp_path, convert):
+    (tmp_path / "map.ini").write_text(MAP.replace("unit = ms", "unit = ISO 8601"))
+    lines = [HEADER.split(",")] + [[form.format(*divmod(i, 10)), *row.split(",")[1:]]
+                                   for i, row in enumerate(ROWS)]
+    (tmp_path / "dive.csv").write_text("".join(separator.join(line) for line in lines))
+    status, said, rows = convert(tmp_path / "dive.csv", "--map", str(tmp_path / "map.ini"))
+    assert status == 0 and np.allclose(rows["t_s"], 0.1 * np.arange(99), atol=1e-5), said
+
+
 def test_semicolons_or_tabs_may_separate_columns_with_decimal_commas(tmp_path, convert):
     (tmp_path / "map.ini").write_text(MAP)
     for separator, point in ((",", "."), (";", "."), (";", ","), ("\t", ",")):
@@ -278,6 +290,8 @@ TABLES = [  # map, table, exit status, what is said
     (MAP, "".join([HEADER, *reversed(ROWS)]), 1, "it does so 9 times; sort the rows by time"),
     (MAP.replace("[u_mps]", "[speed]"), TABLE, 2, "[speed] is no column of auvid"),
     (MAP.replace("cm/s", "furlong"), TABLE, 2, "[v_mps]: unit = furlong: use one of"),
+    (MAP.replace("cm/s", "ISO 8601"), TABLE, 2, "[v_mps]: unit = ISO 8601: use one of"),
+    (MAP.replace("ms", "ISO 8601"), TABLE, 1, "line 2: time: '0' is not a time in ISO 8601"),
     (MAP.replace("sign", "scale"), TABLE, 2, "[cmd_surge]: unknown key scale"),
     ("", TABLE, 2, "no section: write one for each column"),
     (MAP.replace("from = vx", ""), TABLE, 2, "[u_mps]: no key from"),
