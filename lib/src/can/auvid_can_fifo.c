@@ -72,6 +72,16 @@ auvid_status_t auvid_can_fifo_push(auvid_can_fifo_t *fifo, const auvid_can_frame
     return AUVID_OK;
 }
 
+static void can_fifo_pop_abort(auvid_can_fifo_t *fifo, auvid_can_frame_t *frame)
+{
+    AUVID_CAN_BARRIER();
+    *frame = fifo->abort;
+    AUVID_CAN_BARRIER(); /* read before another one may be stored */
+    fifo->aborted = fifo->aborted + 1u;
+    AUVID_CAN_BARRIER(); /* `aborted` is written before `before` is read: see push */
+    fifo->older = fifo->before - fifo->popped;
+}
+
 auvid_status_t auvid_can_fifo_pop(auvid_can_fifo_t *fifo, auvid_can_frame_t *frame)
 {
     if (fifo == NULL || frame == NULL) {
@@ -80,19 +90,15 @@ auvid_status_t auvid_can_fifo_pop(auvid_can_fifo_t *fifo, auvid_can_frame_t *fra
     if (fifo->size == 0) {
         return AUVID_ERR_STATE;
     }
-    if (fifo->aborted != fifo->aborts) {
-        AUVID_CAN_BARRIER();
-        *frame = fifo->abort;
-        AUVID_CAN_BARRIER(); /* read before another one may be stored */
-        fifo->aborted = fifo->aborted + 1u;
-        AUVID_CAN_BARRIER(); /* `aborted` is written before `before` is read: see push */
-        fifo->older = fifo->before - fifo->popped;
-        return AUVID_OK;
-    }
     uint32_t older;
     do { /* at most size times */
-        uint32_t at = fifo->popped;
-        if (at == fifo->pushed) {
+        uint32_t at = fifo->popped, pushed = fifo->pushed;
+        AUVID_CAN_BARRIER(); /* no frame before `pushed` is younger than an abort not seen below */
+        if (fifo->aborted != fifo->aborts) {
+            can_fifo_pop_abort(fifo, frame);
+            return AUVID_OK;
+        }
+        if (at == pushed) {
             return AUVID_EMPTY;
         }
         AUVID_CAN_BARRIER(); /* published before it is read */

@@ -3,6 +3,7 @@
  */
 #define _POSIX_C_SOURCE 200809L /* nanosleep */
 #include <pthread.h>
+#include <signal.h>
 #include <string.h>
 #include <time.h>
 
@@ -304,6 +305,74 @@ static void test_two_threads_lose_no_abort_and_pop_no_arm_frame_from_before_it(v
     TEST_ASSERT_EQUAL_UINT32(fifo.aborts, aborts);
 }
 
+#if defined(__x86_64__) && defined(__linux__)
+/* The interrupt pushes an abort and then an arm frame, after the n-th instruction of pop. */
+static volatile uint32_t instructions, interrupted_at;
+static auvid_can_frame_t abort_frame, arm_frame;
+
+static void interrupt(int signal_number)
+{
+    (void)signal_number;
+    if (++instructions == interrupted_at) {
+        (void)auvid_can_fifo_push(&fifo, &abort_frame);
+        (void)auvid_can_fifo_push(&fifo, &arm_frame);
+    }
+}
+
+/* The processor's trap flag: a SIGTRAP after each instruction. */
+static auvid_status_t pop_interrupted(auvid_can_frame_t *frame)
+{
+    instructions = 0;
+    __asm__ volatile("pushfq\n\torq $0x100, (%%rsp)\n\tpopfq" ::: "memory", "cc");
+    auvid_status_t status = auvid_can_fifo_pop(&fifo, frame);
+    __asm__ volatile("pushfq\n\tandq $~0x100, (%%rsp)\n\tpopfq" ::: "memory", "cc");
+    return status;
+}
+
+/* Pop all frames, interrupted in the first one. @return did the interrupt come? */
+static bool pop_all_interrupted(int *aborts, int *sensors)
+{
+    auvid_can_frame_t frame;
+    auvid_status_t status = pop_interrupted(&frame);
+    bool came = instructions >= interrupted_at;
+    if (came && status == AUVID_EMPTY) { /* it came when the queue had been found empty */
+        status = auvid_can_fifo_pop(&fifo, &frame);
+    }
+    for (; status == AUVID_OK && frame.id != arm_frame.id;
+         status = auvid_can_fifo_pop(&fifo, &frame)) {
+        *aborts += frame.id == abort_frame.id;
+        *sensors += frame.id != abort_frame.id;
+    }
+    is_empty();
+    return came;
+}
+
+static void test_an_abort_is_before_a_later_arm_frame_wherever_pop_is_interrupted(void)
+{
+    const auvid_can_frame_t sensor = numbered(1);
+    struct sigaction action;
+    memset(&action, 0, sizeof action);
+    action.sa_handler = interrupt;
+    TEST_ASSERT_EQUAL(0, sigaction(SIGTRAP, &action, NULL));
+    abort_frame = of_operator(&console, AUVID_CAN_ABORT);
+    arm_frame = of_operator(&console, AUVID_CAN_ARM);
+    for (int queued = 0; queued < 3; ++queued) {
+        bool came = true;
+        for (interrupted_at = 1; came; ++interrupted_at) {
+            int aborts = 0, sensors = 0;
+            setUp();
+            for (int i = 0; i < queued; ++i) {
+                push(&sensor);
+            }
+            came = pop_all_interrupted(&aborts, &sensors);
+            TEST_ASSERT_EQUAL(came, aborts); /* before the arm frame */
+            TEST_ASSERT_EQUAL(queued, sensors);
+        }
+        TEST_ASSERT_TRUE(interrupted_at > 20);
+    }
+}
+#endif
+
 static void test_wrong_calls_return_their_statuses(void)
 {
     auvid_can_frame_t frame = numbered(0);
@@ -335,6 +404,9 @@ int main(void)
     RUN_TEST(test_an_abort_with_moved_identifiers_is_recognised);
     RUN_TEST(test_two_threads_lose_and_tear_no_frame);
     RUN_TEST(test_two_threads_lose_no_abort_and_pop_no_arm_frame_from_before_it);
+#if defined(__x86_64__) && defined(__linux__)
+    RUN_TEST(test_an_abort_is_before_a_later_arm_frame_wherever_pop_is_interrupted);
+#endif
     RUN_TEST(test_wrong_calls_return_their_statuses);
     return UNITY_END();
 }
