@@ -184,6 +184,10 @@ log "$v,${throttle//,/_N,}_N" 0,0,0,0,0,0,0,0,0,0 1,1,1,1,1,1,1,1,1,1
 check "commands in the columns of newtons" rejects \
     'largest force of a thruster is 1 N, .* up to 154 N: are the columns .* in newtons' \
     fit log.csv --thrusters girona500
+sed 's/^forward_N = .*/forward_N = 5/' "$ROOT/tools/auvid/vehicles/girona500.ini" >astern.ini
+log "$v,${throttle//,/_N,}_N" 0,0,0,0,0,0,0,0,0,0 1,1,1,1,1,-90,1,1,1,1
+check "forces astern of thrusters that are stronger there" exits 3 \
+    fit log.csv --vehicle astern.ini
 log "$v,$throttle" 0,0,0,0,0,0,0,0,0,0 1,1,1,1,1,90,1,1,1,1
 check "newtons in the columns of commands" rejects 'give zero_command and full_command of' \
     fit log.csv --thrusters girona500

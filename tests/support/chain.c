@@ -148,6 +148,16 @@ void chain_sense(const sim_output_t *seen, uint64_t epoch_us, auvid_input_t *in)
 }
 
 /* Set the wrench from now on. */
+/* Record the wrench in force; for uncertain inputs also the thrusters' forces. */
+static void apply(chain_t *chain)
+{
+    auvid_allocation_result_t forces;
+    bool asked = chain->id.attached.uncertain_functions != NULL &&
+                 auvid_allocation_solve(&chain->allocation, chain->wrench, &forces) >= 0;
+    (void)auvid_identifier_applied(&chain->id, chain->t_us, chain->wrench,
+                                   asked ? forces.force_N : NULL);
+}
+
 static void drive(chain_t *chain, const auvid_real_t *excitation)
 {
     memcpy(chain->wrench, excitation, sizeof chain->wrench);
@@ -210,7 +220,7 @@ void chain_tick(chain_t *chain)
     chain->estimates += (chain->out.events & AUVID_EVENT_ESTIMATE) != 0;
     if (!chain->cfg.passive) {
         drive(chain, chain->out.excitation);
-        (void)auvid_identifier_applied(&chain->id, in.t_us, chain->wrench, NULL);
+        apply(chain);
     }
     if (chain->cfg.literal != NULL) {
         literal_tick(chain->cfg.literal, &chain->id);

@@ -14,7 +14,8 @@
  *
  * All functions are pure functions of their arguments: no driver, no clock. A sender calls
  * auvid_can_pack. A receiver calls auvid_can_unpack, or auvid_can_receiver_take, which also checks
- * counters and time. Only the queue of frames, auvid_can_fifo_t, may be called from an interrupt.
+ * counters and time. From an interrupt call only auvid_can_fifo_push or auvid_can_fifo_pop (one
+ * of them, see there), auvid_can_kind and auvid_can_node_kind.
  *
  * Cost on a Cortex-M4F (-Os): packing takes 590 to 1020 instructions, unpacking 650 to 1160. The
  * CRC is nearly half of the smaller figure. Memory: sizeof(auvid_can_sender_t), 40 bytes. Code and
@@ -100,7 +101,7 @@ auvid_status_t auvid_can_unpack(const auvid_can_ids_t *ids, const auvid_can_fram
 auvid_can_kind_t auvid_can_kind(const auvid_can_ids_t *ids, uint16_t id);
 
 /** Returns the number of a message among those that a node receives, or AUVID_CAN_NODE_KINDS if a
- * node does not receive it, or there is no such message. May be called from an interrupt. */
+ * node does not receive it, or there is no such message. */
 auvid_can_node_kind_t auvid_can_node_kind(auvid_can_kind_t kind);
 
 /** Returns the identifier of a message, or 0xFFFF if there is no such message.
@@ -242,8 +243,8 @@ auvid_status_t auvid_can_command_thrust(auvid_can_command_t *command, uint64_t n
 /*
  * A queue of frames with one producer and one consumer: from the receive interrupt to the task.
  *
- * This is the only part of auvid that may be called from an interrupt. The interrupt pushes and the
- * task pops, or the other way round; each side calls from one context only. There are no locks and
+ * The interrupt pushes and the task pops, or the other way round; each side calls from one context
+ * only. There are no locks and
  * no atomic read-modify-write operations: each index has one writer. Neither side ever waits. A
  * frame that finds the queue full is dropped and counted.
  *

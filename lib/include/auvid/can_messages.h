@@ -563,7 +563,7 @@ typedef struct {
  * its data in one direction. The frames cycle through the points. None before the first
  * estimate. */
 typedef struct {
-    /** Bit 0: identifiable, see auvid_drag_t of identifier.h; 0..31 */
+    /** Bit 0: identifiable, see auvid_drag_t of estimate.h; 0..31 */
     uint32_t flags;
     /** Number of the estimate, modulo 128; 0..127 */
     uint32_t number;

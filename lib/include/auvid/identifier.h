@@ -202,7 +202,9 @@ enum {
                                           search begins without the last estimate */
     AUVID_EVENT_RESTORED = 1u << 18,  /**< the last estimate predicted a new set worse than the last
                                           accepted one, which replaces it. Not if other DoF were
-                                          excited in the accepted one */
+                                          excited in the accepted one. With uncertain inputs: the
+                                          estimates without them; the one with them stays, and
+                                          waits for the next search to be accepted */
     AUVID_EVENT_ROWS_DROPPED = 1u << 19, /**< a search took so long that complete rows were dropped;
                                           counted in metric.sets.rows_dropped. Regressor path: a
                                           waiting set. Residual path: rows of the next set */
@@ -435,6 +437,10 @@ auvid_status_t auvid_identifier_attitude(auvid_identifier_t *id, uint64_t t_us,
 auvid_status_t auvid_identifier_velocity(auvid_identifier_t *id, uint64_t t_us,
                                          const auvid_real_t *velocity, unsigned measured);
 
+/** A wrench further ahead of the last step than this is refused [us]: recorded, it would end the
+ * record until its time has come. */
+#define AUVID_INPUT_AHEAD_US 1000000u
+
 #define auvid_identifier_applied AUVID_SIZED(auvid_identifier_applied)
 /** Record the applied wrench from t_us on. Call it in every tick after auvid_identifier_step, when
  * the sum of pilot, controller and excitation is known; each time is recorded once, here or in the
@@ -442,18 +448,21 @@ auvid_status_t auvid_identifier_velocity(auvid_identifier_t *id, uint64_t t_us,
  * @param t_us of the tick, or of the measurement [us]; later than that of the last wrench
  * @param wrench [AUVID_DOF_COUNT] sum of all sources [N, Nm]
  * @param command [AUVID_MAX_COMMANDS] as in auvid_input_t; NULL: none
- * @return as auvid_identifier_motion. No event is set: check the status */
+ * @return as auvid_identifier_motion; AUVID_ERR_STALE (more than AUVID_INPUT_AHEAD_US ahead of the
+ * last step). No event is set: check the status */
 auvid_status_t auvid_identifier_applied(auvid_identifier_t *id, uint64_t t_us,
                                         const auvid_real_t *wrench, const auvid_real_t *command);
 
 #define auvid_identifier_close AUVID_SIZED(auvid_identifier_close)
 /** Complete the current data set at the end of a dive or log.
  * @return AUVID_SET_COMPLETE; AUVID_SET_IDLE (left out: see AUVID_EVENT_NOT_EXCITED);
- * AUVID_ERR_NULL; AUVID_ERR_STATE (not initialised); AUVID_ERR_NO_DATA (it is empty). */
+ * AUVID_PENDING (residual path: the set is kept until the search has ended); AUVID_ERR_NULL;
+ * AUVID_ERR_STATE (not initialised); AUVID_ERR_NO_DATA (it is empty). */
 auvid_status_t auvid_identifier_close(auvid_identifier_t *id);
 
 #define auvid_identifier_attach AUVID_SIZED(auvid_identifier_attach)
-/** Feed every subsequent cell to a validation, which is not copied. NULL detaches it. */
+/** Feed every subsequent cell to a validation, which is not copied. NULL detaches it. It ends at
+ * AUVID_EVENT_LONGER_CELLS: its cells have another length. */
 void auvid_identifier_attach(auvid_identifier_t *id, auvid_validation_t *validation);
 
 #define auvid_identifier_attach_prediction AUVID_SIZED(auvid_identifier_attach_prediction)
@@ -520,6 +529,7 @@ typedef enum {
 } auvid_core_number_t;
 
 #define auvid_cores AUVID_SIZED0(auvid_cores)
+/** The cores, by auvid_core_number_t. */
 extern const auvid_core_t auvid_cores[AUVID_CORE_COUNT];
 
 /** Largest budget that auvid_budget returns. */

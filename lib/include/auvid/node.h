@@ -46,7 +46,10 @@
  *
  * Thrust feedback applies to the time between the previous tick and this one. It must be the thrust
  * of all sources. Without it nothing can be identified: the thrusters may not have obeyed the
- * commands.
+ * commands. It is recorded in the tick in which the frames of all thrusters in use have arrived. A
+ * frame without the thrust of one in use ("not available") is dropped and counted, as is a frame
+ * that is followed by the next one before the other half has arrived. A thruster that stands still
+ * has a thrust of 0.
  *
  * The bus carries thrusts, not wrenches, so every node has an allocation (allocation.h). A passive
  * node only computes the wrench of the feedback with it.
@@ -129,6 +132,7 @@ typedef struct auvid_node {
     auvid_node_imu_t imu;
     auvid_real_t thrust[AUVID_CAN_THRUSTERS]; /* of the last feedback */
     uint64_t t_us;                            /**< time of the last tick */
+    uint64_t first_us;                        /**< and of the first one */
     uint64_t tick_us;    /* time of the current tick: bus time less the clock steps */
     uint64_t bus_us;     /* bus time of the last tick */
     uint64_t sent[2][4]; /* data of the last four commands of each half, by counter */
@@ -138,7 +142,7 @@ typedef struct auvid_node {
     uint32_t load;       /* maximum since the last health frame */
     auvid_node_next_t next;
     bool started;          /* a tick was received or opened */
-    bool feedback;         /* thrust feedback has arrived since the last tick */
+    uint8_t feedback;      /* halves of the thrust feedback that wait to be recorded: A 1, B 2 */
     bool arming;           /* an arm frame is pending: the next step arms */
     bool commanding;       /* the last step commanded thrust */
     bool ready;            /* initialised */

@@ -44,7 +44,7 @@ typedef struct auvid_prior {
 
 #define auvid_prior_save AUVID_SIZED(auvid_prior_save)
 /**
- * Save the last estimate as a prior record.
+ * Save the last estimate, that of auvid_identifier_estimate, as a prior record.
  * @param record [AUVID_PRIOR_BYTES] written if AUVID_OK
  * @return AUVID_OK; AUVID_ERR_NULL; AUVID_ERR_STATE (not initialised); AUVID_ERR_NO_DATA (there is
  * no estimate yet, or only that of the record loaded at the start: keep that record).

@@ -13,7 +13,7 @@
  *   reads no clock. It forms differences of times in integers.
  *
  * Calling rules: The caller owns every struct. No function keeps a pointer unless it says so. Two
- * instances never interact. No function may be called from an interrupt.
+ * instances never interact. Only the functions that can.h lists may be called from an interrupt.
  */
 #ifndef AUVID_TYPES_H
 #define AUVID_TYPES_H

@@ -73,8 +73,10 @@ auvid_status_t auvid_validation_init(auvid_validation_t *validation, const auvid
                                      auvid_real_t cell_s);
 
 #define auvid_validation_add AUVID_SIZED(auvid_validation_add)
-/** Compare the next cell. @return AUVID_OK; AUVID_ERR_NULL; AUVID_ERR_NOT_FINITE (the cell is
- * ignored and the record has a gap: call auvid_validation_gap). */
+/** Compare the next cell.
+ * @return AUVID_OK; AUVID_ERR_NULL; AUVID_ERR_STATE (not initialised, or ended because the cells
+ * became longer: AUVID_EVENT_LONGER_CELLS); AUVID_ERR_NOT_FINITE (the cell is ignored and the
+ * record has a gap: call auvid_validation_gap). */
 auvid_status_t auvid_validation_add(auvid_validation_t *validation, const auvid_sample_t *sample);
 
 #define auvid_validation_gap AUVID_SIZED(auvid_validation_gap)

@@ -141,8 +141,9 @@ static inline auvid_real_t auvid_sqrt_here(auvid_real_t x)
 #endif
 }
 
-/** Computes sin and cos of x [rad], |x| <= 1e4, else NaN. The error is below 0.75 AUVID_EPSILON
- * (auvid_math.c). Either pointer may be NULL. */
+/** Computes sin and cos of x [rad], |x| <= 1e9, else NaN. The error is below 0.75 AUVID_EPSILON up
+ * to 1e4 (auvid_math.c), and below the spacing of numbers at x beyond that. Either pointer may be
+ * NULL. */
 void auvid_sincos(auvid_real_t x, auvid_real_t *sin_x, auvid_real_t *cos_x);
 
 /** Returns sin(x + quarters pi/2), so 0: sin x, 1: cos x. Same bits as auvid_sincos(). */

@@ -160,16 +160,24 @@ static void node_take_imu(auvid_node_t *node, const auvid_can_message_t *m)
     }
 }
 
+/* Without the thrust of one thruster the wrench is not known: the half is dropped. */
 static void node_take_feedback(auvid_node_t *node, const auvid_can_message_t *m)
 {
     bool first = m->kind == AUVID_CAN_THRUSTER_FEEDBACK_A;
+    int at = first ? 0 : 4, thrusters = node->allocation.cfg.thrusters - at;
     const auvid_real_t *thrust =
         first ? m->as.thruster_feedback_a.thrust : m->as.thruster_feedback_b.thrust;
-    for (int i = 0; i < 4; ++i) {
-        bool absent = (m->absent >> i & 1u) != 0;
-        node->thrust[(first ? 0 : 4) + i] = absent ? AUVID_C(0.0) : thrust[i];
+    if (thrusters <= 0) {
+        return;
     }
-    node->feedback = true;
+    uint32_t half = first ? 1u : 2u, used = thrusters < 4 ? (1u << thrusters) - 1u : 15u;
+    bool lonely = (node->feedback & half) != 0 && !auvid_node_has_feedback(node);
+    bool unknown = (m->absent & used) != 0;
+    node->counters.samples_dropped += (uint32_t)lonely + (uint32_t)unknown;
+    node->feedback = (uint8_t)(unknown ? node->feedback & ~half : node->feedback | half);
+    for (int i = 0; i < 4 && !unknown; ++i) {
+        node->thrust[at + i] = thrust[i];
+    }
 }
 
 /* Time of the tick: the time on the bus less the clock steps. A bus that reorders and duplicates

@@ -116,7 +116,7 @@ static void node_report_drag(auvid_node_t *node, auvid_can_frame_t *frame, int *
     bool known = seen && drag.half_width < AUVID_LARGEST;
     auvid_can_message_t m = {.kind = AUVID_CAN_DRAG};
     m.as.drag.point = (uint32_t)point;
-    m.as.drag.number = node->id.estimate.number % 128u;
+    m.as.drag.number = node_estimate(node)->number % 128u;
     m.as.drag.flags = drag.identifiable;
     m.as.drag.force = drag.force;
     m.absent = seen ? 0u : AUVID_CAN_DRAG_NO_FORCE;
@@ -168,7 +168,8 @@ static void node_report_heartbeat(auvid_node_t *node, auvid_can_frame_t *frame, 
     auvid_can_message_t m = {.kind = AUVID_CAN_HEARTBEAT};
     m.as.heartbeat.protocol = AUVID_CAN_PROTOCOL;
     m.as.heartbeat.role = AUVID_CAN_ROLE_NODE;
-    m.as.heartbeat.uptime = node_min((uint32_t)auvid_divide(node->t_us, 1000000u), 0xFFFFFFu);
+    uint64_t up_us = node->t_us - node->first_us;
+    m.as.heartbeat.uptime = node_min((uint32_t)auvid_divide(up_us, 1000000u), 0xFFFFFFu);
     m.as.heartbeat.major = AUVID_VERSION_MAJOR;
     m.as.heartbeat.minor = AUVID_VERSION_MINOR;
     auvid_node_send(node, &m, frame, count);

@@ -109,9 +109,11 @@ static AUVID_NOINLINE void node_record_thrust(auvid_node_t *node)
     const auvid_allocation_config_t *cfg = &node->allocation.cfg;
     auvid_real_t force_N[AUVID_MAX_THRUSTERS];
     auvid_real_t *wrench = node->in.applied.wrench, *command = node->in.applied.command;
-    bool covers_tick = node->feedback && node->counters.ticks > 0; /* the previous tick is known */
-    node->feedback = false;
-    if (!covers_tick) {
+    if (!auvid_node_has_feedback(node)) {
+        return;
+    }
+    node->feedback = 0;
+    if (node->counters.ticks == 0) { /* the previous tick is not known */
         return;
     }
     auvid_clear(force_N, AUVID_MAX_THRUSTERS);
@@ -229,6 +231,7 @@ auvid_status_t auvid_node_step(auvid_node_t *node, const uint64_t *t_us, auvid_c
     node->events = out.events;
     if (status >= 0) {
         node->t_us = tick_us;
+        node->first_us = node->counters.ticks > 0 ? node->first_us : tick_us;
         ++node->counters.ticks;
     }
     node_clear_samples(&node->in);

@@ -13,6 +13,12 @@ static inline auvid_guard_state_t auvid_node_guard_state(const auvid_node_t *nod
     return node->id.actuation == NULL ? AUVID_GUARD_DISARMED : node->id.actuation->guard.state;
 }
 
+/** Has the thrust of all thrusters in use arrived since it was last recorded? */
+static inline bool auvid_node_has_feedback(const auvid_node_t *node)
+{
+    return node->feedback == (node->allocation.cfg.thrusters > 4 ? 3u : 1u);
+}
+
 /** Obeys an arm frame. @param fresh its counter is good, so a disarm may clear an abort */
 void auvid_node_order(auvid_node_t *node, uint32_t action, bool fresh);
 

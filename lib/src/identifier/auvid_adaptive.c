@@ -48,6 +48,13 @@ static auvid_adaptive_t *adaptive_state(const auvid_identifier_t *id)
     return (auvid_adaptive_t *)id->actuation->shape_context;
 }
 
+/* The estimate that the user reads; all zeros: there is none yet. */
+static const auvid_estimate_t *adaptive_estimate(const auvid_identifier_t *id)
+{
+    const auvid_estimate_t *e = auvid_identifier_estimate(id);
+    return e != NULL ? e : &id->estimate;
+}
+
 /* ---- the next hold ---- */
 
 /* Sum the estimates of DoF j's parameters of a kind. */
@@ -55,10 +62,11 @@ static auvid_real_t adaptive_parameter_sum(const auvid_identifier_t *id, int j,
                                            auvid_parameter_kind_t kind)
 {
     const auvid_vehicle_t *vehicle = identifier_vehicle(id);
+    const auvid_real_t *pi = adaptive_estimate(id)->pi;
     auvid_real_t sum = AUVID_C(0.0);
     for (int i = 0; i < vehicle->parameters; ++i) {
         const auvid_parameter_t *p = &vehicle->parameter[i];
-        sum += (int)p->dof == j && p->kind == kind ? id->estimate.pi[i] : AUVID_C(0.0);
+        sum += (int)p->dof == j && p->kind == kind ? pi[i] : AUVID_C(0.0);
     }
     return sum;
 }
@@ -129,11 +137,18 @@ static void adaptive_choose_hold(auvid_identifier_t *id, int j, auvid_excitation
  * i: above 1 more excitation is needed. */
 static auvid_real_t adaptive_variance_ratio(const auvid_identifier_t *id, int i)
 {
-    const auvid_estimate_t *e = &id->estimate;
+    const auvid_estimate_t *e = adaptive_estimate(id);
     auvid_real_t variance = auvid_estimate_covariance(e, identifier_vehicle(id), i, i);
     auvid_real_t ratio = AUVID_HALF_WIDTH / auvid_confidence_allowed(&id->metric.cfg, i, e->pi[i]);
     auvid_real_t square = ratio * ratio * variance;
     return square > AUVID_C(0.0) && square < UNKNOWN_RATIO ? square : UNKNOWN_RATIO; /* or NaN */
+}
+
+/* Can a parameter not be known at the end of the run? square: its ratio of variances with `rows`;
+ * `most`: rows at the end. While there will be more, the prediction has a margin: it is rough. */
+static bool adaptive_is_hopeless(auvid_real_t square, auvid_real_t rows, auvid_real_t most)
+{
+    return square * rows > (rows < most ? MAX_RATIO : AUVID_C(1.0)) * most;
 }
 
 /* Return the rows at the end of the run: the existing ones plus those to come, within the ring. */
@@ -148,12 +163,21 @@ static auvid_real_t adaptive_available_rows(const auvid_identifier_t *id, int j)
     return auvid_min(rows, (auvid_real_t)(m->sets * m->set_rows));
 }
 
-/* Is parameter i identifiable, if the inputs are as supplied? More motion does not check them. */
-static bool adaptive_is_identifiable(const auvid_estimate_t *e, int i)
+/* Is parameter i identifiable? Without uncertain inputs: if the inputs are as supplied, because more
+ * motion does not check them. */
+static bool adaptive_is_identifiable(const auvid_identifier_t *id, int i)
 {
-    return (e->confidence.identifiable >> i & 1u) != 0 ||
-           e->confidence.note[i] == AUVID_NOTE_UNCHECKED ||
-           e->confidence.note[i] == AUVID_NOTE_IMPLAUSIBLE;
+    const auvid_confidence_t *c = &adaptive_estimate(id)->confidence;
+    bool checks = id->attached.uncertain_functions != NULL;
+    return (c->identifiable >> i & 1u) != 0 || c->note[i] == AUVID_NOTE_IMPLAUSIBLE ||
+           (c->note[i] == AUVID_NOTE_UNCHECKED && !checks);
+}
+
+/* Does no excitation help? */
+static bool adaptive_is_settled(auvid_note_t note)
+{
+    return note == AUVID_NOTE_SMALL || note == AUVID_NOTE_THRUST_SCALE ||
+           note == AUVID_NOTE_INFLOW || note == AUVID_NOTE_FIXED;
 }
 
 /* Classify parameter i as known, abandoned or missing. need: raised to the variance ratio of its
@@ -161,13 +185,11 @@ static bool adaptive_is_identifiable(const auvid_estimate_t *e, int i)
 static void adaptive_assess_parameter(auvid_identifier_t *id, int i, auvid_real_t *need)
 {
     auvid_adaptive_t *a = adaptive_state(id);
-    const auvid_estimate_t *e = &id->estimate;
+    const auvid_estimate_t *e = adaptive_estimate(id);
     int j = (int)identifier_vehicle(id)->parameter[i].dof;
     bool excitable = adaptive_amplitude(id, j) > AUVID_C(0.0);
-    bool known = (adaptive_is_identifiable(e, i) && !(excitable && (e->coupled >> j & 1))) ||
-                 e->confidence.note[i] == AUVID_NOTE_SMALL ||
-                 e->confidence.note[i] == AUVID_NOTE_THRUST_SCALE || /* excitation does not help */
-                 e->confidence.note[i] == AUVID_NOTE_FIXED ||
+    bool known = (adaptive_is_identifiable(id, i) && !(excitable && (e->coupled >> j & 1))) ||
+                 adaptive_is_settled((auvid_note_t)e->confidence.note[i]) ||
                  (id->metric.cfg.closed_loop >> j & 1) != 0;
     auvid_real_t rows = (auvid_real_t)id->metric.result.dof_rows[j];
     a->missing &= ~(1u << i);
@@ -176,8 +198,8 @@ static void adaptive_assess_parameter(auvid_identifier_t *id, int i, auvid_real_
         return;
     }
     auvid_real_t square = e->number == 0 ? UNKNOWN_RATIO : adaptive_variance_ratio(id, i);
-    if (!excitable ||
-        (a->tried[j] >= MIN_SETS && square * rows > MAX_RATIO * adaptive_available_rows(id, j))) {
+    if (!excitable || (a->tried[j] >= MIN_SETS &&
+                       adaptive_is_hopeless(square, rows, adaptive_available_rows(id, j)))) {
         a->abandoned |= 1u << i;
         return;
     }

@@ -105,7 +105,8 @@ enum { MAX_OPEN_CELLS = 6, FEW_OPEN_CELLS = 4 };
 static void identifier_take_cells_of_tick(auvid_identifier_t *id)
 {
     const auvid_uncertain_functions_t *uncertain = id->attached.uncertain_functions;
-    uint32_t open = id->recorder.opened - id->recorder.next;
+    const auvid_recorder_t *recorder = &id->recorder; /* at its start next is 2, opened 0 */
+    uint32_t open = recorder->opened > recorder->next ? recorder->opened - recorder->next : 0;
     if (open > MAX_OPEN_CELLS) {
         identifier_take_cells(id, AUVID_CELLS_PER_STEP);
     } else if (identifier_continue_cell(id)) {
@@ -259,6 +260,17 @@ auvid_status_t auvid_identifier_step(auvid_identifier_t *id, const auvid_input_t
     return AUVID_OK;
 }
 
+/* A sample of motion from outside is recorded, or refused: take the cells that it completes. */
+static auvid_status_t identifier_recorded(auvid_identifier_t *id, uint64_t t_us,
+                                          auvid_status_t status)
+{
+    if (status == AUVID_OK) {
+        id->t_us = id->started || t_us < id->t_us ? id->t_us : t_us;
+        identifier_take_cells(id, AUVID_RECORDER_CELLS);
+    }
+    return status;
+}
+
 auvid_status_t auvid_identifier_motion(auvid_identifier_t *id, uint64_t t_us,
                                        const auvid_real_t *attitude, const auvid_real_t *nu)
 {
@@ -268,11 +280,7 @@ auvid_status_t auvid_identifier_motion(auvid_identifier_t *id, uint64_t t_us,
     if (!identifier_is_ready(id)) {
         return AUVID_ERR_STATE;
     }
-    auvid_status_t status = auvid_recorder_motion(&id->recorder, t_us, attitude, nu);
-    if (status == AUVID_OK) {
-        identifier_take_cells(id, AUVID_RECORDER_CELLS);
-    }
-    return status;
+    return identifier_recorded(id, t_us, auvid_recorder_motion(&id->recorder, t_us, attitude, nu));
 }
 
 auvid_status_t auvid_identifier_attitude(auvid_identifier_t *id, uint64_t t_us,
@@ -284,11 +292,8 @@ auvid_status_t auvid_identifier_attitude(auvid_identifier_t *id, uint64_t t_us,
     if (!identifier_is_ready(id)) {
         return AUVID_ERR_STATE;
     }
-    auvid_status_t status = auvid_recorder_attitude(&id->recorder, t_us, attitude, rates);
-    if (status == AUVID_OK) {
-        identifier_take_cells(id, AUVID_RECORDER_CELLS);
-    }
-    return status;
+    return identifier_recorded(id, t_us,
+                               auvid_recorder_attitude(&id->recorder, t_us, attitude, rates));
 }
 
 auvid_status_t auvid_identifier_velocity(auvid_identifier_t *id, uint64_t t_us,
@@ -300,11 +305,8 @@ auvid_status_t auvid_identifier_velocity(auvid_identifier_t *id, uint64_t t_us,
     if (!identifier_is_ready(id)) {
         return AUVID_ERR_STATE;
     }
-    auvid_status_t status = auvid_recorder_velocity(&id->recorder, t_us, velocity, measured);
-    if (status == AUVID_OK) {
-        identifier_take_cells(id, AUVID_RECORDER_CELLS);
-    }
-    return status;
+    return identifier_recorded(id, t_us,
+                               auvid_recorder_velocity(&id->recorder, t_us, velocity, measured));
 }
 
 auvid_status_t auvid_identifier_applied(auvid_identifier_t *id, uint64_t t_us,
@@ -315,6 +317,9 @@ auvid_status_t auvid_identifier_applied(auvid_identifier_t *id, uint64_t t_us,
     }
     if (!identifier_is_ready(id)) {
         return AUVID_ERR_STATE;
+    }
+    if (id->started && t_us > id->t_us && t_us - id->t_us > AUVID_INPUT_AHEAD_US) {
+        return AUVID_ERR_STALE;
     }
     return identifier_record_input(id, t_us, wrench, command);
 }

@@ -65,9 +65,9 @@ auvid_status_t auvid_prior_save(const auvid_identifier_t *id, uint8_t *record)
     if (!identifier_is_ready(id)) {
         return AUVID_ERR_STATE;
     }
-    const auvid_estimate_t *e = &id->estimate;
+    const auvid_estimate_t *e = auvid_identifier_estimate(id);
     const auvid_vehicle_t *vehicle = identifier_vehicle(id);
-    if (e->sets == 0) {
+    if (e == NULL || e->sets == 0) {
         return AUVID_ERR_NO_DATA;
     }
     uint32_t known = 0;
@@ -132,6 +132,7 @@ static void prior_publish(auvid_identifier_t *id, const auvid_prior_t *prior, bo
 {
     auvid_estimate_t *e = &id->estimate;
     const auvid_vehicle_t *vehicle = identifier_vehicle(id);
+    uint32_t free = auvid_metric_free_of(&id->metric, UINT8_MAX);
     int parameters = vehicle->parameters;
     e->confidence.uncertainty = id->uncertainty;
     e->confidence.unchecked = !id->exact_inputs;
@@ -141,6 +142,7 @@ static void prior_publish(auvid_identifier_t *id, const auvid_prior_t *prior, bo
     for (int i = 0; i < vehicle->parameters; ++i) {
         bool known = (prior->known >> i & 1u) != 0;
         e->excited = (uint8_t)(e->excited | (unsigned)known << vehicle->parameter[i].dof);
+        e->confidence.note[i] = (free >> i & 1u) != 0 ? AUVID_NOTE_UNCERTAIN : AUVID_NOTE_FIXED;
         e->confidence.sigma[i] = AUVID_LARGEST;
         if (known && prior->sigma[i] <= AUVID_LARGEST_SIGMA) {
             int diagonal = i * parameters - i * (i - 1) / 2;
@@ -239,8 +241,7 @@ auvid_status_t auvid_prior_set(auvid_identifier_t *id, const auvid_real_t *pi,
         }
         prior.pi[i] = pi[i];
         prior.sigma[i] = sigma[i];
-        prior.variance_inflation[identifier_vehicle(id)->parameter[i].dof] =
-            AUVID_PRIOR_INFLATION;
+        prior.variance_inflation[identifier_vehicle(id)->parameter[i].dof] = AUVID_PRIOR_INFLATION;
     }
     return prior_begin(id, &prior, false);
 }

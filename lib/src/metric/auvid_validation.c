@@ -17,7 +17,7 @@
 #define DIVERGED AUVID_C(100.0)
 
 /* Steps in half a cell. With cells of 0.1 s the integration is stable up to a damping of 55 times
- * the mass per second; small vehicles node 30 in yaw. */
+ * the mass per second; small vehicles need 30 in yaw. */
 enum { STEPS = 1 };
 
 /* Cells after a gap until the wrench is known at every delay. */
@@ -192,6 +192,9 @@ auvid_status_t auvid_validation_add(auvid_validation_t *validation, const auvid_
 {
     if (validation == NULL || sample == NULL) {
         return AUVID_ERR_NULL;
+    }
+    if (validation->vehicle == NULL) {
+        return AUVID_ERR_STATE;
     }
     if (!auvid_is_finite(sample->phi) || !auvid_is_finite(sample->theta) ||
         !auvid_is_finite(sample->psi) || !auvid_all_finite(sample->nu, AUVID_DOF_COUNT) ||

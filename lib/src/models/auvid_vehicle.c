@@ -266,6 +266,7 @@ static bool vehicle_g500_acceleration(const void *context, const auvid_sample_t 
                                       const auvid_real_t *pi, auvid_real_t nu_dot[AUVID_DOF_COUNT])
 {
     auvid_regressor_t y;
+    bool solved = false;
     auvid_zero(&y, sizeof y);
     vehicle_g500_regressor(context, sample, NULL, &y);
     for (size_t k = 0; k < sizeof g500_equation / sizeof g500_equation[0]; ++k) {
@@ -276,8 +277,9 @@ static bool vehicle_g500_acceleration(const void *context, const auvid_sample_t 
             rest -= row[*i] * pi[*i];
         }
         nu_dot[equation->dof] = rest / auvid_max(mass, AUVID_C(0.0)); /* no mass: not finite */
+        solved = solved || mass > AUVID_C(0.0);
     }
-    return true;
+    return solved;
 }
 
 #define G500_BIT(name) (1u << AUVID_G500_##name)

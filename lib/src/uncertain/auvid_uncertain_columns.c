@@ -167,7 +167,7 @@ static void uncertain_thrust_columns(auvid_uncertain_t *u, const auvid_sample_t 
     auvid_real_t value[THRUST_SUMS];
     for (int i = 0; i < u->allocation->cfg.thrusters; ++i) {
         const auvid_thruster_t *t = &u->allocation->cfg.thruster[i];
-        auvid_real_t max_N = auvid_max(t->max_N, -t->min_N), inflow = AUVID_C(0.0);
+        auvid_real_t max_N = auvid_uncertain_largest(t), inflow = AUVID_C(0.0);
         auvid_real_t force = u->recorded.force[i];
         auvid_real_t size = auvid_abs(force), width = DEAD_BAND_WIDTH * max_N;
         if (!(max_N > AUVID_C(0.0))) {

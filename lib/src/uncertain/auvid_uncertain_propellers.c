@@ -43,7 +43,7 @@ auvid_real_t auvid_uncertain_force(const auvid_uncertain_t *u, int i, auvid_real
 {
     const auvid_thruster_t *t = &u->allocation->cfg.thruster[i];
     auvid_real_t largest = command > AUVID_C(0.0) ? t->max_N : -t->min_N;
-    if (!(auvid_max(t->max_N, -t->min_N) > AUVID_C(0.0))) {
+    if (!(auvid_uncertain_largest(t) > AUVID_C(0.0))) {
         return AUVID_C(0.0);
     }
     return u->cfg.fractions ? command * largest : command;

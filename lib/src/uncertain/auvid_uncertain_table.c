@@ -115,7 +115,7 @@ static auvid_real_t table_dead_band(const auvid_uncertain_t *u, const auvid_metr
     auvid_real_t max_N = AUVID_C(0.0);
     (void)m, (void)j;
     for (int i = 0; i < u->allocation->cfg.thrusters; ++i) {
-        max_N = auvid_max(max_N, u->allocation->cfg.thruster[i].max_N);
+        max_N = auvid_max(max_N, auvid_uncertain_largest(&u->allocation->cfg.thruster[i]));
     }
     return deviation * max_N;
 }
@@ -171,7 +171,7 @@ auvid_real_t auvid_uncertain_inflow_drag(const auvid_uncertain_t *u, int j)
     auvid_real_t loss = AUVID_C(0.0);
     for (int i = 0; i < u->allocation->cfg.thrusters; ++i) {
         const auvid_thruster_t *t = &u->allocation->cfg.thruster[i];
-        loss += t->wrench[j] * t->wrench[j] * auvid_max(t->max_N, -t->min_N);
+        loss += t->wrench[j] * t->wrench[j] * auvid_uncertain_largest(t);
     }
     return LIKE_DRAG * auvid_abs(u->shared[AUVID_UNCERTAIN_INFLOW]) * loss;
 }

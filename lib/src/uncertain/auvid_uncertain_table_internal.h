@@ -9,6 +9,8 @@
 
 #include "auvid/uncertain.h"
 
+#include "../base/auvid_math_internal.h"
+
 /** What a column is: below OWN_INPUTS one of auvid_uncertain_input_t. */
 enum {
     OWN_INPUTS = AUVID_UNCERTAIN_SHARED,
@@ -158,6 +160,12 @@ auvid_real_t auvid_uncertain_inflow_drag(const auvid_uncertain_t *u, int j);
 
 /** Returns the equations that a current or lever arm changes, a bit each. */
 uint32_t auvid_uncertain_moved(const auvid_metric_t *m, int input);
+
+/** Returns a thruster's largest force in either direction [N]. */
+static inline auvid_real_t auvid_uncertain_largest(const auvid_thruster_t *thruster)
+{
+    return auvid_max(thruster->max_N, -thruster->min_N);
+}
 
 /** Is DoF j roll or pitch? */
 static inline bool auvid_uncertain_tilts(int j)

@@ -11,8 +11,8 @@
 
 /** Starts the clock, CAN at 500 kbit/s and the watchdog. From then on the receive interrupt pushes
  * every frame that a node receives into *received. The acceptance filter of the
- * controller rejects all others. The interrupt may call only auvid_can_fifo_push, auvid_can_kind
- * and auvid_can_node_kind. */
+ * controller rejects all others. can.h lists what the interrupt may
+ * call. */
 void driver_start(auvid_can_fifo_t *received);
 
 /** Puts a frame into a transmit mailbox, or into a queue before it. A frame that does not fit may

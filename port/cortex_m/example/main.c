@@ -22,7 +22,7 @@
 #define TICK_US 20000u
 #define SILENCE_US 150000u /* without a tick for this long, the bus is disconnected */
 
-static auvid_node_t node; /* the three structs are all the memory that auvid uses */
+static auvid_node_t node; /* with what follows, all the memory that auvid uses */
 static auvid_validation_t prediction;
 static auvid_change_detector_t change;
 static auvid_actuation_t actuation;

@@ -66,8 +66,7 @@ static void test_a_full_queue_drops_and_counts_the_newest(void)
     auvid_can_frame_t frame;
     for (uint32_t i = 0; i < SIZE + 3; ++i) {
         frame = numbered(i);
-        TEST_ASSERT_EQUAL(i < SIZE ? AUVID_OK : AUVID_ERR_FULL,
-                          auvid_can_fifo_push(&fifo, &frame));
+        TEST_ASSERT_EQUAL(i < SIZE ? AUVID_OK : AUVID_ERR_FULL, auvid_can_fifo_push(&fifo, &frame));
     }
     TEST_ASSERT_EQUAL_UINT32(3, fifo.dropped);
     for (uint32_t i = 0; i < SIZE; ++i) {

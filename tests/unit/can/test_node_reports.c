@@ -60,24 +60,55 @@ static void test_thrust_feedback_is_recorded_from_the_previous_tick_on(void)
     TEST_ASSERT_EQUAL(1, heard.calls);
 }
 
-static void test_a_thruster_without_feedback_has_zero_thrust(void)
+static void give_half(auvid_can_kind_t kind, auvid_real_t thrust, uint32_t absent)
+{
+    auvid_can_message_t m = {.kind = kind, .absent = absent};
+    for (int i = 0; i < 4; ++i) { /* both have the same signals */
+        m.as.thruster_feedback_a.thrust[i] = thrust;
+    }
+    TEST_ASSERT_EQUAL(AUVID_OK, give(&m));
+}
+
+static void test_feedback_without_the_thrust_of_a_thruster_in_use_is_dropped(void)
 {
     static const auvid_listener_t listener = {.command = hear, .set = nothing};
     memset(&heard, 0, sizeof heard);
     identifier.listener = &listener;
     begin();
     step_at(1);
-    for (int absent = 0; absent < 4; ++absent) {
-        auvid_can_message_t a = {.kind = AUVID_CAN_THRUSTER_FEEDBACK_A, .absent = 1u << absent};
-        for (int i = 0; i < 4; ++i) {
-            a.as.thruster_feedback_a.thrust[i] = AUVID_C(0.5);
-        }
-        TEST_ASSERT_EQUAL(AUVID_OK, give(&a));
-        step_at(2 + (uint32_t)absent);
-        for (int i = 0; i < 4; ++i) {
-            TEST_ASSERT_TRUE(heard.command[i] == (i == absent ? 0 : AUVID_C(0.5)));
-        }
+    for (uint32_t absent = 0; absent < 4; ++absent) {
+        give_half(AUVID_CAN_THRUSTER_FEEDBACK_A, AUVID_C(0.5), 1u << absent);
+        give_half(AUVID_CAN_THRUSTER_FEEDBACK_B, AUVID_C(0.5), 0xEu); /* those are not in use */
+        step_at(2 + absent);
+        TEST_ASSERT_EQUAL(0, heard.calls);
+        TEST_ASSERT_EQUAL_UINT32(1 + 2 * absent, node.counters.samples_dropped); /* B, too */
     }
+    give_half(AUVID_CAN_THRUSTER_FEEDBACK_A, AUVID_C(0.25), 0);
+    step_at(6);
+    TEST_ASSERT_EQUAL(1, heard.calls);
+    TEST_ASSERT_TRUE(heard.command[0] == AUVID_C(0.25) && heard.command[4] == AUVID_C(0.5));
+}
+
+static void test_half_of_the_feedback_waits_for_the_other_half(void)
+{
+    static const auvid_listener_t listener = {.command = hear, .set = nothing};
+    memset(&heard, 0, sizeof heard);
+    identifier.listener = &listener;
+    begin();
+    step_at(1);
+    give_half(AUVID_CAN_THRUSTER_FEEDBACK_A, AUVID_C(0.5), 0);
+    step_at(2);
+    TEST_ASSERT_EQUAL(0, heard.calls);
+    give_half(AUVID_CAN_THRUSTER_FEEDBACK_B, AUVID_C(-0.5), 0);
+    step_at(3);
+    TEST_ASSERT_EQUAL(1, heard.calls);
+    TEST_ASSERT_EQUAL_UINT32(0, node.counters.samples_dropped);
+    for (uint32_t k = 4; k < 8; ++k) { /* B has ended: its last thrust is not that of now */
+        give_half(AUVID_CAN_THRUSTER_FEEDBACK_A, AUVID_C(0.5), 0);
+        step_at(k);
+    }
+    TEST_ASSERT_EQUAL(1, heard.calls);
+    TEST_ASSERT_EQUAL_UINT32(3, node.counters.samples_dropped);
 }
 
 static void test_thrust_that_the_recorder_refuses_is_counted(void)
@@ -249,6 +280,16 @@ static void test_the_reported_navigation_is_that_of_the_filter(void)
     near(s.velocity[2], m.as.nav_velocity.w, 0.001);
 }
 
+/* The clock of the bus need not begin at zero. */
+static void test_the_reported_uptime_is_that_of_the_node(void)
+{
+    begin();
+    for (uint32_t k = 1; k <= 200; ++k) {
+        step_at_us(k, 4000000000u + 20000u * k);
+    }
+    TEST_ASSERT_EQUAL_UINT32(3, reported(AUVID_CAN_HEARTBEAT).as.heartbeat.uptime);
+}
+
 /* lib/can/auvid.dbc: identified, excited, not converged, identifiable, implausible, accepted. */
 static void test_each_flag_of_an_estimate_is_one_bit(void)
 {
@@ -373,13 +414,15 @@ int main(void)
 {
     UNITY_BEGIN();
     RUN_TEST(test_thrust_feedback_is_recorded_from_the_previous_tick_on);
-    RUN_TEST(test_a_thruster_without_feedback_has_zero_thrust);
+    RUN_TEST(test_feedback_without_the_thrust_of_a_thruster_in_use_is_dropped);
+    RUN_TEST(test_half_of_the_feedback_waits_for_the_other_half);
     RUN_TEST(test_thrust_that_the_recorder_refuses_is_counted);
     RUN_TEST(test_a_command_is_a_fraction_of_the_maximum_in_its_direction);
     RUN_TEST(test_each_half_with_thrusters_is_commanded_in_every_tick);
     RUN_TEST(test_a_failed_thruster_is_commanded_zero_and_a_weak_one_its_fraction);
     RUN_TEST(test_a_passive_node_commands_nothing_though_its_identifier_excites);
     RUN_TEST(test_the_reported_navigation_is_that_of_the_filter);
+    RUN_TEST(test_the_reported_uptime_is_that_of_the_node);
     RUN_TEST(test_each_flag_of_an_estimate_is_one_bit);
     RUN_TEST(test_a_change_and_a_drift_are_reported_alike);
     RUN_TEST(test_the_reported_drag_forces_cycle_and_are_those_of_the_estimate);

@@ -7,6 +7,7 @@
 #include "auvid/adaptive.h"
 #include "auvid/checkpoint.h"
 #include "auvid/prior.h"
+#include "auvid/uncertain.h"
 #include "binomial.h"
 #include "chain.h"
 #include "unity.h"
@@ -117,6 +118,35 @@ static void test_it_ends_with_a_degree_of_freedom_in_closed_loop(void)
     TEST_ASSERT_EQUAL(AUVID_GUARD_DONE, chain.out.guard);
     TEST_ASSERT_EQUAL_HEX32(ALL & ~heave, chain.id.estimate.confidence.identifiable);
     TEST_ASSERT_EQUAL_HEX32(0, chain.adaptive.missing | chain.adaptive.abandoned);
+}
+
+/* The estimate that the user reads decides, not the one with the inputs as supplied, which is known
+ * sooner. */
+static void test_with_uncertain_inputs_it_ends_when_the_estimate_with_them_is_known(void)
+{
+    static auvid_uncertain_t uncertain;
+    auvid_uncertain_config_t inputs;
+    auvid_uncertain_defaults(&inputs);
+    for (uint64_t seed = 1; seed <= 3; ++seed) {
+        make_world(seed, 0.3);
+        config.id.exact_inputs = false;
+        config.id.uncertainty.thrust_scale = AUVID_C(0.05);
+        begin();
+        TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_attach_uncertain(&chain.id, &uncertain,
+                                                                      &inputs, &chain.allocation));
+        run(600);
+        TEST_ASSERT_EQUAL(AUVID_GUARD_DONE, chain.out.guard);
+        TEST_ASSERT_EQUAL_HEX32(0, chain.adaptive.missing);
+        TEST_ASSERT_EQUAL_HEX32(0, chain.adaptive.abandoned & ~(1u << AUVID_G500_W_B));
+        const auvid_estimate_t *e = auvid_identifier_estimate(&chain.id);
+        TEST_ASSERT_TRUE(e == &uncertain.estimate);
+        for (int i = 0; i < N; ++i) { /* or no motion helps */
+            auvid_note_t note = (auvid_note_t)e->confidence.note[i];
+            uint32_t ended = e->confidence.identifiable | chain.adaptive.abandoned;
+            TEST_ASSERT_TRUE((ended >> i & 1u) != 0 || note == AUVID_NOTE_THRUST_SCALE ||
+                             note == AUVID_NOTE_INFLOW || note == AUVID_NOTE_SMALL);
+        }
+    }
 }
 
 static void test_a_run_may_be_begun_again(void)
@@ -597,6 +627,7 @@ int main(void)
     UNITY_BEGIN();
     RUN_TEST(test_it_ends_by_itself_when_everything_is_known);
     RUN_TEST(test_it_ends_with_a_degree_of_freedom_in_closed_loop);
+    RUN_TEST(test_with_uncertain_inputs_it_ends_when_the_estimate_with_them_is_known);
     RUN_TEST(test_a_run_may_be_begun_again);
     RUN_TEST(test_dives_with_a_prior_record_end_sooner_but_not_without_a_set);
     RUN_TEST(test_without_a_side_thruster_coupling_identifies_sway);

@@ -293,6 +293,37 @@ static void test_a_step_whose_time_does_not_advance_is_refused_and_changes_nothi
     check_same_estimate();
 }
 
+/* One wrong stamp would end the record until its time comes. */
+static void spoil_a_stamp(chain_t *c, auvid_status_t status, const auvid_output_t *good)
+{
+    static auvid_identifier_t before;
+    const auvid_real_t wrench[AUVID_DOF_COUNT] = {0};
+    (void)status;
+    (void)good;
+    if (c->tick % SPOILT_EVERY == 0) {
+        before = c->id;
+        TEST_ASSERT_EQUAL(
+            AUVID_ERR_STALE,
+            auvid_identifier_applied(&c->id, c->t_us + AUVID_INPUT_AHEAD_US + 1, wrench, NULL));
+        TEST_ASSERT_EQUAL_MEMORY(&before, &c->id, sizeof before);
+    }
+}
+
+static void test_a_wrench_far_ahead_of_the_tick_is_refused_and_changes_nothing(void)
+{
+    auvid_input_t in = {.t_us = 1};
+    auvid_output_t out;
+    const auvid_real_t wrench[AUVID_DOF_COUNT] = {0};
+    run(&other);
+    cfg.after = spoil_a_stamp;
+    run(&chain);
+    check_same_estimate();
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&chain.id, &cfg.id));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_step(&chain.id, &in, &out));
+    TEST_ASSERT_EQUAL(AUVID_OK,
+                      auvid_identifier_applied(&chain.id, 1 + AUVID_INPUT_AHEAD_US, wrench, NULL));
+}
+
 static void test_a_step_of_zero_dt_at_the_very_beginning_is_refused(void)
 {
     auvid_input_t in;
@@ -377,6 +408,7 @@ int main(void)
     RUN_TEST(test_a_dvl_velocity_beyond_the_speed_limit_is_dropped);
     RUN_TEST(test_outliers_are_dropped);
     RUN_TEST(test_a_step_whose_time_does_not_advance_is_refused_and_changes_nothing);
+    RUN_TEST(test_a_wrench_far_ahead_of_the_tick_is_refused_and_changes_nothing);
     RUN_TEST(test_a_step_of_zero_dt_at_the_very_beginning_is_refused);
     RUN_TEST(test_events_wait_for_the_next_accepted_step);
     RUN_TEST(test_null_pointers_are_refused_and_outputs_written);

@@ -24,6 +24,7 @@ static void test_motion_and_wrench_of_a_wrong_time_or_value_are_refused(void)
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&chain.id, &cfg.id));
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_motion(&chain.id, 1000, attitude, nu));
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_applied(&chain.id, 1000, tau, NULL));
+    TEST_ASSERT_EQUAL_UINT64(1000, chain.id.t_us); /* of the next estimate */
     before = chain.id;
     TEST_ASSERT_EQUAL(AUVID_ERR_TIME_SAME, auvid_identifier_motion(&chain.id, 1000, attitude, nu));
     TEST_ASSERT_EQUAL(AUVID_ERR_TIME_BACK, auvid_identifier_motion(&chain.id, 999, attitude, nu));

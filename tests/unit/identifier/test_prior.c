@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "auvid/prior.h"
+#include "auvid/uncertain.h"
 #include "base/auvid_checksum_internal.h"
 #include "base/auvid_math_internal.h"
 #include "binomial.h"
@@ -65,6 +66,7 @@ static void test_a_record_brings_the_estimate_into_the_next_dive(void)
         float single = (float)known.pi[i];
         auvid_real_t sigma = known.confidence.sigma[i] * (auvid_real_t)1.4142136;
         TEST_ASSERT_EQUAL_FLOAT(single, (float)chain.id.estimate.pi[i]);
+        TEST_ASSERT_EQUAL(AUVID_NOTE_UNCERTAIN, chain.id.estimate.confidence.note[i]);
         TEST_ASSERT_TRUE(chain.id.estimate.confidence.sigma[i] >= (auvid_real_t)0.999999 * sigma);
         TEST_ASSERT_TRUE(chain.id.estimate.confidence.sigma[i] <= (auvid_real_t)1.008 * sigma);
     }
@@ -229,6 +231,27 @@ static void test_a_record_saved_again_is_the_same(void)
 }
 
 /* A dive without a set has nothing better than its initial record. */
+/* With uncertain inputs the user reads another estimate than id.estimate. */
+static void test_a_record_is_of_the_estimate_that_the_user_reads(void)
+{
+    static auvid_uncertain_t uncertain;
+    auvid_uncertain_config_t inputs;
+    auvid_uncertain_defaults(&inputs);
+    TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &cfg));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_attach_uncertain(&chain.id, &uncertain, &inputs,
+                                                                  &chain.allocation));
+    while (chain.estimates < 2) {
+        chain_tick(&chain);
+    }
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_prior_save(&chain.id, record));
+    TEST_ASSERT_TRUE(auvid_identifier_estimate(&chain.id) == &uncertain.estimate);
+    TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &cfg));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_prior_load(&chain.id, record, sizeof record));
+    for (int i = 0; i < N; ++i) {
+        TEST_ASSERT_EQUAL_FLOAT((float)uncertain.estimate.pi[i], (float)chain.id.estimate.pi[i]);
+    }
+}
+
 static void test_a_prior_by_itself_is_not_saved_again(void)
 {
     uint8_t again[AUVID_PRIOR_BYTES] = {0}, zeros[AUVID_PRIOR_BYTES] = {0};
@@ -455,6 +478,7 @@ int main(void)
     RUN_TEST(test_the_first_set_tells_how_well_the_record_predicts_velocity);
     RUN_TEST(test_rows_in_closed_loop_do_not_contradict_a_record);
     RUN_TEST(test_a_record_saved_again_is_the_same);
+    RUN_TEST(test_a_record_is_of_the_estimate_that_the_user_reads);
     RUN_TEST(test_a_prior_by_itself_is_not_saved_again);
     RUN_TEST(test_every_damaged_byte_is_detected);
     RUN_TEST(test_a_record_of_another_model_is_refused);

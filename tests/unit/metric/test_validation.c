@@ -515,6 +515,8 @@ static void test_cell_that_is_not_finite_is_ignored(void)
         TEST_ASSERT_EQUAL_MEMORY(&before, &validation, sizeof validation);
         *field[i] = keep;
     }
+    memset(&validation, 0, sizeof validation);
+    TEST_ASSERT_EQUAL(AUVID_ERR_STATE, auvid_validation_add(&validation, &s)); /* no init */
     TEST_ASSERT_EQUAL(AUVID_ERR_NULL, auvid_validation_add(NULL, &s));
     TEST_ASSERT_EQUAL(AUVID_ERR_NULL, auvid_validation_add(&validation, NULL));
 }

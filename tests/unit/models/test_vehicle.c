@@ -240,6 +240,13 @@ static void test_acceleration_is_not_finite_only_in_a_dof_whose_mass_is_not_posi
     }
 }
 
+static void test_acceleration_without_any_mass_has_no_solution(void)
+{
+    auvid_real_t nu_dot[6];
+    pi[AUVID_G500_M_U] = pi[AUVID_G500_M_V] = pi[AUVID_G500_M_W] = pi[AUVID_G500_M_R] = 0;
+    TEST_ASSERT_FALSE(model.acceleration(model.context, &sample, pi, nu_dot));
+}
+
 static void test_hull_that_is_too_heavy_sinks_and_drag_slows_down(void)
 {
     auvid_real_t nu_dot[6] = {0};
@@ -501,6 +508,7 @@ int main(void)
     RUN_TEST(test_acceleration_inverts_the_residual);
     RUN_TEST(test_acceleration_does_not_depend_on_the_recorded_one);
     RUN_TEST(test_acceleration_is_not_finite_only_in_a_dof_whose_mass_is_not_positive);
+    RUN_TEST(test_acceleration_without_any_mass_has_no_solution);
     RUN_TEST(test_hull_that_is_too_heavy_sinks_and_drag_slows_down);
     RUN_TEST(test_every_parameter_has_a_name_a_unit_and_the_dof_of_its_letter);
     RUN_TEST(test_parameters_of_the_paper_have_their_indices);

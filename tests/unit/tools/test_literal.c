@@ -110,7 +110,7 @@ static void test_rows_whose_regressor_fails_are_left_out(void)
     int rows = metric.rows.set.rows;
     world_t w = world_of(&cfg);
     bad = cell_at(&w, 10);
-    bad.phi = AUVID_C(1e9); /* beyond the model's trigonometry */
+    bad.phi = AUVID_C(1e12); /* beyond the model's trigonometry */
     TEST_ASSERT_TRUE(literal_add(&literal, &bad) >= 0);
     add(10.1, 10);
     TEST_ASSERT_EQUAL(rows, metric.rows.set.rows);

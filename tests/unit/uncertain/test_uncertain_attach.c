@@ -7,6 +7,7 @@
 #include "auvid/uncertain.h"
 #include "by_residual.h"
 #include "chain.h"
+#include "uncertain/auvid_uncertain_table_internal.h"
 #include "unity.h"
 
 static chain_config_t cfg;
@@ -91,6 +92,27 @@ static void test_thrusters_that_are_not_initialised_are_refused(void)
 {
     memset(&chain.allocation, 0, sizeof chain.allocation);
     TEST_ASSERT_EQUAL(AUVID_ERR_SIZE, attach());
+}
+
+static auvid_real_t dead_band_of(auvid_real_t forward_N, auvid_real_t backward_N)
+{
+    auvid_allocation_config_t thrusters = cfg.thrusters;
+    for (int i = 0; i < thrusters.thrusters; ++i) {
+        thrusters.thruster[i].max_N = forward_N;
+        thrusters.thruster[i].min_N = -backward_N;
+    }
+    setUp();
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_allocation_init(&chain.allocation, &thrusters));
+    TEST_ASSERT_EQUAL(AUVID_OK, attach());
+    storage.scale = 1;
+    return auvid_uncertain_sigma(&storage, &chain.id.metric, AUVID_UNCERTAIN_DEAD_BAND,
+                                 AUVID_SURGE);
+}
+
+static void test_the_dead_band_is_relative_to_the_largest_force_in_either_direction(void)
+{
+    auvid_real_t ahead = dead_band_of(150, 20), astern = dead_band_of(20, 150);
+    TEST_ASSERT_TRUE(ahead > 0 && ahead == astern);
 }
 
 static void test_more_columns_than_there_is_room_for_are_refused(void)
@@ -208,6 +230,7 @@ int main(void)
     RUN_TEST(test_it_attaches_once_and_before_the_first_step_or_wrench);
     RUN_TEST(test_a_prior_out_of_range_is_refused);
     RUN_TEST(test_thrusters_that_are_not_initialised_are_refused);
+    RUN_TEST(test_the_dead_band_is_relative_to_the_largest_force_in_either_direction);
     RUN_TEST(test_more_columns_than_there_is_room_for_are_refused);
 #if AUVID_MAX_THRUSTERS >= 8
     RUN_TEST(test_eight_thrusters_fit);

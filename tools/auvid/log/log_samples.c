@@ -85,7 +85,8 @@ int log_thrust_judge(const log_use_t *use, double largest_N, char *text, size_t 
     const auvid_allocation_config_t *cfg = &use->allocation.cfg;
     double capacity = 0.0;
     for (int k = 0; k < cfg->thrusters; ++k) {
-        capacity = fmax(capacity, (double)cfg->thruster[k].max_N);
+        const auvid_thruster_t *t = &cfg->thruster[k];
+        capacity = fmax(capacity, (double)fmaxf(t->max_N, -t->min_N));
     }
     int wrong = largest_N > MOST_THRUST * capacity                       ? 1
                 : largest_N > 0.0 && largest_N < LEAST_THRUST * capacity ? -1
