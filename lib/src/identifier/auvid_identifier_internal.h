@@ -178,6 +178,10 @@ void auvid_identifier_expand(auvid_identifier_t *id, const auvid_real_t *theta, 
  * bounds, from pi. This overwrites the optimizer, and sets work.parameter_of. */
 void auvid_identifier_begin_optimum(auvid_identifier_t *id, const auvid_real_t *pi);
 
+/** Spend a unit on a row or a step of a minimum of n parameters, which cost n (n + 24) / 40.
+ * @return is it paid? */
+bool auvid_identifier_pays(auvid_bounded_ls_t *ls);
+
 /** Continue the work begun by auvid_identifier_begin_optimum.
  * @return AUVID_OK: it is in work.candidate and work.minimum; AUVID_PENDING */
 auvid_status_t auvid_identifier_optimum(auvid_identifier_t *id, uint32_t *budget);

@@ -155,17 +155,14 @@ static bool identifier_add_newton_row(auvid_identifier_t *id)
     return true;
 }
 
-/* Each row, and each step, costs n (n + 24) / 40 units. */
 static void identifier_step_newton(auvid_identifier_t *id, uint32_t *budget)
 {
     auvid_gauss_newton_t *gn = &id->linear.newton;
-    int n = gn->ls.n;
     while (gn->state == NEWTON_STEP && *budget > 0) {
         --*budget;
-        if (++gn->ls.spent * 40 < n * (n + 24)) {
+        if (!auvid_identifier_pays(&gn->ls)) {
             continue;
         }
-        gn->ls.spent = 0;
         if (!identifier_add_newton_row(id)) {
             auvid_gauss_newton_step(gn);
         }

@@ -59,7 +59,15 @@ const auvid_path_start_t auvid_start_optimum = {.begin = identifier_begin_minimu
                                                 .run = auvid_identifier_optimum,
                                                 .scale = identifier_scale_of_columns};
 
-/* Each row, and each step, costs n (n + 24) / 40 units. */
+bool auvid_identifier_pays(auvid_bounded_ls_t *ls)
+{
+    if (++ls->spent * 40 < ls->n * (ls->n + 24)) {
+        return false;
+    }
+    ls->spent = 0;
+    return true;
+}
+
 auvid_status_t auvid_identifier_optimum(auvid_identifier_t *id, uint32_t *budget)
 {
     auvid_bounded_ls_t *ls = &id->optimum;
@@ -68,10 +76,9 @@ auvid_status_t auvid_identifier_optimum(auvid_identifier_t *id, uint32_t *budget
     auvid_status_t status = AUVID_PENDING;
     while (status == AUVID_PENDING && *budget > 0) {
         --*budget;
-        if (++ls->spent * 40 < ls->n * (ls->n + 24)) {
+        if (!auvid_identifier_pays(ls)) {
             continue;
         }
-        ls->spent = 0;
         if (ls->dof == AUVID_DOF_COUNT) {
             status = auvid_bounded_ls_step(ls, m->result.constant);
         } else if (auvid_metric_joint_row(m, ls->dof, ls->row, id->work.active, m->cfg.fixed,
