@@ -210,19 +210,22 @@ static inline auvid_real_t math_reduce(auvid_real_t x, int32_t n)
     return ((x - k * HALF_PI_1) - k * HALF_PI_2) - k * HALF_PI_3;
 }
 
-/* Returns true if x can be reduced; false for NaN. */
-static inline bool math_in_range(auvid_real_t x)
-{
-    return auvid_abs(x) <= AUVID_C(1e9);
-}
-
-/* Returns x less whole revolutions, if it is too large for math_reduce: it has no more digits. */
-static inline auvid_real_t math_unwind(auvid_real_t x)
+/* Removes whole revolutions from an x that is too large for math_reduce: it has no more digits.
+ * Returns false for NaN, and beyond 1e9. */
+static AUVID_NOINLINE bool math_unwind(auvid_real_t *x)
 {
     const auvid_real_t turn = AUVID_C(2.0) * AUVID_PI;
-    return auvid_abs(x) <= AUVID_C(1e4)
-               ? x
-               : x - turn * (auvid_real_t)(int32_t)auvid_half_further(x / turn);
+    if (!(auvid_abs(*x) <= AUVID_C(1e9))) {
+        return false;
+    }
+    *x -= turn * (auvid_real_t)(int32_t)auvid_half_further(*x / turn);
+    return true;
+}
+
+/* Returns true if x is, or can be made, small enough for math_reduce. */
+static inline bool math_in_range(auvid_real_t *x)
+{
+    return auvid_abs(*x) <= AUVID_C(10000.0) || math_unwind(x);
 }
 
 /* Returned for an argument out of range: the next auvid_is_finite() detects it. */
@@ -244,10 +247,9 @@ AUVID_INLINE auvid_real_t math_cos_reduced(auvid_real_t z)
     return AUVID_C(1.0) - (AUVID_C(0.5) * z - z * z * math_polynomial(cos_c, TERMS(cos_c), z));
 }
 
-/* Returns r of angle = n pi/2 + r, but for whole revolutions. */
-static auvid_real_t math_to_quadrant(auvid_real_t angle, uint32_t *n)
+/* Returns r of x = n pi/2 + r. */
+static auvid_real_t math_to_quadrant(auvid_real_t x, uint32_t *n)
 {
-    auvid_real_t x = math_unwind(angle);
     int32_t nearest_n = (int32_t)auvid_half_further(x * AUVID_C(0.63661977236758134308));
     *n = (uint32_t)nearest_n;
     return nearest_n != 0 ? math_reduce(x, nearest_n) : x;
@@ -256,7 +258,7 @@ static auvid_real_t math_to_quadrant(auvid_real_t angle, uint32_t *n)
 auvid_real_t auvid_sin_turned(auvid_real_t x, uint32_t quarters)
 {
     uint32_t n;
-    if (!math_in_range(x)) {
+    if (!math_in_range(&x)) {
         return math_nan();
     }
     auvid_real_t r = math_to_quadrant(x, &n);
@@ -269,7 +271,7 @@ void auvid_sincos(auvid_real_t x, auvid_real_t *sin_x, auvid_real_t *cos_x)
 {
     auvid_real_t s = math_nan();
     auvid_real_t c = s;
-    if (math_in_range(x)) {
+    if (math_in_range(&x)) {
         uint32_t n;
         auvid_real_t r = math_to_quadrant(x, &n);
         auvid_real_t sr = math_sin_reduced(r, r * r), cr = math_cos_reduced(r * r);

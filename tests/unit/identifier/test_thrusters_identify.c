@@ -252,6 +252,18 @@ static void test_the_thrust_is_kept_until_a_parameter_of_the_thrusters_changes(v
 
 /* ---- lost commands, and a restart ---- */
 
+/* A tick at rest under this command of the first thruster; *t_us: its time. */
+static void tick_at_rest(uint64_t *t_us, auvid_real_t command)
+{
+    const auvid_real_t still[AUVID_DOF_COUNT] = {0};
+    auvid_input_t in = {.applied = {.present = true, .wrench = {100 * command}}};
+    auvid_output_t out;
+    in.applied.command[0] = command;
+    in.t_us = *t_us += PERIOD_US;
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_motion(&id, *t_us, still, still));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_step(&id, &in, &out));
+}
+
 /* While the vehicle is idle, the sets stay. When the log no longer has their commands, the next set
  * drops them, and the estimate uses only that set. */
 static void test_sets_whose_commands_are_lost_are_dropped_with_the_next_set(void)
@@ -259,15 +271,9 @@ static void test_sets_whose_commands_are_lost_are_dropped_with_the_next_set(void
     cfg.slots = AUVID_THRUSTERS_SLOTS(SETS, 30 * 1000000u, PERIOD_US);
     identify(1, 0.0, 30, 5, UINT32_MAX);
     TEST_ASSERT_EQUAL_UINT32(SETS * 60, id.metric.result.dof_rows[AUVID_SURGE]);
-    const auvid_real_t still[AUVID_DOF_COUNT] = {0};
     uint64_t t_us = id.t_us;
     for (int tick = 0; tick < 400 * 50; ++tick) {
-        const auvid_real_t command = tick < 300 * 50 ? 0 : (auvid_real_t)sin(0.02 * tick);
-        const auvid_real_t wrench[AUVID_DOF_COUNT] = {100 * command};
-        const auvid_real_t all[AUVID_MAX_COMMANDS] = {command};
-        t_us += PERIOD_US;
-        TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_motion(&id, t_us, still, still));
-        TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_applied(&id, t_us, wrench, all));
+        tick_at_rest(&t_us, tick < 300 * 50 ? 0 : (auvid_real_t)sin(0.02 * tick));
         if (tick < 300 * 50) {
             TEST_ASSERT_EQUAL_UINT32(SETS * 60, id.metric.result.dof_rows[AUVID_SURGE]);
         }
@@ -275,6 +281,17 @@ static void test_sets_whose_commands_are_lost_are_dropped_with_the_next_set(void
     }
     TEST_ASSERT_TRUE(id.metric.result.dof_rows[AUVID_SURGE] > 0);
     TEST_ASSERT_TRUE(id.metric.result.dof_rows[AUVID_SURGE] <= 4 * 60);
+}
+
+static void test_the_last_set_waits_while_a_search_reads_the_rows(void)
+{
+    identify(1, 0.0, 30, 5, UINT32_MAX);
+    uint64_t t_us = id.t_us;
+    for (int tick = 0; tick < 60 * 50; ++tick) { /* a set, and the next one */
+        tick_at_rest(&t_us, (auvid_real_t)sin(0.02 * tick));
+        (void)auvid_identifier_work(&id, 1);
+    }
+    TEST_ASSERT_EQUAL(AUVID_PENDING, auvid_identifier_close(&id));
 }
 
 /* Works until the search is complete. Returns the number of the estimate. */
@@ -355,6 +372,7 @@ int main(void)
     RUN_TEST(test_rows_too_expensive_for_work_are_refused);
     RUN_TEST(test_the_thrust_is_kept_until_a_parameter_of_the_thrusters_changes);
     RUN_TEST(test_sets_whose_commands_are_lost_are_dropped_with_the_next_set);
+    RUN_TEST(test_the_last_set_waits_while_a_search_reads_the_rows);
     RUN_TEST(test_a_restart_with_checkpoint_and_log_continues_to_the_same_bits);
     RUN_TEST(test_sets_whose_log_was_lost_in_a_restart_are_dropped);
     return UNITY_END();
