@@ -163,7 +163,7 @@ static double inflow(const field_t *field, int j, double force)
     along = has_other_shapes(field) ? fmax(along, 0.0) : along;
     double loss = field->cfg.size[FIELD_THRUST_ADVANCE] * along;
     if (field->cfg.size[FIELD_THRUST_BILINEAR] > 0.0) {
-        return force - copysign(loss * sqrt(sheet->thruster_max_N * fabs(force)), force);
+        return force - copysign(1.0, force) * loss * sqrt(sheet->thruster_max_N * fabs(force));
     }
     return force * fmax(0.0, fmin(2.0, 1.0 - loss));
 }
