@@ -16,7 +16,7 @@ extern "C" {
 #endif
 
 /** Version of the frames. Every heartbeat carries it. */
-#define AUVID_CAN_PROTOCOL 6u
+#define AUVID_CAN_PROTOCOL 7u
 /** Default first identifiers of the two blocks (auvid_can_ids_t). */
 #define AUVID_CAN_FAST_BASE 0x040u
 #define AUVID_CAN_SLOW_BASE 0x400u
@@ -135,7 +135,7 @@ enum {
     AUVID_CAN_NOTE_THRUST_SCALE = 12,
     AUVID_CAN_NOTE_FEEDBACK = 13,
     AUVID_CAN_NOTE_UNCHECKED = 14,
-    AUVID_CAN_NOTE_INFLOW = 15
+    AUVID_CAN_NOTE_INPUTS = 15
 };
 
 /** Values of `guard`. */
@@ -212,21 +212,22 @@ enum {
     AUVID_CAN_INPUT_CURVE_DEAD_BAND = 1,
     AUVID_CAN_INPUT_CURVE_EXPONENT = 2,
     AUVID_CAN_INPUT_INFLOW = 3,
-    AUVID_CAN_INPUT_SAG = 4,
-    AUVID_CAN_INPUT_TIMING_LAG = 5,
-    AUVID_CAN_INPUT_CURRENT_NORTH = 6,
-    AUVID_CAN_INPUT_CURRENT_EAST = 7,
-    AUVID_CAN_INPUT_MOUNTING_ARM_AHEAD = 8,
-    AUVID_CAN_INPUT_MOUNTING_ARM_STARBOARD = 9,
-    AUVID_CAN_INPUT_MOUNTING_ARM_DOWN = 10,
-    AUVID_CAN_INPUT_TIMING_DVL = 11,
-    AUVID_CAN_INPUT_TIMING_DELAY = 12,
-    AUVID_CAN_INPUT_ASYMMETRY = 13,
-    AUVID_CAN_INPUT_MOUNTING_FORCE = 14,
-    AUVID_CAN_INPUT_MOUNTING_CROSS = 15,
-    AUVID_CAN_INPUT_MOUNTING_LIFT = 16,
-    AUVID_CAN_INPUT_MOUNTING_GRAVITY_ASTERN = 17,
-    AUVID_CAN_INPUT_MOUNTING_GRAVITY_PORT = 18
+    AUVID_CAN_INPUT_INFLOW_BILINEAR = 4,
+    AUVID_CAN_INPUT_SAG = 5,
+    AUVID_CAN_INPUT_TIMING_LAG = 6,
+    AUVID_CAN_INPUT_CURRENT_NORTH = 7,
+    AUVID_CAN_INPUT_CURRENT_EAST = 8,
+    AUVID_CAN_INPUT_MOUNTING_ARM_AHEAD = 9,
+    AUVID_CAN_INPUT_MOUNTING_ARM_STARBOARD = 10,
+    AUVID_CAN_INPUT_MOUNTING_ARM_DOWN = 11,
+    AUVID_CAN_INPUT_TIMING_DVL = 12,
+    AUVID_CAN_INPUT_TIMING_DELAY = 13,
+    AUVID_CAN_INPUT_ASYMMETRY = 14,
+    AUVID_CAN_INPUT_MOUNTING_FORCE = 15,
+    AUVID_CAN_INPUT_MOUNTING_CROSS = 16,
+    AUVID_CAN_INPUT_MOUNTING_LIFT = 17,
+    AUVID_CAN_INPUT_MOUNTING_GRAVITY_ASTERN = 18,
+    AUVID_CAN_INPUT_MOUNTING_GRAVITY_PORT = 19
 };
 
 /** Values of `dof`. */
@@ -623,10 +624,10 @@ typedef struct {
     /** Rms of its force, relative to the thrust of this degree of freedom; 0..127 % */
     uint32_t share;
     /** Size, only rough. Curve_backward: thrust is weaker by this part; curve_dead_band: N;
-     * curve_exponent: above 1; inflow: part per m/s; sag: part in 240 s; timing: s later;
-     * current: m/s; asymmetry: part forward; mounting_force: N or Nm; mounting_cross and
-     * mounting_lift: part of drag; mounting_arm and mounting_gravity: m. NaN: not available;
-     * float32 */
+     * curve_exponent: above 1; inflow and inflow_bilinear: part per m/s, of both laws
+     * together; sag: part in 240 s; timing: s later; current: m/s; asymmetry: part forward;
+     * mounting_force: N or Nm; mounting_cross and mounting_lift: part of drag; mounting_arm
+     * and mounting_gravity: m. NaN: not available; float32 */
     auvid_real_t value;
 } auvid_can_wrong_input_t;
 

@@ -81,8 +81,8 @@ typedef enum {
     AUVID_NOTE_UNCHECKED, /**< identifiable if thrust and sensors are exact. They were not examined
                                for errors, or have too large ones: see auvid_confidence_t.unchecked
                              */
-    AUVID_NOTE_INFLOW, /**< linear drag that looks like thrust lost with speed, by a law that is not
-                            known (uncertain.h): more motion does not help */
+    AUVID_NOTE_INPUTS, /**< known only if thrust and sensors are exact: errors of the inputs
+                            (uncertain.h) look like it, and more motion hardly helps */
     AUVID_NOTE_COUNT
 } auvid_note_t;
 

@@ -28,10 +28,9 @@
  * The common scale of the thrust is not observable. It stays in auvid_uncertainty_t. A known force
  * shows it (auvid_calibrated_t in estimate.h).
  *
- * The law by which thrust is lost with speed v along a propeller is not known either: its column is
- * f v, but in Fossen's bilinear model a propeller at speed n loses b |n| v. The difference looks
- * like linear drag. It is 0.15 of the loss that was found, and part of that drag's sigma
- * (AUVID_NOTE_INFLOW).
+ * Thrust f is lost with the speed v of the water along a propeller, by a law that is not known: in
+ * proportion to the thrust, f v, or to the propeller's speed n, |n| v (Fossen's bilinear model). It
+ * has a column for each, so the loss is their sum at full thrust. Both look like linear drag.
  *
  * The priors may be wrong by a factor of two: they get a common scale, the one with the largest
  * likelihood of what was found. Above 1, the scales of thrust and DVL in auvid_uncertainty_t are
@@ -87,6 +86,8 @@ typedef enum {
     AUVID_UNCERTAIN_DEAD_BAND, /**< thrust is smaller by this force [N] */
     AUVID_UNCERTAIN_CURVE,     /**< thrust follows the power 1 + this of its nominal value */
     AUVID_UNCERTAIN_INFLOW,    /**< thrust is lost with speed, by this part per m/s */
+    AUVID_UNCERTAIN_BILINEAR,  /**< and by this part of full thrust times the propeller's speed,
+                                    which is 1 at full thrust */
     AUVID_UNCERTAIN_SAG, /**< thrust is lost with time, by this part in 240 s, from the first row
                                     on, and in a long dive from an hour ago */
     AUVID_UNCERTAIN_LAG, /**< the propellers' lag beyond the nominal one [s] */
@@ -150,7 +151,7 @@ typedef struct {
 #endif
 /** Most columns in one equation. */
 #ifndef AUVID_UNCERTAIN_ORDER
-#define AUVID_UNCERTAIN_ORDER (AUVID_MAX_THRUSTERS + AUVID_MAX_PARAMETERS / 2 + 15)
+#define AUVID_UNCERTAIN_ORDER (AUVID_MAX_THRUSTERS + AUVID_MAX_PARAMETERS / 2 + 16)
 #endif
 /** Inputs, the thrust of each equation, and the parameters of surge, sway and yaw. */
 #define AUVID_UNCERTAIN_CHANNELS (AUVID_MAX_UNCERTAIN + 26)

@@ -10,7 +10,7 @@
 _Static_assert(AUVID_NAV_FLAG_END - 1 <= 512, "nav_position.flags: 10 bits");
 _Static_assert(AUVID_MAX_PARAMETERS <= 32, "estimate.index: 5 bits");
 _Static_assert(AUVID_DOF_COUNT <= 6, "progress.excited: 6 bits");
-_Static_assert((int)AUVID_NOTE_COUNT == AUVID_CAN_NOTE_INFLOW + 1, "estimate_sigma.note");
+_Static_assert((int)AUVID_NOTE_COUNT == AUVID_CAN_NOTE_INPUTS + 1, "estimate_sigma.note");
 _Static_assert((int)AUVID_GUARD_STATE_COUNT == AUVID_CAN_GUARD_ABORTED + 1, "progress.guard");
 _Static_assert((int)AUVID_GUARD_CAUSE_COUNT == AUVID_CAN_CAUSE_FOREIGN_COMMAND + 1, "abort.cause");
 _Static_assert((int)AUVID_WORK_PHASE_COUNT == AUVID_CAN_WORK_CONFIDENCE + 1, "progress.work");

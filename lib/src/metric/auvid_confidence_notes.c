@@ -216,12 +216,11 @@ static auvid_real_t confidence_wrench_norm(const auvid_confidence_job_t *c, int 
     return auvid_sqrt(square);
 }
 
-/* Returns true if the note says that the parameter is known. */
-static bool confidence_is_known(const auvid_confidence_t *c, int p)
+bool auvid_confidence_is_known(const auvid_confidence_t *c, int p)
 {
     return c->note[p] == AUVID_NOTE_NONE || c->note[p] == AUVID_NOTE_UNCHECKED ||
            c->note[p] == AUVID_NOTE_IMPLAUSIBLE || c->note[p] == AUVID_NOTE_THRUST_SCALE ||
-           c->note[p] == AUVID_NOTE_INFLOW;
+           c->note[p] == AUVID_NOTE_INPUTS;
 }
 
 /* These parameters, a bit each, are not identifiable, because of an impossible one. */
@@ -256,7 +255,7 @@ static void confidence_discredit_equation(auvid_confidence_job_t *c, int j)
         bool sure = part > AUVID_HALF_WIDTH * to->sigma[p];
         uint32_t bit = UINT32_C(1) << (p & 31);
         to->implausible |= sure ? bit : 0u;
-        known |= confidence_is_known(to, p) ? bit : 0u;
+        known |= auvid_confidence_is_known(to, p) ? bit : 0u;
         if (sure || force > max_force) {
             beyond |= bit;
             culprit = force > worst ? (uint8_t)p : culprit;
@@ -327,10 +326,8 @@ void auvid_confidence_conclude(auvid_confidence_job_t *c, int i, const auvid_fin
     int j = (int)cfg->vehicle->parameter[p].dof;
     auvid_real_t sigma = found->sigma, bias = found->bias;
     auvid_real_t thrust = to->thrust_error[p], dvl = to->dvl_error[p];
-    auvid_real_t inflow = found->inflow;
     auvid_real_t relative = auvid_sqrt(sigma * sigma + dvl * dvl);
-    auvid_real_t without = auvid_sqrt(relative * relative + thrust * thrust);
-    auvid_real_t all = auvid_sqrt(relative * relative + thrust * thrust + inflow * inflow);
+    auvid_real_t all = auvid_sqrt(relative * relative + thrust * thrust);
     auvid_real_t total = auvid_sqrt(all * all + bias * bias);
     auvid_real_t half = AUVID_HALF_WIDTH * all + bias;
     auvid_real_t allowed = auvid_confidence_allowed(cfg, p, c->pi[p]);
@@ -358,15 +355,14 @@ void auvid_confidence_conclude(auvid_confidence_job_t *c, int i, const auvid_fin
                                       : AUVID_NOTE_NONE;
     } else if (auvid_abs(c->pi[p]) + half <= confidence_small_value(c, p)) {
         to->note[p] = AUVID_NOTE_SMALL;
-    } else if (known && (AUVID_HALF_WIDTH * without + bias <= allowed ||
-                         AUVID_HALF_WIDTH * inflow > allowed)) {
-        to->note[p] = AUVID_NOTE_INFLOW;
     } else if (known && AUVID_HALF_WIDTH * relative + bias <= allowed) {
         auvid_real_t max_sigma = (allowed - bias) / AUVID_HALF_WIDTH;
         to->note[p] = AUVID_NOTE_THRUST_SCALE;
         to->bound[p] =
             to->uncertainty.thrust_scale *
             (auvid_sqrt(max_sigma * max_sigma - relative * relative) / auvid_abs(thrust));
+    } else if (known && found->exact) {
+        to->note[p] = AUVID_NOTE_INPUTS;
     } else if (!(unexplained <= (AUVID_C(1.0) - AUVID_CONFIDENCE_EXPLAINED) * force)) {
         to->partner[p] = UNEXPLAINED;
         to->bound[p] = auvid_r2(unexplained, force);

@@ -59,6 +59,9 @@ void auvid_confidence_judge(auvid_confidence_job_t *c, int i);
 /** Scale row i of the covariance so that its diagonal is that of the standard errors. */
 void auvid_confidence_scale(auvid_confidence_job_t *c, int i);
 
+/** Returns true if the note of parameter p says that it is known. */
+bool auvid_confidence_is_known(const auvid_confidence_t *c, int p);
+
 /** Set the note of the parameter of the joint R factor's column i. */
 void auvid_confidence_conclude(auvid_confidence_job_t *c, int i, const auvid_finding_t *found);
 

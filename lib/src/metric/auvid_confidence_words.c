@@ -40,8 +40,8 @@ const char *auvid_note_str(auvid_note_t note)
         return "closed loop: the wrench is feedback";
     case AUVID_NOTE_UNCHECKED:
         return "not checked for errors of thrust and sensors";
-    case AUVID_NOTE_INFLOW:
-        return "thrust is lost with speed by an unknown law";
+    case AUVID_NOTE_INPUTS:
+        return "known only if thrust and sensors are exact";
     case AUVID_NOTE_COUNT:
     default:
         return "unknown note";
@@ -225,7 +225,7 @@ static bool confidence_is_same_sentence(const auvid_confidence_t *c, const auvid
     return c->note[i] == AUVID_NOTE_NOT_CONVERGED ||
            (c->note[i] == AUVID_NOTE_FEEDBACK &&
             (c->partner[i] == OF_ALL || vehicle->parameter[k].dof == vehicle->parameter[i].dof)) ||
-           c->note[i] == AUVID_NOTE_UNCHECKED || c->note[i] == AUVID_NOTE_INFLOW ||
+           c->note[i] == AUVID_NOTE_UNCHECKED || c->note[i] == AUVID_NOTE_INPUTS ||
            (confidence_is_unexplained(c, i) && confidence_is_unexplained(c, k) &&
             vehicle->parameter[k].dof == vehicle->parameter[i].dof) ||
            (c->note[i] == AUVID_NOTE_COMBINATION && c->partner[i] == k && c->partner[k] == i) ||
@@ -236,7 +236,7 @@ static bool confidence_is_same_sentence(const auvid_confidence_t *c, const auvid
 /* Returns true if parameter i has a sentence and is the first parameter with that sentence. One
  * sentence covers: a DoF that was not excited, or that is not explained; a pair; all that depend on
  * a parameter at its bound; the equation of an impossible estimate; a search that has not
- * converged; a closed loop; inputs that were not checked; the law of inflow.
+ * converged; a closed loop; inputs that were not checked, or are not exact.
  * @param wrong only equations that are not explained, or impossible; else only the others */
 static bool confidence_has_sentence(const auvid_confidence_t *c, const auvid_vehicle_t *vehicle,
                                     uint32_t free, bool wrong, int i)
@@ -247,7 +247,7 @@ static bool confidence_has_sentence(const auvid_confidence_t *c, const auvid_veh
         1u << AUVID_NOTE_UNCERTAIN | 1u << AUVID_NOTE_AT_BOUND | 1u << AUVID_NOTE_BESIDE_BOUND |
         1u << AUVID_NOTE_NOT_CONVERGED | 1u << AUVID_NOTE_DISCREDITED |
         1u << AUVID_NOTE_THRUST_SCALE | 1u << AUVID_NOTE_FEEDBACK | 1u << AUVID_NOTE_UNCHECKED |
-        1u << AUVID_NOTE_INFLOW;
+        1u << AUVID_NOTE_INPUTS;
     bool is_wrong =
         c != NULL && (c->note[i] == AUVID_NOTE_DISCREDITED || confidence_is_unexplained(c, i));
     if (wrong != is_wrong || (free != 0 && !(free >> i & 1u)) ||
@@ -296,9 +296,9 @@ static void confidence_append_sentence(auvid_words_t *w, const auvid_confidence_
                "what they find wrong");
         return;
     }
-    if (note == AUVID_NOTE_INFLOW) {
-        auvid_words_append(w, "thrust that is lost with speed looks like linear drag; measure the "
-                              "thrusters under way");
+    if (note == AUVID_NOTE_INPUTS) {
+        auvid_words_append(w, "some numbers are known only if thrust and sensors are exact; "
+                              "measure the thrusters, also under way");
         return;
     }
     auvid_words_append_dof(w, parameter->dof);

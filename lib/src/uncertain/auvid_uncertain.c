@@ -193,11 +193,10 @@ static void uncertain_assess_parameters(auvid_identifier_t *id, const auvid_real
     uncertain_find_partners(e, vehicle->parameters, sigma, ~0u, AUVID_CORRELATED, partner);
     uncertain_find_partners(e, vehicle->parameters, sigma, job->at_bound, AUVID_C(0.0), at_bound);
     for (int i = 0; i < job->n; ++i) {
-        int p = job->parameter_of[i], dof = (int)vehicle->parameter[p].dof;
-        bool linear = vehicle->parameter[p].kind == AUVID_PARAMETER_LINEAR_DRAG;
+        int p = job->parameter_of[i];
         auvid_finding_t found = {
             .sigma = sigma[p],
-            .inflow = linear ? auvid_uncertain_inflow_drag(uncertain_of(id), dof) : AUVID_C(0.0),
+            .exact = auvid_confidence_is_known(&job->result, p), /* without uncertain inputs */
             .bound_shift = free[p] - e->pi[p],
             .partner = partner[p],
             .bound_partner = at_bound[p]};

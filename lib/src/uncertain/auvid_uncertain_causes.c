@@ -33,7 +33,7 @@ static auvid_real_t causes_unit(const uncertain_t *u, int code, int j)
 }
 
 /* Standard deviation of the sum of DoF j's own input `own` and of a shared input; negative: none.
- * With J the joint R factor, and [R_o R_c] the rows of the DoF's own inputs, the variance is
+ * Both losses with speed are one. With J the joint R factor, and [R_o R_c] the rows of the DoF's own inputs, the variance is
  *
  *     2 (||g||^2 + ||v||^2),   R_o' g = own,   J' v = shared - R_c' g
  */
@@ -57,6 +57,9 @@ static auvid_real_t causes_deviation(const uncertain_t *u, int j, int own, int s
     }
     if (shared >= 0) {
         v[shared] += AUVID_C(1.0);
+    }
+    if (shared == AUVID_UNCERTAIN_INFLOW) {
+        v[AUVID_UNCERTAIN_BILINEAR] += AUVID_C(1.0);
     }
     auvid_qr_solve_transposed(u->work.joint, JOINT_ORDER, JOINT_ORDER - 1, v);
     for (int k = 0; k < JOINT_ORDER - 1; ++k) {
@@ -84,6 +87,10 @@ static void causes_consider(uncertain_t *u, int j, int k)
             value = auvid_min(value + u->cfg.nominal_lag_s, AUVID_C(0.0));
             margin = MAX_EARLY_S;
         }
+    }
+    if (class == AUVID_CAUSE_INFLOW) { /* losses add up, at full thrust */
+        shared = AUVID_UNCERTAIN_INFLOW;
+        value = u->shared[AUVID_UNCERTAIN_INFLOW] + u->shared[AUVID_UNCERTAIN_BILINEAR];
     }
     auvid_real_t thrust = causes_norm(u, j, e->order - 1);
     auvid_real_t share = auvid_abs(value) * causes_norm(u, j, k) / thrust;

@@ -182,6 +182,7 @@ static void uncertain_thrust_columns(auvid_uncertain_t *u, const auvid_sample_t 
         value[AUVID_UNCERTAIN_CURVE] =
             -force * uncertain_ln(auvid_max(size / max_N, SMALLEST_CURVE));
         value[AUVID_UNCERTAIN_INFLOW] = size * inflow;
+        value[AUVID_UNCERTAIN_BILINEAR] = auvid_sqrt(size * max_N) * inflow;
         value[AUVID_UNCERTAIN_SAG] = force * u->recorded.elapsed;
         value[AUVID_UNCERTAIN_LAG] = u->recorded.lag_slope[i];
         value[SUM_DELAY] = u->recorded.rate[i];

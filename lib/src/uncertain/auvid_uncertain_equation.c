@@ -256,8 +256,8 @@ static void uncertain_prepare_slopes(uncertain_t *u, const auvid_metric_t *m, in
             side = mass > AUVID_C(0.0) ? a[index[k - e->inputs]] / mass : AUVID_C(0.0);
             p->slope[k] = shares.accelerates * side;
         } else {
-            side = u->code[e->channel_at + k] == AUVID_UNCERTAIN_INFLOW ? AUVID_C(0.0)
-                                                                        : p->slope[k] / gamma;
+            int class = auvid_uncertain_row(u->code[e->channel_at + k])->class;
+            side = class == AUVID_CAUSE_INFLOW ? AUVID_C(0.0) : p->slope[k] / gamma;
             p->slope[k] = -rest * side;
         }
         side *= p->squares;

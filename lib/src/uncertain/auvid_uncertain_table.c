@@ -162,20 +162,6 @@ static auvid_real_t table_lift(const auvid_uncertain_t *u, const auvid_metric_t 
                              : AUVID_C(0.5));
 }
 
-/* Part of the loss at full thrust that looks like linear drag, if thrust is lost with the speed of
- * the propeller instead of its square: 0.08 to 0.16 in the DoF of three simulated vehicles. */
-#define LIKE_DRAG AUVID_C(0.15)
-
-auvid_real_t auvid_uncertain_inflow_drag(const auvid_uncertain_t *u, int j)
-{
-    auvid_real_t loss = AUVID_C(0.0);
-    for (int i = 0; i < u->allocation->cfg.thrusters; ++i) {
-        const auvid_thruster_t *t = &u->allocation->cfg.thruster[i];
-        loss += t->wrench[j] * t->wrench[j] * auvid_uncertain_largest(t);
-    }
-    return LIKE_DRAG * auvid_abs(u->shared[AUVID_UNCERTAIN_INFLOW]) * loss;
-}
-
 /* The lever of the vehicle's weight. */
 static auvid_real_t table_weight(const auvid_uncertain_t *u, const auvid_metric_t *m,
                                  auvid_real_t deviation, int j)

@@ -40,6 +40,9 @@ enum {
 #define UNCERTAIN_TIMING                                                                           \
     "thrust acts later than stamped, by ", "thrust acts earlier than stamped, by ", "s",           \
         "check time stamps and the propellers' lag"
+#define UNCERTAIN_LOSS                                                                             \
+    "thrust falls with speed, by ", "thrust rises with speed, by ", "% per m/s",                   \
+        "measure it under way, or check the drag's law"
 #define UNCERTAIN_WATER "use the DVL's water lock, or look for a cable"
 #define UNCERTAIN_ARM "measure its lever arm"
 #define UNCERTAIN_MOUNT "check lever arms and mounting of DVL and IMU"
@@ -77,9 +80,8 @@ enum {
         "the thrust curve's exponent is higher than supplied, by ",                                \
         "the thrust curve's exponent is lower than supplied, by ", "",                             \
         "measure thrust at half command")                                                          \
-    ROW(AUVID_UNCERTAIN_INFLOW, inflow, THRUST, ACTUATED, AS_CONFIGURED, INFLOW,                   \
-        "thrust falls with speed, by ", "thrust rises with speed, by ", "% per m/s",               \
-        "measure it under way, or check the drag's law")                                           \
+    ROW(AUVID_UNCERTAIN_INFLOW, inflow, THRUST, ACTUATED, AS_CONFIGURED, INFLOW, UNCERTAIN_LOSS)   \
+    ROW(AUVID_UNCERTAIN_BILINEAR, inflow, THRUST, ACTUATED, AS_CONFIGURED, INFLOW, UNCERTAIN_LOSS) \
     ROW(AUVID_UNCERTAIN_SAG, sag, THRUST, ACTUATED, AS_CONFIGURED, SAG,                            \
         "thrust falls with time, by ", "thrust rises with time, by ", "% in 4 minutes",            \
         "watch the battery, look for fouling")                                                     \
@@ -153,10 +155,6 @@ auvid_real_t auvid_uncertain_linear_part(const auvid_uncertain_t *u, const auvid
 /** Returns the standard deviation of the prior of a column of DoF j. */
 auvid_real_t auvid_uncertain_sigma(const auvid_uncertain_t *u, const auvid_metric_t *m, int input,
                                    int j);
-
-/** Returns the standard deviation of DoF j's linear drag by the law of inflow: part of the loss
- * that was found. */
-auvid_real_t auvid_uncertain_inflow_drag(const auvid_uncertain_t *u, int j);
 
 /** Returns the equations that a current or lever arm changes, a bit each. */
 uint32_t auvid_uncertain_moved(const auvid_metric_t *m, int input);

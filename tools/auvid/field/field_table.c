@@ -158,7 +158,7 @@ static bool is_flagged_at(const field_record_t *record, int i, double limit)
     case AUVID_NOTE_COMBINATION:
     case AUVID_NOTE_THRUST_SCALE:
     case AUVID_NOTE_UNCHECKED:
-    case AUVID_NOTE_INFLOW:
+    case AUVID_NOTE_INPUTS:
     case AUVID_NOTE_COUNT:
     default:
         return i != SIM_WB && limit > OWN_LIMIT && narrow && !is_discredited(record, i);
