@@ -20,7 +20,7 @@
  * The run ends by itself, with a fade, when every parameter is identifiable, known to be small, or
  * abandoned. A parameter is abandoned if its degree of freedom is not excited. It is also abandoned
  * after three sets if its uncertainty would remain more than 1.5 times too large at the end: with
- * all data that fit into the run and the ring; or too large at all, once the ring is full.
+ * all data that fit into the run and the ring; or once the ring is full.
  * auvid_adaptive_t.abandoned lists the abandoned parameters; estimate.confidence holds the reason.
  * The estimate that decides is that of auvid_identifier_estimate: with uncertain inputs attached it
  * is known later, mostly by the end of the ring.

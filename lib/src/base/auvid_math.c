@@ -210,22 +210,10 @@ static inline auvid_real_t math_reduce(auvid_real_t x, int32_t n)
     return ((x - k * HALF_PI_1) - k * HALF_PI_2) - k * HALF_PI_3;
 }
 
-/* Removes whole revolutions from an x that is too large for math_reduce: it has no more digits.
- * Returns false for NaN, and beyond 1e9. */
-static AUVID_NOINLINE bool math_unwind(auvid_real_t *x)
+/* Returns true if the reduction is valid for x; false for NaN. */
+static inline bool math_in_range(auvid_real_t x)
 {
-    const auvid_real_t turn = AUVID_C(2.0) * AUVID_PI;
-    if (!(auvid_abs(*x) <= AUVID_C(1e9))) {
-        return false;
-    }
-    *x -= turn * (auvid_real_t)(int32_t)auvid_half_further(*x / turn);
-    return true;
-}
-
-/* Returns true if x is, or can be made, small enough for math_reduce. */
-static inline bool math_in_range(auvid_real_t *x)
-{
-    return auvid_abs(*x) <= AUVID_C(10000.0) || math_unwind(x);
+    return auvid_abs(x) <= AUVID_C(10000.0);
 }
 
 /* Returned for an argument out of range: the next auvid_is_finite() detects it. */
@@ -233,6 +221,15 @@ static auvid_real_t math_nan(void)
 {
     auvid_real_t zero = AUVID_C(0.0);
     return zero / zero;
+}
+
+/* Returns an x beyond the range less whole revolutions: it has no more digits. NaN beyond 1e9. */
+static AUVID_NOINLINE auvid_real_t math_unwind(auvid_real_t x)
+{
+    const auvid_real_t turn = AUVID_C(2.0) * AUVID_PI;
+    return auvid_abs(x) <= AUVID_C(1e9)
+               ? x - turn * (auvid_real_t)(int32_t)auvid_half_further(x / turn)
+               : math_nan();
 }
 
 /* sin r for |r| <= pi/4 (plus rounding); z = r^2. */
@@ -258,8 +255,11 @@ static auvid_real_t math_to_quadrant(auvid_real_t x, uint32_t *n)
 auvid_real_t auvid_sin_turned(auvid_real_t x, uint32_t quarters)
 {
     uint32_t n;
-    if (!math_in_range(&x)) {
-        return math_nan();
+    if (!math_in_range(x)) {
+        x = math_unwind(x);
+        if (!math_in_range(x)) {
+            return math_nan();
+        }
     }
     auvid_real_t r = math_to_quadrant(x, &n);
     n += quarters;
@@ -271,7 +271,10 @@ void auvid_sincos(auvid_real_t x, auvid_real_t *sin_x, auvid_real_t *cos_x)
 {
     auvid_real_t s = math_nan();
     auvid_real_t c = s;
-    if (math_in_range(&x)) {
+    if (!math_in_range(x)) {
+        x = math_unwind(x);
+    }
+    if (math_in_range(x)) {
         uint32_t n;
         auvid_real_t r = math_to_quadrant(x, &n);
         auvid_real_t sr = math_sin_reduced(r, r * r), cr = math_cos_reduced(r * r);

@@ -144,11 +144,11 @@ static auvid_real_t adaptive_variance_ratio(const auvid_identifier_t *id, int i)
     return square > AUVID_C(0.0) && square < UNKNOWN_RATIO ? square : UNKNOWN_RATIO; /* or NaN */
 }
 
-/* Can a parameter not be known at the end of the run? square: its ratio of variances with `rows`;
- * `most`: rows at the end. While there will be more, the prediction has a margin: it is rough. */
+/* Will a parameter that is not known not be known at the end of the run? square: its ratio of
+ * variances with `rows`; `most`: rows at the end. The prediction is rough. */
 static bool adaptive_is_hopeless(auvid_real_t square, auvid_real_t rows, auvid_real_t most)
 {
-    return square * rows > (rows < most ? MAX_RATIO : AUVID_C(1.0)) * most;
+    return rows >= most || square * rows > MAX_RATIO * most;
 }
 
 /* Return the rows at the end of the run: the existing ones plus those to come, within the ring. */

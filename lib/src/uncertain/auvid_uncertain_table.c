@@ -108,6 +108,14 @@ static auvid_real_t table_half_length(const auvid_uncertain_t *u, const auvid_me
     return mass > AUVID_C(0.0) ? AUVID_C(2.0) * auvid_sqrt(inertia / mass) : AUVID_C(0.0);
 }
 
+/* Half of the variance: of one of two laws whose sum is configured. */
+static auvid_real_t table_half(const auvid_uncertain_t *u, const auvid_metric_t *m,
+                               auvid_real_t deviation, int j)
+{
+    (void)u, (void)m, (void)j;
+    return AUVID_C(0.70710678) * deviation;
+}
+
 /* Of the largest force of all thrusters. */
 static auvid_real_t table_dead_band(const auvid_uncertain_t *u, const auvid_metric_t *m,
                                     auvid_real_t deviation, int j)

@@ -80,8 +80,10 @@ enum {
         "the thrust curve's exponent is higher than supplied, by ",                                \
         "the thrust curve's exponent is lower than supplied, by ", "",                             \
         "measure thrust at half command")                                                          \
-    ROW(AUVID_UNCERTAIN_INFLOW, inflow, THRUST, ACTUATED, AS_CONFIGURED, INFLOW, UNCERTAIN_LOSS)   \
-    ROW(AUVID_UNCERTAIN_BILINEAR, inflow, THRUST, ACTUATED, AS_CONFIGURED, INFLOW, UNCERTAIN_LOSS) \
+    ROW(AUVID_UNCERTAIN_INFLOW, inflow, THRUST, ACTUATED, COLUMN(table_half), INFLOW,              \
+        UNCERTAIN_LOSS)                                                                            \
+    ROW(AUVID_UNCERTAIN_BILINEAR, inflow, THRUST, ACTUATED, COLUMN(table_half), INFLOW,            \
+        UNCERTAIN_LOSS)                                                                            \
     ROW(AUVID_UNCERTAIN_SAG, sag, THRUST, ACTUATED, AS_CONFIGURED, SAG,                            \
         "thrust falls with time, by ", "thrust rises with time, by ", "% in 4 minutes",            \
         "watch the battery, look for fouling")                                                     \
