@@ -201,7 +201,8 @@ struct Reference {
         for (int k = 0; k < cols; ++k) {
             double share = 0.0;
             int parameter = unknown(j, k) - AUVID_UNCERTAIN_SHARED;
-            if (k < e.inputs && auvid_uncertain_row(code(j, k))->class != AUVID_CAUSE_INFLOW) {
+            if (k < e.inputs && code(j, k) != AUVID_UNCERTAIN_INFLOW &&
+                code(j, k) != AUVID_UNCERTAIN_BILINEAR) {
                 share = -(1.0 - of.accelerates - of.moves) * part(k) / gamma;
             } else if (k >= e.inputs && parameter == mass(j)) {
                 share = m_j > 0.0 ? of.accelerates / m_j : 0.0;

@@ -82,7 +82,7 @@ typedef enum {
                                for errors, or have too large ones: see auvid_confidence_t.unchecked
                              */
     AUVID_NOTE_INPUTS, /**< known only if thrust and sensors are exact: errors of the inputs
-                            (uncertain.h) look like it, and more motion hardly helps */
+                            (uncertain.h) look like it. More motion shows these, too */
     AUVID_NOTE_COUNT
 } auvid_note_t;
 

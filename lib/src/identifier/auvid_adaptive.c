@@ -176,8 +176,7 @@ static bool adaptive_is_identifiable(const auvid_identifier_t *id, int i)
 /* Does no excitation help? */
 static bool adaptive_is_settled(auvid_note_t note)
 {
-    return note == AUVID_NOTE_SMALL || note == AUVID_NOTE_THRUST_SCALE ||
-           note == AUVID_NOTE_INPUTS || note == AUVID_NOTE_FIXED;
+    return note == AUVID_NOTE_SMALL || note == AUVID_NOTE_THRUST_SCALE || note == AUVID_NOTE_FIXED;
 }
 
 /* Classify parameter i as known, abandoned or missing. need: raised to the variance ratio of its

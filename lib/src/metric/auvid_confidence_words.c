@@ -298,7 +298,7 @@ static void confidence_append_sentence(auvid_words_t *w, const auvid_confidence_
     }
     if (note == AUVID_NOTE_INPUTS) {
         auvid_words_append(w, "some numbers are known only if thrust and sensors are exact; "
-                              "measure the thrusters, also under way");
+                              "record for longer, or measure the thrusters, also under way");
         return;
     }
     auvid_words_append_dof(w, parameter->dof);

@@ -144,7 +144,7 @@ static void test_with_uncertain_inputs_it_ends_when_the_estimate_with_them_is_kn
             auvid_note_t note = (auvid_note_t)e->confidence.note[i];
             uint32_t ended = e->confidence.identifiable | chain.adaptive.abandoned;
             TEST_ASSERT_TRUE((ended >> i & 1u) != 0 || note == AUVID_NOTE_THRUST_SCALE ||
-                             note == AUVID_NOTE_INPUTS || note == AUVID_NOTE_SMALL);
+                             note == AUVID_NOTE_SMALL);
         }
     }
 }
