@@ -84,14 +84,26 @@ static auvid_real_t uncertain_drag_product(uncertain_t *u, int j, int d, int k)
     return auvid_uncertain_product(u, j, u->work.part.drag_at[d], k) + *uncertain_faded(u, j, d, k);
 }
 
+/* Products of linear and quadratic drag. */
+typedef struct {
+    auvid_real_t ll, qq, lq;
+} uncertain_drags_t;
+
+static uncertain_drags_t uncertain_drags(uncertain_t *u, int j)
+{
+    int l = u->work.part.drag_at[0], q = u->work.part.drag_at[1], none = u->equation[j].order;
+    return (uncertain_drags_t){
+        l == none ? AUVID_C(1.0) : uncertain_drag_product(u, j, 0, l),
+        q == none ? AUVID_C(1.0) : uncertain_drag_product(u, j, 1, q),
+        l == none || q == none ? AUVID_C(0.0) : uncertain_drag_product(u, j, 0, q)};
+}
+
 /* Parts of column k that are linear and quadratic drag. */
-static void uncertain_project(uncertain_t *u, int j, int k)
+static void uncertain_project(uncertain_t *u, int j, int k, const uncertain_drags_t *drags)
 {
     auvid_uncertain_part_t *p = &u->work.part;
     int l = p->drag_at[0], q = p->drag_at[1], none = u->equation[j].order;
-    auvid_real_t ll = l == none ? AUVID_C(1.0) : uncertain_drag_product(u, j, 0, l);
-    auvid_real_t qq = q == none ? AUVID_C(1.0) : uncertain_drag_product(u, j, 1, q);
-    auvid_real_t lq = l == none || q == none ? AUVID_C(0.0) : uncertain_drag_product(u, j, 0, q);
+    auvid_real_t ll = drags->ll, qq = drags->qq, lq = drags->lq;
     auvid_real_t lk = l == none ? AUVID_C(0.0) : uncertain_drag_product(u, j, 0, k);
     auvid_real_t qk = q == none ? AUVID_C(0.0) : uncertain_drag_product(u, j, 1, k);
     auvid_real_t determinant = ll * qq - lq * lq;
@@ -107,6 +119,7 @@ static void uncertain_prepare_values(uncertain_t *u, const auvid_metric_t *m, in
     auvid_uncertain_part_t *p = &u->work.part;
     const auvid_uncertain_equation_t *e = &u->equation[j];
     const uint8_t *index = auvid_metric_row_parameters(m, j);
+    const uncertain_drags_t drags = uncertain_drags(u, j);
     for (int k = 0; k < e->order; ++k) {
         p->value[k] = k < e->own         ? u->own[e->own_at + k]
                       : k < e->inputs    ? u->shared[u->code[e->channel_at + k]]
@@ -123,7 +136,7 @@ static void uncertain_prepare_values(uncertain_t *u, const auvid_metric_t *m, in
         if (!auvid_uncertain_of_hull(m, u->code[e->channel_at + k])) {
             continue;
         }
-        uncertain_project(u, j, k);
+        uncertain_project(u, j, k, &drags);
         for (int d = 0; d < 2; ++d) {
             if (p->drag_at[d] < e->order) {
                 p->residual[p->drag_at[d]] += p->drag[d][k] * p->value[k];

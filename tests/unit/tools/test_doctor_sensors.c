@@ -120,12 +120,11 @@ static void test_without_rates_the_sentence_names_angle_and_force(void)
 
 /* ---- thrusters ---- */
 
-/* The wrench as thrust of the Girona500, in newtons. */
-static void to_thrusters(void)
+/* A part of the wrench as thrust of this vehicle, in newtons. */
+static void to_thrusters_of(const vehicle_t *vehicle, double part)
 {
-    const vehicle_t *girona500 = vehicle_default();
     auvid_allocation_t allocation;
-    TEST_ASSERT_EQUAL(AUVID_OK, auvid_allocation_init(&allocation, girona500->allocation));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_allocation_init(&allocation, vehicle->allocation));
     for (int j = 0; j < 6; ++j) {
         has[CSV_WRENCH + j] = false;
     }
@@ -133,7 +132,7 @@ static void to_thrusters(void)
         auvid_real_t wrench[AUVID_DOF_COUNT];
         auvid_allocation_result_t result;
         for (int j = 0; j < 6; ++j) {
-            wrench[j] = (auvid_real_t)rows[k].value[CSV_WRENCH + j];
+            wrench[j] = (auvid_real_t)(part * rows[k].value[CSV_WRENCH + j]);
             rows[k].value[CSV_WRENCH + j] = 0.0;
         }
         (void)auvid_allocation_solve(&allocation, wrench, &result);
@@ -142,7 +141,12 @@ static void to_thrusters(void)
             has[CSV_THRUSTER_N + i] = true;
         }
     }
-    TEST_ASSERT_TRUE(log_use_thrusters(&use, girona500, has));
+    TEST_ASSERT_TRUE(log_use_thrusters(&use, vehicle, has));
+}
+
+static void to_thrusters(void)
+{
+    to_thrusters_of(vehicle_default(), 1.0);
 }
 
 static void examine_thrusters(void)
@@ -202,6 +206,19 @@ static void test_exchanged_thrusters_are_named(void)
         TEST_ASSERT_EQUAL_MESSAGE(1, count(DOCTOR_ERROR), doctor.finding[1].text);
         exchange(CSV_THRUSTER_N + pair[k][0], CSV_THRUSTER_N + pair[k][1]);
     }
+}
+
+/* Those of heave differ in pitch alone, which drag and weight turn, too. */
+static void test_exchanged_thrusters_that_tilt_are_only_a_warning(void)
+{
+    to_thrusters_of(vehicle_named("bluerov2"), 0.2);
+    exchange(CSV_THRUSTER_N + 4, CSV_THRUSTER_N + 5);
+    examine_thrusters();
+    TEST_ASSERT_NOT_NULL(finding(DOCTOR_THRUSTER_SWAP));
+    TEST_ASSERT_EQUAL(DOCTOR_WARNING, finding(DOCTOR_THRUSTER_SWAP)->severity);
+    TEST_ASSERT_NOT_NULL(strstr(finding(DOCTOR_THRUSTER_SWAP)->text,
+                                "thruster_5_N and thruster_6_N may be exchanged"));
+    TEST_ASSERT_TRUE(doctor.usable);
 }
 
 /* Those of surge differ in yaw alone. */
@@ -301,6 +318,7 @@ int main(void)
     RUN_TEST(test_without_their_vehicle_they_are_not);
     RUN_TEST(test_a_reversed_thruster_is_named);
     RUN_TEST(test_exchanged_thrusters_are_named);
+    RUN_TEST(test_exchanged_thrusters_that_tilt_are_only_a_warning);
     RUN_TEST(test_exchanged_thrusters_of_one_axis_are_told_as_its_moment);
     RUN_TEST(test_a_reversed_thruster_that_is_alone_is_told_as_the_force_of_its_axis);
     RUN_TEST(test_a_reversed_degree_of_freedom_is_told_as_force_of_the_thrusters);

@@ -133,6 +133,21 @@ static bool are_equal(const doctor_t *d, int one, int other)
     return !(difference > 0.05 * size);
 }
 
+/* Does a slip change moments of roll and pitch only? Then the others' estimates do not depend on it,
+ * and drag or weight that turns the hull may look like it. */
+static bool only_tilts(const doctor_t *d, int slip)
+{
+    bool only = true;
+    for (int k = 0; k < log_inputs(d->use); ++k) {
+        for (int j = 0; j < 6; ++j) {
+            bool tilts = j == AUVID_ROLL || j == AUVID_PITCH;
+            double change = slipped(d, slip, k, j) - effect(d, k, j);
+            only = only && (tilts || fabs(change) <= 0.05 * fabs(effect(d, k, j)));
+        }
+    }
+    return only;
+}
+
 /* Names a slip. */
 static void slip_name(const doctor_t *d, int slip, char text[40])
 {
@@ -221,17 +236,20 @@ bool doctor_thrusters(doctor_t *d)
     int other = exchanged ? best.slip % AUVID_MAX_THRUSTERS : next.slip;
     slip_name(d, best.slip, name);
     slip_name(d, next.slip, second);
-    doctor_add(d, DOCTOR_ERROR, exchanged ? DOCTOR_THRUSTER_SWAP : DOCTOR_THRUSTER_SIGN,
-               column + one, both || exchanged ? column + other : -1, NULL,
-               exchanged ? "%s%s%s are exchanged: the motion follows if they are exchanged again: "
-                           "exchange the columns, or the thrusters in the vehicle file"
-                         : "%s%s%s has the wrong sign: the motion follows if it is reversed: "
-                           "change its sign, or its direction in the vehicle file",
-               name,
-               !both       ? ""
-               : exchanged ? ", or "
-                           : " or ",
-               both ? second : "");
+    const char *between = !both ? "" : exchanged ? ", or " : " or ";
+    bool tilts = exchanged && only_tilts(d, best.slip);
+    doctor_add(
+        d, tilts ? DOCTOR_WARNING : DOCTOR_ERROR,
+        exchanged ? DOCTOR_THRUSTER_SWAP : DOCTOR_THRUSTER_SIGN, column + one,
+        both || exchanged ? column + other : -1, NULL,
+        tilts       ? "%s%s%s may be exchanged: roll and pitch follow better if they are exchanged "
+                      "again, unless drag or weight turns the hull; the other axes do not depend "
+                      "on it"
+        : exchanged ? "%s%s%s are exchanged: the motion follows if they are exchanged again: "
+                      "exchange the columns, or the thrusters in the vehicle file"
+                    : "%s%s%s has the wrong sign: the motion follows if it is reversed: "
+                      "change its sign, or its direction in the vehicle file",
+        name, between, both ? second : "");
     return true;
 }
 
