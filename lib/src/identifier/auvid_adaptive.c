@@ -163,8 +163,8 @@ static auvid_real_t adaptive_available_rows(const auvid_identifier_t *id, int j)
     return auvid_min(rows, (auvid_real_t)(m->sets * m->set_rows));
 }
 
-/* Is parameter i identifiable? Without uncertain inputs: if the inputs are as supplied, because more
- * motion does not check them. */
+/* Is parameter i identifiable? Without uncertain inputs: if the inputs are as supplied, because
+ * more motion does not check them. */
 static bool adaptive_is_identifiable(const auvid_identifier_t *id, int i)
 {
     const auvid_confidence_t *c = &adaptive_estimate(id)->confidence;

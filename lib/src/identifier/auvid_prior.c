@@ -241,7 +241,8 @@ auvid_status_t auvid_prior_set(auvid_identifier_t *id, const auvid_real_t *pi,
         }
         prior.pi[i] = pi[i];
         prior.sigma[i] = sigma[i];
-        prior.variance_inflation[identifier_vehicle(id)->parameter[i].dof] = AUVID_PRIOR_INFLATION;
+        prior.variance_inflation[identifier_vehicle(id)->parameter[i].dof] =
+            AUVID_PRIOR_INFLATION;
     }
     return prior_begin(id, &prior, false);
 }

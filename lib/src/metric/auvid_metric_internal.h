@@ -34,8 +34,8 @@ struct auvid_path {
     /** Makes the filter, once configuration and layout are in *m. */
     void (*make_filter)(auvid_metric_t *m);
     /** Adds cell n of the record to all rows under construction. The newest of these, begun
-     * n % row_cells cells ago, is at `slot`. Nothing else
-     * knows what a channel is. */
+     * n % row_cells cells ago, is at `slot`. Nothing else knows what a
+     * channel is. */
     void (*add_cell)(auvid_metric_t *m, const auvid_sample_t *cell, uint32_t n, uint32_t slot);
     /** Takes the complete row at `slot`, whose middle is at t_us. */
     void (*finish_row)(auvid_metric_t *m, uint64_t t_us, uint32_t slot);

@@ -33,7 +33,8 @@ static auvid_real_t causes_unit(const uncertain_t *u, int code, int j)
 }
 
 /* Standard deviation of the sum of DoF j's own input `own` and of a shared input; negative: none.
- * Both losses with speed are one. With J the joint R factor, and [R_o R_c] the rows of the DoF's own inputs, the variance is
+ * Both losses with speed are one. With J the joint R factor, and [R_o R_c] the rows of the DoF's
+ * own inputs, the variance is
  *
  *     2 (||g||^2 + ||v||^2),   R_o' g = own,   J' v = shared - R_c' g
  */

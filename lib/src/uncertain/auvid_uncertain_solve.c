@@ -6,7 +6,7 @@
  *     X~   = X, with u' + lambda e / m in the column of the mass,
  *            c + mu e |dc/dv| / D in a column c of drag, D = X_u + 2 v X_uu, and
  *            c - (1 - lambda - mu) k e / gamma in a column c of the thrust, k = c'z / z'z, but
- *            not in that of its loss with speed
+ *            not in those of its losses with speed
  *     min sum_j ||(e + X~ theta_0 - X~ theta) / s||^2 + sum_k (b_k / sigma_k)^2
  *
  * (Gauss-Newton.) The shares of the noise e: lambda accelerates the vehicle, mu changes its
@@ -23,8 +23,8 @@
  * 2 d / (T s). For slow vehicles h is near 1. Both shares are 0 for rows that are projected onto
  * instruments (auvid_instruments.c): their motion is without noise.
  *
- * The loss of thrust with speed is a column of the thrust, but e is not in it like that: it
- * contains the measured velocity. With -(1 - lambda) k e in it, too, the loss becomes too small, or
+ * The losses of thrust with speed are columns of the thrust, but e is not in them like that: they
+ * contain the measured velocity. With -(1 - lambda) k e in it, too, the loss becomes too small, or
  * a gain, and the drag too large: at 0.6 of the largest speed by 4 to 18 % on average in a quick
  * ROV of 9 kg, where 45 of 331 such forces were wrongly identifiable (60 fresh logs of an
  * independent simulator). Now none of 395 is, and the mean error is -2 to 5 %. With a share mu of

@@ -133,8 +133,8 @@ static bool are_equal(const doctor_t *d, int one, int other)
     return !(difference > 0.05 * size);
 }
 
-/* Does a slip change moments of roll and pitch only? Then the others' estimates do not depend on it,
- * and drag or weight that turns the hull may look like it. */
+/* Does a slip change moments of roll and pitch only? Then the others' estimates do not depend on
+ * it, and drag or weight that turns the hull may look like it. */
 static bool only_tilts(const doctor_t *d, int slip)
 {
     bool only = true;
