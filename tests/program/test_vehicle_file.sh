@@ -171,7 +171,7 @@ assert abs(surge[0] + 18) < 1e-4 and abs(surge[1] - 24) < 1e-4
 assert d["excitation"]["yaw_Nm"] == 0.5
 assert d["guard"]["depth_max_m"] == 20 and d["guard"]["depth_min_m"] == 1
 assert d["truth"]["m_w"] == 10 and d["uncertainty"]["thrust_scale"] == 0.05, d'
-check "demo identifies it" exits 0 demo --vehicle minnow.ini --csv minnow.csv --json
+check "demo identifies it" exits 0 demo --vehicle minnow.ini --lag 0.15 --csv minnow.csv --json
 check "  its masses, and the sway that it does not excite" is out '
 assert all(abs(P[n]["estimate"] / P[n]["truth"] - 1) < 0.1 and P[n]["identifiable"]
            for n in ("m_u", "m_w", "m_r"))
