@@ -135,7 +135,7 @@ auvid_status_t auvid_confidence_work(auvid_confidence_job_t *job, const auvid_me
  * bound the most correlated one of those at their bound; 255: none. */
 typedef struct {
     auvid_real_t sigma, bias; /**< bias >= 0 */
-    bool exact; /**< known if the inputs are exact */
+    bool exact;               /**< known if the inputs are exact */
     auvid_real_t bound_shift; /**< distance from where it would be without bounds */
     uint8_t partner, bound_partner;
 } auvid_finding_t;
