@@ -21,6 +21,17 @@ static auvid_real_t causes_norm(const uncertain_t *u, int j, int k)
     return auvid_sqrt(low * low + high * high);
 }
 
+/* Norm of both losses with speed, whose columns are k and the next one; *code: of the larger. */
+static auvid_real_t causes_loss_norm(const uncertain_t *u, int j, int k, int *code)
+{
+    auvid_real_t a = u->shared[AUVID_UNCERTAIN_INFLOW], b = u->shared[AUVID_UNCERTAIN_BILINEAR];
+    auvid_real_t aa = a * a * auvid_uncertain_product(u, j, k, k);
+    auvid_real_t bb = b * b * auvid_uncertain_product(u, j, k + 1, k + 1);
+    auvid_real_t ab = a * b * auvid_uncertain_product(u, j, k, k + 1);
+    *code = bb > aa ? AUVID_UNCERTAIN_BILINEAR : AUVID_UNCERTAIN_INFLOW;
+    return auvid_sqrt(auvid_max(aa + AUVID_C(2.0) * ab + bb, AUVID_C(0.0)));
+}
+
 /* The unit of an input's value: that of its configuration, per unit of its column. */
 static auvid_real_t causes_unit(const uncertain_t *u, int code, int j)
 {
@@ -77,7 +88,7 @@ static void causes_consider(uncertain_t *u, int j, int k)
     auvid_cause_class_t class = auvid_uncertain_row(code)->class;
     auvid_real_t value = code < OWN_INPUTS ? u->shared[code] : u->own[e->own_at + k];
     auvid_real_t margin = AUVID_C(0.0);
-    if (class == AUVID_CAUSE_COUNT) {
+    if (class == AUVID_CAUSE_COUNT || code == AUVID_UNCERTAIN_BILINEAR) { /* with the other law */
         return;
     }
     auvid_cause_t *best = &u->work.causes.cause[class];
@@ -89,12 +100,12 @@ static void causes_consider(uncertain_t *u, int j, int k)
             margin = MAX_EARLY_S;
         }
     }
-    if (class == AUVID_CAUSE_INFLOW) { /* losses add up, at full thrust */
-        shared = AUVID_UNCERTAIN_INFLOW;
-        value = u->shared[AUVID_UNCERTAIN_INFLOW] + u->shared[AUVID_UNCERTAIN_BILINEAR];
-    }
     auvid_real_t thrust = causes_norm(u, j, e->order - 1);
     auvid_real_t share = auvid_abs(value) * causes_norm(u, j, k) / thrust;
+    if (code == AUVID_UNCERTAIN_INFLOW) { /* losses add up, at full thrust */
+        value += u->shared[AUVID_UNCERTAIN_BILINEAR];
+        share = causes_loss_norm(u, j, k, &code) / thrust;
+    }
     bool large = share >= AUVID_CAUSE_SHARE;
     if (best->sigma > AUVID_C(0.0) && !(share > best->share) && (best->named || !large)) {
         return;

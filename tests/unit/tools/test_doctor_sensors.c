@@ -120,8 +120,8 @@ static void test_without_rates_the_sentence_names_angle_and_force(void)
 
 /* ---- thrusters ---- */
 
-/* A part of the wrench as thrust of this vehicle, in newtons. */
-static void to_thrusters_of(const vehicle_t *vehicle, double part)
+/* The wrench as thrust of this vehicle, in newtons. */
+static void to_thrusters_of(const vehicle_t *vehicle)
 {
     auvid_allocation_t allocation;
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_allocation_init(&allocation, vehicle->allocation));
@@ -132,7 +132,7 @@ static void to_thrusters_of(const vehicle_t *vehicle, double part)
         auvid_real_t wrench[AUVID_DOF_COUNT];
         auvid_allocation_result_t result;
         for (int j = 0; j < 6; ++j) {
-            wrench[j] = (auvid_real_t)(part * rows[k].value[CSV_WRENCH + j]);
+            wrench[j] = (auvid_real_t)rows[k].value[CSV_WRENCH + j];
             rows[k].value[CSV_WRENCH + j] = 0.0;
         }
         (void)auvid_allocation_solve(&allocation, wrench, &result);
@@ -146,7 +146,7 @@ static void to_thrusters_of(const vehicle_t *vehicle, double part)
 
 static void to_thrusters(void)
 {
-    to_thrusters_of(vehicle_default(), 1.0);
+    to_thrusters_of(vehicle_default());
 }
 
 static void examine_thrusters(void)
@@ -211,13 +211,27 @@ static void test_exchanged_thrusters_are_named(void)
 /* Those of heave differ in pitch alone, which drag and weight turn, too. */
 static void test_exchanged_thrusters_that_tilt_are_only_a_warning(void)
 {
-    to_thrusters_of(vehicle_named("bluerov2"), 0.2);
-    exchange(CSV_THRUSTER_N + 4, CSV_THRUSTER_N + 5);
+    static vehicle_t vehicle;
+    static auvid_allocation_config_t all;
+    static const double corner[4][2] = {{0.4, 0.3}, {0.4, -0.3}, {-0.4, 0.3}, {-0.4, -0.3}};
+    vehicle = *vehicle_default();
+    all = *vehicle.allocation;
+    all.thruster[2] = all.thruster[4]; /* that of sway; then four of heave */
+    all.thrusters = 7;
+    all.dofs = 0; /* all */
+    for (int i = 0; i < 4; ++i) {
+        all.thruster[3 + i] = vehicle.allocation->thruster[3];
+        all.thruster[3 + i].wrench[AUVID_ROLL] = (auvid_real_t)-corner[i][1];
+        all.thruster[3 + i].wrench[AUVID_PITCH] = (auvid_real_t)corner[i][0];
+    }
+    vehicle.allocation = &all;
+    to_thrusters_of(&vehicle);
+    exchange(CSV_THRUSTER_N + 3, CSV_THRUSTER_N + 4);
     examine_thrusters();
     TEST_ASSERT_NOT_NULL(finding(DOCTOR_THRUSTER_SWAP));
     TEST_ASSERT_EQUAL(DOCTOR_WARNING, finding(DOCTOR_THRUSTER_SWAP)->severity);
     TEST_ASSERT_NOT_NULL(strstr(finding(DOCTOR_THRUSTER_SWAP)->text,
-                                "thruster_5_N and thruster_6_N may be exchanged"));
+                                "thruster_4_N and thruster_5_N may be exchanged"));
     TEST_ASSERT_TRUE(doctor.usable);
 }
 
