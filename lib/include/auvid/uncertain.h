@@ -85,9 +85,9 @@ typedef enum {
     AUVID_UNCERTAIN_BACKWARD,  /**< backward thrust is weaker by this part */
     AUVID_UNCERTAIN_DEAD_BAND, /**< thrust is smaller by this force [N] */
     AUVID_UNCERTAIN_CURVE,     /**< thrust follows the power 1 + this of its nominal value */
-    AUVID_UNCERTAIN_INFLOW,    /**< thrust is lost with speed, by this part per m/s */
-    AUVID_UNCERTAIN_BILINEAR,  /**< and by this part of full thrust times the propeller's speed,
-                                    which is 1 at full thrust */
+    AUVID_UNCERTAIN_INFLOW,    /**< thrust is lost with speed, by this part of it per m/s [s/m] */
+    AUVID_UNCERTAIN_BILINEAR,  /**< and by this part of full thrust, times the propeller's speed
+                                    over that at full thrust, per m/s [s/m] */
     AUVID_UNCERTAIN_SAG, /**< thrust is lost with time, by this part in 240 s, from the first row
                                     on, and in a long dive from an hour ago */
     AUVID_UNCERTAIN_LAG, /**< the propellers' lag beyond the nominal one [s] */
@@ -106,7 +106,8 @@ typedef struct {
     auvid_real_t backward;   /**< relative, 0..1; default 0.05 */
     auvid_real_t dead_band;  /**< relative to the thruster's largest force, 0..1; default 0.012 */
     auvid_real_t curve;      /**< of the exponent, 0..1; default 0.05 */
-    auvid_real_t inflow;     /**< relative loss of thrust per m/s [s/m], 0..10; default 0.18 */
+    auvid_real_t inflow;     /**< loss of thrust per m/s at full thrust, relative, both laws
+                                together [s/m], 0..10; default 0.18 */
     auvid_real_t sag;        /**< of the thrust in 240 s, relative, 0..1; default 0.05 */
     auvid_real_t gain;       /**< of each thruster, relative, 0..1; default 0.05 */
     auvid_real_t lag_s;      /**< about nominal_lag_s [s], 0..1; default 0.06 */
@@ -177,8 +178,9 @@ typedef enum {
 
 /** The most important input of a class. */
 typedef struct {
-    auvid_real_t value; /**< estimate. Thrust curve, inflow, sag, current: as in
-                             auvid_uncertain_input_t. Asymmetry: of the drag forward, relative to
+    auvid_real_t value; /**< estimate. Thrust curve, sag, current: as in
+                             auvid_uncertain_input_t. Inflow: the loss by both laws together, at
+                             full thrust [s/m]. Asymmetry: of the drag forward, relative to
                              the mean. Centre of gravity: astern, or to port [m]. Constant force [N,
                              Nm]. Sway and yaw together, lift: relative to drag. Timing: delay of
                              the thrust beyond the nominal lag, or if < 0 before its time stamp [s];
