@@ -18,6 +18,7 @@ COMMANDS = {
     "paper": "the paper's experiment in simulation: figures, tables, initialisation",
     "campaign": "many simulated runs: errors and the Cramer-Rao bound",
     "residuals": "identify a vehicle from your own log: have the residuals a pattern?",
+    "worlds": "dives of another simulator: which identifiable numbers are wrong?",
 }
 
 
