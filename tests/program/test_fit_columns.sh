@@ -153,6 +153,18 @@ check "  in words" sh -c '"$0" fit signs.csv --plain 2>/dev/null |
 change 'add(["thruster_%d_N" % k for k in range(1, 6)], thrust); drop(*WRENCH)' \
     <train.csv >newtons.csv
 check "forces of thrusters" form 0 thrusters.json 1e-3 newtons.csv --thrusters girona500
+# fins also push sideways, where nothing is controlled
+"$AUVID" demo --vehicle torpedo --lag 0.15 --csv torpedo.csv >/dev/null 2>&1
+change '
+def fins(y): return [y[C["X_N"]], -y[C["N_Nm"]] / 0.65, y[C["M_Nm"]] / 0.65]
+add(["thruster_%d_N" % k for k in (1, 2, 3)], fins); drop(*WRENCH)' <torpedo.csv >fins.csv
+check "a torpedo" exits 0 fit torpedo.csv --vehicle torpedo --json
+cp out torpedo.json
+check "  by the forces of its fins" exits 0 fit fins.csv --vehicle torpedo --json
+check "  which push sideways, too" is out "
+first = {p['name']: p['estimate'] for p in json.load(open('torpedo.json'))['parameters']}
+same = [n for n in first if first[n] and abs(P[n]['estimate'] / first[n] - 1) < 1e-3]
+assert len(same) >= 16 and 'Y_vv' in same, same"
 commands='
 def commands(y):
     return [math.copysign(math.sqrt(abs(f) / 153.8), f) for f in thrust(y)]'

@@ -240,6 +240,33 @@ static void test_an_outage_is_told_with_its_length(void)
     TEST_ASSERT_NOT_NULL(strstr(finding(DOCTOR_OUTAGE)->text, "t_s 140.0"));
 }
 
+/* Between samples, and where there are none, cells are empty. */
+static void test_empty_cells_are_no_outage(void)
+{
+    for (int k = 0; k < ROWS; ++k) {
+        for (int i = 0; i < 3 && (k % 10 > 0 || (k >= 2000 && k < 2400)); ++i) {
+            rows[k].value[CSV_NU + i] = NAN;
+        }
+    }
+    examine();
+    TEST_ASSERT_NULL(finding(DOCTOR_OUTAGE));
+    TEST_ASSERT_NULL(finding(DOCTOR_HELD));
+}
+
+static void test_samples_that_repeat_between_empty_cells_are_an_outage(void)
+{
+    for (int k = 0; k < ROWS; ++k) {
+        for (int i = 0; i < 3; ++i) {
+            double last = k >= 2000 && k < 2400 ? rows[2000].value[CSV_NU + i]
+                                                : rows[k].value[CSV_NU + i];
+            rows[k].value[CSV_NU + i] = k % 10 > 0 ? (double)NAN : last;
+        }
+    }
+    examine();
+    TEST_ASSERT_NOT_NULL(finding(DOCTOR_OUTAGE));
+    TEST_ASSERT_DOUBLE_WITHIN(0.3, 8.0, finding(DOCTOR_OUTAGE)->value);
+}
+
 static void test_a_velocity_that_is_always_zero_is_left_out(void)
 {
     scale(CSV_NU + 1, 0.0);
@@ -498,6 +525,8 @@ int main(void)
     RUN_TEST(test_velocities_may_be_absent_between_samples);
     RUN_TEST(test_held_velocities_are_a_warning);
     RUN_TEST(test_an_outage_is_told_with_its_length);
+    RUN_TEST(test_empty_cells_are_no_outage);
+    RUN_TEST(test_samples_that_repeat_between_empty_cells_are_an_outage);
     RUN_TEST(test_a_velocity_that_is_always_zero_is_left_out);
     RUN_TEST(test_an_attitude_that_never_changes_is_an_error);
     RUN_TEST(test_a_missing_column_is_a_warning);

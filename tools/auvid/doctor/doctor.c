@@ -12,6 +12,7 @@
 #define GAP_S 0.500001 /* rows each 0.5 s, as decimals, have no gap */
 #define CLASSES_PER_OCTAVE 6.0
 #define SHORTEST_S 0.001 /* of the classes of intervals */
+#define EMPTY_S 0.5      /* empty cells for longer are no samples; default of --max-gap */
 #define STILL_S 1.0      /* velocities that stand still for longer are counted */
 
 void doctor_init(doctor_t *d, const bool has[CSV_COLUMNS])
@@ -53,23 +54,32 @@ static void time_row(doctor_t *d, double t)
     d->longest_record_s = fmax(d->longest_record_s, t - d->record_s);
 }
 
-/* Watches for velocities that stand still together. */
+/* Watches for velocities that stand still together. Where cells are empty for longer than between
+ * samples, nothing stands still: fit knows that there was no sample. */
 static void watch_velocity(doctor_t *d, const csv_row_t *row)
 {
     const double *v = &row->value[CSV_NU];
-    bool moved = false, all = true;
+    bool moved = false, all = true, sampled = false;
     for (int i = 0; i < 3; ++i) {
         if (d->has[CSV_NU + i] && isfinite(v[i])) {
             bool changed = fabs(v[i] - d->still[i]) > 0.0;
+            sampled = true;
             moved = moved || changed;
             all = all && changed;
         }
     }
-    double t = row->value[CSV_T], still = t - d->still_since_s;
+    double t = row->value[CSV_T], empty = t - d->sampled_s;
+    if (!sampled) {
+        return;
+    }
+    double last_s = d->sampled_s;
+    d->sampled_s = t;
+    d->still_since_s += empty > EMPTY_S ? empty : 0.0;
+    double still = t - d->still_since_s;
     if (moved) {
         d->any_moves += 1.0;
         d->all_move += all ? 1.0 : 0.0;
-        d->still_total_s += d->still_counted ? d->last_s - d->still_since_s : 0.0;
+        d->still_total_s += d->still_counted ? last_s - d->still_since_s : 0.0;
         d->still_since_s = t;
         d->still_counted = false;
         for (int i = 0; i < 3; ++i) {
@@ -93,7 +103,7 @@ void doctor_feed(doctor_t *d, const csv_row_t *row)
 {
     double t = row->value[CSV_T], value[CELL_SIGNALS], force_N[AUVID_MAX_THRUSTERS] = {0};
     if (d->rows < 1.0) {
-        d->start_s = d->last_s = d->still_since_s = d->record_s = t;
+        d->start_s = d->last_s = d->still_since_s = d->sampled_s = d->record_s = t;
     } else if (!(t > d->last_s)) {
         d->back_at_s = d->back < 1.0 ? d->last_s : d->back_at_s;
         d->back += 1.0;
@@ -227,7 +237,7 @@ static void judge(doctor_t *d)
 void doctor_finish(doctor_t *d)
 {
     doctor_cells_flush(d);
-    d->still_total_s += d->still_counted ? d->last_s - d->still_since_s : 0.0;
+    d->still_total_s += d->still_counted ? d->sampled_s - d->still_since_s : 0.0;
     doctor_attitude_scan(d);
     doctor_travel_scan(d);
     doctor_inputs_scan(d);

@@ -145,6 +145,7 @@ typedef struct {
     double interval[DOCTOR_INTERVALS];    /* rows by interval, six classes an octave */
     double gap_total_s;
     double any_moves, all_move;     /* rows in which one, or each of u, v, w changes */
+    double sampled_s;               /* last row with a velocity */
     double still[3], still_since_s; /* velocities that do not change, since then */
     double still_s, still_at_s;     /* the longest time of that, and its start */
     double still_total_s;           /* sum of those over a second */

@@ -44,7 +44,8 @@ static bool has_inputs(const csv_log_t *log, const job_t *job)
                                   : has_dofs(log, job->options->model, log_input(use, 0));
 }
 
-/* Does the input act in this DoF? */
+/* Does the input act in this DoF? Thrusters may act where nothing is controlled, as fins do in
+ * sway; there the log need not have the velocity. */
 static bool acts(const job_t *job, const csv_log_t *log, int j)
 {
     const log_use_t *use = &job->use;
@@ -56,7 +57,8 @@ static bool acts(const job_t *job, const csv_log_t *log, int j)
     for (int k = 0; k < cfg->thrusters; ++k) {
         any = any || fabs((double)cfg->thruster[k].wrench[j]) > 0.0;
     }
-    return any && (cfg->dofs == 0 || (cfg->dofs >> j & 1u) != 0);
+    bool controlled = cfg->dofs == 0 || (cfg->dofs >> j & 1u) != 0;
+    return any && (controlled || log->has[CSV_NU + j]);
 }
 
 static int no_inputs(const job_t *job, const csv_log_t *log)
