@@ -457,6 +457,18 @@ check "without it" exits 3 fit unreferred.csv $fix
 check "  the closed loop is recognised: its mass is too small" is out '
 assert P["m_u"]["note"] == "closed loop: the wrench is feedback", P["m_u"]
 assert P["m_u"]["estimate"] < 0.9 * 250, P["m_u"]'
+
+# Two propellers astern, none across. The residual of sway is no error of thrust, as there is none.
+for seed in 1 2 3; do
+    "$AUVID" demo --vehicle surface --seed $seed --disturbance 0.5 --lag 0.1 --csv craft-$seed.csv \
+        >/dev/null 2>&1
+    check "a surface craft" exits 0 fit craft-$seed.csv --vehicle surface --json
+    check "  is not found too light" is out '
+truth = {"m_u": 36, "m_v": 55, "m_r": 5.5, "X_uu": -15, "Y_vv": -80, "N_rr": -6}
+errors = {n: P[n]["estimate"] / truth[n] - 1 for n in truth}
+assert -0.1 < sum(errors.values()) / 6 < 0.1, errors
+assert sum(p["identifiable"] for p in P.values()) >= 3, P'
+done
 check "a quick vehicle keeps its cells" is fit.json 'assert d["cell_s"] == 0.1'
 
 finish

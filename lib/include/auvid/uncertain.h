@@ -256,7 +256,8 @@ typedef struct {
 typedef struct {
     uint8_t drag_at[2]; /* columns of drag; order: there is none */
     uint8_t sag_at;     /* column of sag; order: there is none */
-    uint8_t reserved[5];
+    uint8_t mass_at;    /* column of the mass; below inputs: there is none */
+    uint8_t reserved[4];
     union {
         auvid_real_t factor[AUVID_UNCERTAIN_ORDER * (AUVID_UNCERTAIN_ORDER + 1) / 2];
         auvid_regressor_t regressor; /* before the first row */

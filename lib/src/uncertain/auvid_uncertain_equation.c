@@ -14,6 +14,8 @@
  * constant below the second. */
 #define FULL_THRUST AUVID_C(0.9)
 #define LEAST_THRUST AUVID_C(0.5)
+/* Largest error of the thrust: its square, as a part of that of the thrust. */
+#define LARGEST_ERROR AUVID_C(0.25)
 #define EARLY_ROW AUVID_C(0.0625)   /* weight of a row from before the first solution */
 #define SMALL_CURRENT AUVID_C(0.03) /* [m/s]; a row from before the second one counts half */
 
@@ -181,14 +183,13 @@ static void uncertain_weigh_projected(uncertain_t *u, const auvid_metric_t *m, i
     p->squares = squares / variance;
 }
 
-/* Write which part of the supplied thrust each column of the thrust is. Returns gamma, from the
- * part that is delivered by the last pass. */
-static auvid_real_t uncertain_gamma(const uncertain_t *u, int j,
+/* Write which part of the supplied thrust each column of the thrust is; zz: its square. Returns
+ * gamma, from the part that is delivered by the last pass. */
+static auvid_real_t uncertain_gamma(const uncertain_t *u, int j, auvid_real_t zz,
                                     const auvid_real_t weight[AUVID_METRIC_BANDS],
                                     auvid_real_t *part)
 {
     const auvid_uncertain_equation_t *e = &u->equation[j];
-    auvid_real_t zz = uncertain_product(u, j, e->order - 1, e->order - 1, weight);
     auvid_real_t delivered = AUVID_C(1.0);
     for (int k = 0; k < e->inputs; ++k) {
         part[k] = AUVID_C(0.0);
@@ -244,6 +245,19 @@ static uncertain_shares_t uncertain_find_shares(const uncertain_t *u, const auvi
     return shares;
 }
 
+/* What is left of the shares is an error of the thrust: at most this part of the residual. */
+static void uncertain_limit_error(uncertain_shares_t *shares, auvid_real_t most)
+{
+    auvid_real_t motion = shares->accelerates + shares->moves;
+    if (motion > AUVID_C(0.0) && AUVID_C(1.0) - motion > most) {
+        auvid_real_t factor = (AUVID_C(1.0) - most) / motion;
+        shares->accelerates *= factor;
+        shares->moves *= factor;
+        shares->drag[0] *= factor;
+        shares->drag[1] *= factor;
+    }
+}
+
 /* What the residual, with these squares in the bands, adds to each column, and the same for the
  * joint solution (side). */
 static void uncertain_prepare_slopes(uncertain_t *u, const auvid_metric_t *m, int j,
@@ -254,13 +268,18 @@ static void uncertain_prepare_slopes(uncertain_t *u, const auvid_metric_t *m, in
     const auvid_uncertain_equation_t *e = &u->equation[j];
     const uint8_t *index = auvid_metric_row_parameters(m, j);
     auvid_real_t a[AUVID_MAX_PARAMETERS], mass = AUVID_C(0.0);
-    auvid_real_t gamma = uncertain_gamma(u, j, weight, p->slope);
+    auvid_real_t zz = uncertain_product(u, j, e->order - 1, e->order - 1, weight);
+    auvid_real_t ee = weight[0] * squares[0] + weight[1] * squares[1], most = LARGEST_ERROR * zz;
+    auvid_real_t gamma = uncertain_gamma(u, j, zz, weight, p->slope);
     auvid_confidence_acceleration_row(m->cfg.vehicle, j, &p->regressor, a);
     auvid_zero(&p->regressor, sizeof p->regressor); /* the factor is there from now on */
     for (int k = 0; k < e->order - 1 - e->inputs; ++k) {
         mass += a[index[k]] * u->pi[index[k]];
+        bool largest = auvid_abs(a[index[k]]) > AUVID_C(0.5);
+        p->mass_at = largest ? (uint8_t)(e->inputs + k) : p->mass_at;
     }
-    const uncertain_shares_t shares = uncertain_find_shares(u, m, j, mass, squares);
+    uncertain_shares_t shares = uncertain_find_shares(u, m, j, mass, squares);
+    uncertain_limit_error(&shares, ee > most ? most / ee : AUVID_C(1.0));
     auvid_real_t rest = AUVID_C(1.0) - shares.accelerates - shares.moves;
     auvid_clear(u->work.side[j], JOINT_ORDER);
     for (int k = 0; k < e->order - 1; ++k) {
@@ -434,15 +453,17 @@ int auvid_uncertain_eliminated(const auvid_uncertain_t *u, int j)
     return auvid_uncertain_tilts(j) ? u->equation[j].inputs : u->equation[j].own;
 }
 
-/* Is column k, in the equation of roll or pitch, of a parameter of another DoF? */
+/* Is column k of a parameter of roll or pitch in another equation, or the other way round? Its
+ * value is that of the last pass, or its ratio to the mass. */
 static bool uncertain_is_known(const uncertain_t *u, const auvid_metric_t *m, int j, int k)
 {
     const auvid_uncertain_equation_t *e = &u->equation[j];
-    if (!auvid_uncertain_tilts(j) || k < e->inputs || k == e->order - 1) {
+    if (k < e->inputs || k == e->order - 1) {
         return false;
     }
     int parameter = auvid_metric_row_parameters(m, j)[k - e->inputs];
-    return !auvid_uncertain_tilts((int)m->cfg.vehicle->parameter[parameter].dof);
+    return auvid_uncertain_tilts(j) !=
+           auvid_uncertain_tilts((int)m->cfg.vehicle->parameter[parameter].dof);
 }
 
 /* The side of column k. */
@@ -478,11 +499,19 @@ void auvid_uncertain_transfer(uncertain_t *u, const auvid_metric_t *m, int j, in
     const auvid_uncertain_equation_t *e = &u->equation[j];
     auvid_real_t row[JOINT_ORDER];
     const auvid_real_t *r = u->work.part.factor + auvid_qr_row(e->order, i) - i;
+    const auvid_uncertain_part_t *p = &u->work.part;
+    int mass_at = auvid_uncertain_joint_column(u, m, j, p->mass_at);
+    auvid_real_t mass = p->mass_at >= e->inputs ? p->value[p->mass_at] : AUVID_C(0.0);
     auvid_clear(row, JOINT_ORDER);
     for (int k = i; k < e->order; ++k) {
         int column = auvid_uncertain_joint_column(u, m, j, k);
         if (uncertain_is_known(u, m, j, k)) {
-            row[JOINT_ORDER - 1] -= r[k] * u->pi[column - PARAMETERS_AT];
+            auvid_real_t known = r[k] * u->pi[column - PARAMETERS_AT];
+            if (auvid_uncertain_tilts(j) || !(mass > AUVID_C(0.0))) {
+                row[JOINT_ORDER - 1] -= known;
+            } else {
+                row[mass_at] += known / mass;
+            }
         } else {
             row[column] += r[k];
         }
