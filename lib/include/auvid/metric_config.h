@@ -89,9 +89,9 @@ typedef struct {
      * default 0 */
     uint8_t closed_loop;
     /** bit j: DoF j is known to be driven in open loop, as by an excitation of the user's own: it
-     * is not tested for feedback, which the test may see in sines of less than 3 s, and in noise
-     * that the model does not explain. If it finds feedback in another one, nothing is identifiable
-     * all the same. Disjoint from closed_loop; 0..63 (AUVID_ERR_RANGE), default 0 */
+     * is not tested for feedback, which the test may see in sines or triangles, where the model
+     * does not explain much of the force. If it finds feedback in another one, nothing is
+     * identifiable all the same. Disjoint from closed_loop; 0..63 (AUVID_ERR_RANGE), default 0 */
     uint8_t open_loop;
 } auvid_metric_config_t;
 

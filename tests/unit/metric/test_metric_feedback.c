@@ -50,7 +50,7 @@ static void expect_row(int n, int count, int j)
 {
     double scale = 1.0 / (double)cfg.tau_max[j], last = tau[n - block][j];
     double next = mean(tau, n, j), before_last = tau[n - block - 1][j], e = 0.0;
-    double step = scale * (next - last), weight = 1.0 / sqrt(0.05 * 0.05 + step * step);
+    double step = scale * (next - last), weight = 1.0 / sqrt(0.015 * 0.015 + step * step);
     double earlier[3] = {means[0][j], means[1][j], means[2][j]};
     means[2][j] = means[1][j];
     means[1][j] = means[0][j];
