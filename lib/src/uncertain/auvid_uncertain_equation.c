@@ -15,7 +15,7 @@
 #define FULL_THRUST AUVID_C(0.9)
 #define LEAST_THRUST AUVID_C(0.5)
 /* Largest error of the thrust: its square, as a part of that of the thrust. */
-#define LARGEST_ERROR AUVID_C(0.25)
+#define LARGEST_THRUST_ERROR AUVID_C(0.25)
 #define EARLY_ROW AUVID_C(0.0625)   /* weight of a row from before the first solution */
 #define SMALL_CURRENT AUVID_C(0.03) /* [m/s]; a row from before the second one counts half */
 
@@ -269,7 +269,8 @@ static void uncertain_prepare_slopes(uncertain_t *u, const auvid_metric_t *m, in
     const uint8_t *index = auvid_metric_row_parameters(m, j);
     auvid_real_t a[AUVID_MAX_PARAMETERS], mass = AUVID_C(0.0);
     auvid_real_t zz = uncertain_product(u, j, e->order - 1, e->order - 1, weight);
-    auvid_real_t ee = weight[0] * squares[0] + weight[1] * squares[1], most = LARGEST_ERROR * zz;
+    auvid_real_t ee = weight[0] * squares[0] + weight[1] * squares[1];
+    auvid_real_t most = LARGEST_THRUST_ERROR * zz;
     auvid_real_t gamma = uncertain_gamma(u, j, zz, weight, p->slope);
     auvid_confidence_acceleration_row(m->cfg.vehicle, j, &p->regressor, a);
     auvid_zero(&p->regressor, sizeof p->regressor); /* the factor is there from now on */
