@@ -33,8 +33,8 @@ typedef struct {
 static auvid_identifier_t id;
 static body_t body, aside; /* in surge, in sway */
 static bool has_aside;
-static double lag_s; /* of the thrusters */
-static double sag;   /* part of the thrust that is lost in 240 s */
+static double lag_s;     /* of the thrusters */
+static double sag;       /* part of the thrust that is lost in 240 s */
 static uint32_t of_sway; /* its parameters that are free */
 
 void setUp(void)

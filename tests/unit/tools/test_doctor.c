@@ -257,8 +257,8 @@ static void test_samples_that_repeat_between_empty_cells_are_an_outage(void)
 {
     for (int k = 0; k < ROWS; ++k) {
         for (int i = 0; i < 3; ++i) {
-            double last = k >= 2000 && k < 2400 ? rows[2000].value[CSV_NU + i]
-                                                : rows[k].value[CSV_NU + i];
+            double last =
+                k >= 2000 && k < 2400 ? rows[2000].value[CSV_NU + i] : rows[k].value[CSV_NU + i];
             rows[k].value[CSV_NU + i] = k % 10 > 0 ? (double)NAN : last;
         }
     }
