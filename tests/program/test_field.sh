@@ -184,9 +184,12 @@ for run in d["each"]:
 
 # ---- the reference of a controller ----
 loop="demo --field 0 --driver lawnmower --alternate 0.5 --runs 4 --json"
-exits 0 $loop
+exits 0 demo --field 1 --driver lawnmower --runs 4 --json
 check "in closed loop nothing is flagged" holds out '
 assert sum(sum(run["flagged"]) for run in d["each"]) == 0'
+exits 0 $loop
+check "where the model leaves little, what is flagged is right" holds out '
+assert sum(sum(run["wrong"]) for run in d["each"]) == 0'
 exits 0 $loop --reference
 check "with its reference more than half is, and right" holds out '
 assert sum(sum(run["flagged"]) for run in d["each"]) > 0.5 * 4 * 13
