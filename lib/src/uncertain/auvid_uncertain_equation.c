@@ -276,8 +276,8 @@ static void uncertain_prepare_slopes(uncertain_t *u, const auvid_metric_t *m, in
     auvid_zero(&p->regressor, sizeof p->regressor); /* the factor is there from now on */
     for (int k = 0; k < e->order - 1 - e->inputs; ++k) {
         mass += a[index[k]] * u->pi[index[k]];
-        bool largest = auvid_abs(a[index[k]]) > AUVID_C(0.5);
-        p->mass_at = largest ? (uint8_t)(e->inputs + k) : p->mass_at;
+        bool is_mass = auvid_abs(a[index[k]]) > AUVID_C(0.5); /* not one of coupling */
+        p->mass_at = is_mass ? (uint8_t)(e->inputs + k) : p->mass_at;
     }
     uncertain_shares_t shares = uncertain_find_shares(u, m, j, mass, squares);
     uncertain_limit_error(&shares, ee > most ? most / ee : AUVID_C(1.0));

@@ -65,7 +65,7 @@
  * 160 mixtures of a simulated ROV in six DoF). In the other equations a parameter of roll or pitch,
  * as in (I_y - I_x) p q, has the ratio to the mass that it had at the last pass. With its value the
  * scale would be that of the last pass, whatever the priors say, and drift: without noise masses of
- * a torpedo became 16 % too small (means of 15 logs of an independent simulator; now 2 %).
+ * a torpedo became 12 % too small (means of 15 logs, auvid-validate worlds --perfect; now 2 %).
  *
  * Covariance: 1.9 P + 0.05 sum_j d_j d_j', P the inverse of the joint normal matrix. d_j is the
  * derivative of the solution by lambda_j: P X_j' times the change of X~_j's columns,

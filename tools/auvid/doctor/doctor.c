@@ -12,7 +12,7 @@
 #define GAP_S 0.500001 /* rows each 0.5 s, as decimals, have no gap */
 #define CLASSES_PER_OCTAVE 6.0
 #define SHORTEST_S 0.001 /* of the classes of intervals */
-#define EMPTY_S 0.5      /* empty cells for longer are no samples; default of --max-gap */
+#define EMPTY_S 1.5      /* longer empty: no samples; velocities may come once a second */
 #define STILL_S 1.0      /* velocities that stand still for longer are counted */
 
 void doctor_init(doctor_t *d, const bool has[CSV_COLUMNS])
