@@ -208,15 +208,15 @@ static void test_exchanged_thrusters_are_named(void)
     }
 }
 
-/* Those of heave differ in pitch alone, which drag and weight turn, too. */
-static void test_exchanged_thrusters_that_tilt_are_only_a_warning(void)
+/* The default vehicle with four thrusters of heave, at the corners. */
+static const vehicle_t *with_corners(void)
 {
     static vehicle_t vehicle;
     static auvid_allocation_config_t all;
     static const double corner[4][2] = {{0.4, 0.3}, {0.4, -0.3}, {-0.4, 0.3}, {-0.4, -0.3}};
     vehicle = *vehicle_default();
     all = *vehicle.allocation;
-    all.thruster[2] = all.thruster[4]; /* that of sway; then four of heave */
+    all.thruster[2] = all.thruster[4]; /* that of sway; then those of heave */
     all.thrusters = 7;
     all.dofs = 0; /* all */
     for (int i = 0; i < 4; ++i) {
@@ -225,7 +225,13 @@ static void test_exchanged_thrusters_that_tilt_are_only_a_warning(void)
         all.thruster[3 + i].wrench[AUVID_PITCH] = (auvid_real_t)corner[i][0];
     }
     vehicle.allocation = &all;
-    to_thrusters_of(&vehicle);
+    return &vehicle;
+}
+
+/* Those of heave differ in pitch alone, which drag and weight turn, too. */
+static void test_exchanged_thrusters_that_tilt_are_only_a_warning(void)
+{
+    to_thrusters_of(with_corners());
     exchange(CSV_THRUSTER_N + 3, CSV_THRUSTER_N + 4);
     examine_thrusters();
     TEST_ASSERT_NOT_NULL(finding(DOCTOR_THRUSTER_SWAP));
@@ -233,6 +239,28 @@ static void test_exchanged_thrusters_that_tilt_are_only_a_warning(void)
     TEST_ASSERT_NOT_NULL(strstr(finding(DOCTOR_THRUSTER_SWAP)->text,
                                 "thruster_4_N and thruster_5_N may be exchanged"));
     TEST_ASSERT_TRUE(doctor.usable);
+}
+
+/* A reversed thruster of heave would give it a moment, too: the force of heave shows that none is.
+ */
+static void test_heave_that_pitches_the_vehicle_is_no_reversed_thruster(void)
+{
+    double q = 0.0, theta = 0.0;
+    for (int k = 0; k < ROWS; ++k) {
+        double dt = k > 0 ? rows[k].value[CSV_T] - rows[k - 1].value[CSV_T] : 0.0;
+        q += dt * (1e-3 * rows[k].value[CSV_WRENCH + 2] - 2.0 * q - 1.0 * theta);
+        theta += dt * q;
+        rows[k].value[CSV_WRENCH + 3] = rows[k].value[CSV_WRENCH + 4] = 0.0;
+        rows[k].value[CSV_NU + 4] = q;
+        rows[k].value[CSV_ATTITUDE + 1] = theta;
+    }
+    to_thrusters_of(with_corners());
+    examine_thrusters();
+    TEST_ASSERT_EQUAL_MESSAGE(0, count(DOCTOR_ERROR), doctor.finding[0].text);
+    scale(CSV_THRUSTER_N + 3, -1.0);
+    examine_thrusters();
+    TEST_ASSERT_NOT_NULL(finding(DOCTOR_THRUSTER_SIGN));
+    TEST_ASSERT_NOT_NULL(strstr(finding(DOCTOR_THRUSTER_SIGN)->text, "thruster_4_N"));
 }
 
 /* Those of surge differ in yaw alone. */
@@ -333,6 +361,7 @@ int main(void)
     RUN_TEST(test_a_reversed_thruster_is_named);
     RUN_TEST(test_exchanged_thrusters_are_named);
     RUN_TEST(test_exchanged_thrusters_that_tilt_are_only_a_warning);
+    RUN_TEST(test_heave_that_pitches_the_vehicle_is_no_reversed_thruster);
     RUN_TEST(test_exchanged_thrusters_of_one_axis_are_told_as_its_moment);
     RUN_TEST(test_a_reversed_thruster_that_is_alone_is_told_as_the_force_of_its_axis);
     RUN_TEST(test_a_reversed_degree_of_freedom_is_told_as_force_of_the_thrusters);

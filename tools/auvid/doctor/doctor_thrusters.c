@@ -14,7 +14,10 @@
 
 #define MIN_LLR 20.0          /* as in doctor_inputs.c */
 #define MIN_EXCHANGE_LLR 45.0 /* there are many pairs; strong mismatches reach 42 */
-#define MIN_LEAD 8.0          /* of one thruster over the next one: else both are named */
+#define MIN_AGAINST 8.0       /* an axis that speaks so much against a slip excludes it */
+#define MOST_LEFT 0.875       /* of the residual, by a slip, in one axis at least, .. */
+#define MOST_TOLD 0.5    /* .. or what is told explains at most this part of what a slip does */
+#define MIN_LEAD 8.0     /* of one thruster over the next one: else both are named */
 #define MAX_REST 0.02    /* share of the wrench with a slip that is no multiple of the told one */
 #define MIN_SCALING 0.05 /* by which a multiple differs from 1, if it is one */
 #define NO_WRENCH 1e-3   /* share of the thrusters' own variances that is no wrench */
@@ -92,34 +95,90 @@ static bool is_compared(const doctor_t *d, const doctor_sums_t *s, int j)
     return d->has[CSV_WRENCH + j] && moves && s->count[j] >= 1.0;
 }
 
-/* Of all DoF together, with a slip. Both at one lag, as others are not summed. */
-static double slip_score(const doctor_t *d, const doctor_sums_t *s, int slip)
+/* Does a slip change the wrench of DoF j? */
+static bool changes(const doctor_t *d, int slip, int j)
+{
+    bool some = false;
+    for (int k = 0; k < log_inputs(d->use); ++k) {
+        double change = slipped(d, slip, k, j) - effect(d, k, j);
+        some = some || fabs(change) > 0.05 * fabs(effect(d, k, j));
+    }
+    return some;
+}
+
+/* Does a slip change moments of roll and pitch only? Then the others' estimates do not depend on
+ * it, and drag or weight that turns the hull may look like it. */
+static bool only_tilts(const doctor_t *d, int slip)
+{
+    bool only = true;
+    for (int j = 0; j < 6; ++j) {
+        only = only && (j == AUVID_ROLL || j == AUVID_PITCH || !changes(d, slip, j));
+    }
+    return only;
+}
+
+/* Writes the products of the wrench of DoF j, with a slip, with each term. */
+static void slip_products(const doctor_t *d, const doctor_sums_t *s, int slip, int j,
+                          double products[GAIN_TERMS])
 {
     int thrusters = log_inputs(d->use);
-    double sum = 0.0;
+    double part[AUVID_MAX_THRUSTERS];
+    for (int k = 0; k < thrusters; ++k) {
+        part[k] = slipped(d, slip, k, j);
+    }
+    for (int k = 0; k < thrusters; ++k) {
+        for (int a = 1; a < GAIN_TERMS; ++a) {
+            products[a] += part[k] * s->thrust[j][k][a];
+        }
+        for (int i = 0; i < thrusters; ++i) {
+            products[0] += part[k] * part[i] * s->both[j][k][i];
+        }
+    }
+}
+
+/* How well a slip explains DoF j, against what is told. Both at one lag, as others are not summed.
+ * clear: does what is told explain little beside it? */
+static double score_of(const doctor_t *d, const doctor_sums_t *s, int slip, int j, bool *clear)
+{
+    double products[GAIN_TERMS] = {0};
+    doctor_gain_t g, told;
+    slip_products(d, s, slip, j, products);
+    doctor_regress(s, j, products, &g);
+    doctor_regress(s, j, s->own[j][DOCTOR_EARLY + DOCTOR_USUAL], &told);
+    double without = told.b > 0.0 ? told.with : told.without;
+    double with = g.b > 0.0 && g.drag > 0.0 ? g.with : g.without;
+    *clear = with < MOST_LEFT * without || told.without - without < MOST_TOLD * (g.without - with);
+    return doctor_gain_ratio(s, j, without, with);
+}
+
+/* A slip, and how much better it explains the whole log: columns do not change during a log. */
+typedef struct {
+    double llr;  /* of all DoF together; 0: it is excluded */
+    double rank; /* the same with roll and pitch */
+    int slip;
+} explained_t;
+
+/* Roll and pitch decide where nothing else changes. Else they only tell which slip it is: of a
+ * vehicle that does not use them, any tilt by drag or weight looks like a slip that gives them a
+ * moment. */
+static explained_t explain_by(const doctor_t *d, const doctor_sums_t *s, int slip)
+{
+    explained_t found = {.slip = slip};
+    bool tilts = only_tilts(d, slip), clear = false;
     for (int j = 0; j < 6; ++j) {
-        double products[GAIN_TERMS] = {0}, part[AUVID_MAX_THRUSTERS];
-        doctor_gain_t g, clean;
-        if (!is_compared(d, s, j)) {
+        bool decides = tilts == (j == AUVID_ROLL || j == AUVID_PITCH), clear_here;
+        if (!changes(d, slip, j) || !is_compared(d, s, j)) {
             continue;
         }
-        for (int k = 0; k < thrusters; ++k) {
-            part[k] = slipped(d, slip, k, j);
+        double score = score_of(d, s, slip, j, &clear_here);
+        if (decides && score < -MIN_AGAINST) {
+            return (explained_t){.slip = slip};
         }
-        for (int k = 0; k < thrusters; ++k) {
-            for (int a = 1; a < GAIN_TERMS; ++a) {
-                products[a] += part[k] * s->thrust[j][k][a];
-            }
-            for (int i = 0; i < thrusters; ++i) {
-                products[0] += part[k] * part[i] * s->both[j][k][i];
-            }
-        }
-        doctor_regress(s, j, products, &g);
-        doctor_regress(s, j, s->own[j][DOCTOR_EARLY + DOCTOR_USUAL], &clean);
-        sum += doctor_ratio(s->count[j] / DOCTOR_WINDOW, clean.b > 0.0 ? clean.with : clean.without,
-                            g.b > 0.0 && g.drag > 0.0 ? g.with : g.without);
+        clear = clear || (decides && clear_here);
+        found.llr += decides ? score : 0.0;
+        found.rank += score;
     }
-    return sum;
+    return clear && found.llr > 0.0 ? found : (explained_t){.slip = slip};
 }
 
 /* Are two thrusters the same, so that to exchange them changes nothing? */
@@ -131,21 +190,6 @@ static bool are_equal(const doctor_t *d, int one, int other)
         size += d->has[CSV_WRENCH + j] ? fabs(effect(d, one, j)) : 0.0;
     }
     return !(difference > 0.05 * size);
-}
-
-/* Does a slip change moments of roll and pitch only? Then the others' estimates do not depend on
- * it, and drag or weight that turns the hull may look like it. */
-static bool only_tilts(const doctor_t *d, int slip)
-{
-    bool only = true;
-    for (int k = 0; k < log_inputs(d->use); ++k) {
-        for (int j = 0; j < 6; ++j) {
-            bool tilts = j == AUVID_ROLL || j == AUVID_PITCH;
-            double change = slipped(d, slip, k, j) - effect(d, k, j);
-            only = only && (tilts || fabs(change) <= 0.05 * fabs(effect(d, k, j)));
-        }
-    }
-    return only;
 }
 
 /* Names a slip. */
@@ -171,12 +215,6 @@ static bool is_slip(const doctor_t *d, int slip)
            (pair < 0 || (one < other && !are_equal(d, one, other)));
 }
 
-/* A slip, and how much better it explains the whole log: columns do not change during a log. */
-typedef struct {
-    double llr;
-    int slip;
-} explained_t;
-
 /* Finds the best explanation, and the next one. */
 static void explain(const doctor_t *d, explained_t *best, explained_t *next)
 {
@@ -186,11 +224,14 @@ static void explain(const doctor_t *d, explained_t *best, explained_t *next)
         if (!is_slip(d, slip)) {
             continue;
         }
-        explained_t now = {slip_score(d, &all, slip), slip};
-        if (now.llr > best->llr) {
+        explained_t now = explain_by(d, &all, slip);
+        if (!(now.llr > 0.0)) {
+            continue;
+        }
+        if (!(best->llr > 0.0) || now.rank > best->rank) {
             *next = *best;
             *best = now;
-        } else if (now.llr > next->llr) {
+        } else if (!(next->llr > 0.0) || now.rank > next->rank) {
             *next = now;
         }
     }
@@ -216,7 +257,7 @@ static bool find_size(doctor_t *d)
 
 bool doctor_thrusters(doctor_t *d)
 {
-    explained_t best = {0.0, 0}, next = {0.0, 0};
+    explained_t best = {.llr = 0.0}, next = {.llr = 0.0};
     double axes = 0.0;
     if (find_size(d)) {
         return true;
@@ -229,7 +270,8 @@ bool doctor_thrusters(doctor_t *d)
     if (!(best.llr > (exchanged ? MIN_EXCHANGE_LLR : MIN_LLR) && best.llr > axes)) {
         return false;
     }
-    bool both = best.llr - next.llr < MIN_LEAD && exchanged == (next.slip >= AUVID_MAX_THRUSTERS);
+    bool both = next.llr > 0.0 && best.rank - next.rank < MIN_LEAD &&
+                exchanged == (next.slip >= AUVID_MAX_THRUSTERS);
     char name[40], second[40];
     int column = log_input(d->use, 0);
     int one = exchanged ? best.slip / AUVID_MAX_THRUSTERS - 1 : best.slip;
