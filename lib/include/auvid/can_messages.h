@@ -16,7 +16,7 @@ extern "C" {
 #endif
 
 /** Version of the frames. Every heartbeat carries it. */
-#define AUVID_CAN_PROTOCOL 7u
+#define AUVID_CAN_PROTOCOL 8u
 /** Default first identifiers of the two blocks (auvid_can_ids_t). */
 #define AUVID_CAN_FAST_BASE 0x040u
 #define AUVID_CAN_SLOW_BASE 0x400u
@@ -227,7 +227,8 @@ enum {
     AUVID_CAN_INPUT_MOUNTING_CROSS = 16,
     AUVID_CAN_INPUT_MOUNTING_LIFT = 17,
     AUVID_CAN_INPUT_MOUNTING_GRAVITY_ASTERN = 18,
-    AUVID_CAN_INPUT_MOUNTING_GRAVITY_PORT = 19
+    AUVID_CAN_INPUT_MOUNTING_GRAVITY_PORT = 19,
+    AUVID_CAN_INPUT_INFLOW_CROSS_FLOW = 20
 };
 
 /** Values of `dof`. */
@@ -626,8 +627,8 @@ typedef struct {
     /** Size, only rough. Curve_backward: thrust is weaker by this part; curve_dead_band: N;
      * curve_exponent: above 1; inflow and inflow_bilinear: part per m/s, of both laws
      * together; sag: part in 240 s; timing: s later; current: m/s; asymmetry: part forward;
-     * mounting_force: N or Nm; mounting_cross and mounting_lift: part of drag; mounting_arm
-     * and mounting_gravity: m. NaN: not available; float32 */
+     * mounting_force: N or Nm; mounting_cross, mounting_lift and inflow_cross_flow: part of
+     * drag; mounting_arm and mounting_gravity: m. NaN: not available; float32 */
     auvid_real_t value;
 } auvid_can_wrong_input_t;
 

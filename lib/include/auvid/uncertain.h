@@ -114,7 +114,7 @@ typedef struct {
     auvid_real_t delay_s;    /**< of the thrust against each DoF's motion [s], 0..1; default 0.04 */
     auvid_real_t current;    /**< each component [m/s], 0..10; default 0.05 */
     auvid_real_t asymmetry;  /**< of drag, relative, 0..1; default 0.12 */
-    auvid_real_t cross;      /**< sway by yaw rate, yaw by sway and lift, relative to drag, 0..1;
+    auvid_real_t cross;      /**< sway by yaw rate, yaw by sway, lift, relative to drag, 0..1;
                                   default 0.15 */
     auvid_real_t force;      /**< constant, relative to tau_max, 0..1; default 0.03. In roll and
                                 pitch it is gravity_m */
@@ -122,6 +122,8 @@ typedef struct {
                                 pitch its height [m], 0..1; default 0.05 */
     auvid_real_t dvl_late_s; /**< delay of the DVL against the attitude [s], 0..1; default 0.05 */
     auvid_real_t gravity_m;  /**< centre of gravity ahead and aside [m], 0..1; default 0.01 */
+    auvid_real_t cross_flow; /**< part of the quadratic drag that follows the whole speed instead
+                                  of that of its axis, 0..1; default 0.5 */
     auvid_real_t nominal_lag_s; /**< no deviation, but the first-order lag of the propellers' speed
                                      [s], 0.01..1; default 0.15 */
     bool fractions; /**< commands are fractions of the thruster's largest force in their direction,
@@ -157,7 +159,7 @@ typedef struct {
 /** Inputs, the thrust of each equation, and the parameters of surge, sway and yaw. */
 #define AUVID_UNCERTAIN_CHANNELS (AUVID_MAX_UNCERTAIN + 26)
 /** Inputs that belong to one DoF, of all DoF together; their rows. */
-#define AUVID_UNCERTAIN_OWN 24
+#define AUVID_UNCERTAIN_OWN 29
 #define AUVID_UNCERTAIN_OWN_ROWS (5 * AUVID_UNCERTAIN_COLUMNS)
 /** Order of the joint R factor. */
 #define AUVID_UNCERTAIN_JOINT (AUVID_UNCERTAIN_SHARED + AUVID_MAX_PARAMETERS + 1)

@@ -9,7 +9,7 @@
 /* Inputs in the DBC: those of auvid_uncertain_input_t without the gains, which have no class, then
  * those that belong to one DoF. */
 _Static_assert((int)AUVID_UNCERTAIN_GAIN == AUVID_CAN_INPUT_TIMING_DELAY, "wrong_input.input");
-_Static_assert((int)INPUT_PORT - AUVID_MAX_THRUSTERS == AUVID_CAN_INPUT_MOUNTING_GRAVITY_PORT,
+_Static_assert((int)INPUT_CROSS_FLOW - AUVID_MAX_THRUSTERS == AUVID_CAN_INPUT_INFLOW_CROSS_FLOW,
                "wrong_input.input");
 _Static_assert(AUVID_CAUSE_COUNT == 7, "wrong_inputs.named, wrong_input.rank");
 _Static_assert((int)AUVID_YAW == AUVID_CAN_DOF_YAW, "wrong_input.dof");

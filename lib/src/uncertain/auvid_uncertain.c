@@ -32,6 +32,7 @@ void auvid_uncertain_defaults(auvid_uncertain_config_t *cfg)
                                           .arm_m = AUVID_C(0.05),
                                           .dvl_late_s = AUVID_C(0.05),
                                           .gravity_m = AUVID_C(0.01),
+                                          .cross_flow = AUVID_C(0.5),
                                           .nominal_lag_s = AUVID_C(0.15)};
     }
 }
@@ -55,6 +56,7 @@ static const auvid_field_t uncertain_fields[] = {
     UNCERTAIN_UP_TO(arm_m, ONE),
     UNCERTAIN_UP_TO(dvl_late_s, ONE),
     UNCERTAIN_UP_TO(gravity_m, ONE),
+    UNCERTAIN_UP_TO(cross_flow, ONE),
     REALS_IN(auvid_uncertain_config_t, nominal_lag_s, 1, AUVID_C(0.01), ONE)};
 
 static auvid_uncertain_t *uncertain_of(const auvid_identifier_t *id)

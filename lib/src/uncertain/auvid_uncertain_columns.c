@@ -31,6 +31,16 @@
  * quadratic part of the last solution. One of the square alone would leave what linear drag adds to
  * a constant force.
  *
+ * Drag follows the whole speed, at least in part, not that of its axis alone: of the elements of a
+ * hull each sees its own velocity. With l about half the length, twice the largest yaw moment over
+ * the largest force, the column of cross-flow drag is (S - |nu_j|) nu_j,
+ *
+ *     S^2 = |v|^2 + (2 l r)^2  in surge and sway,  |v|^2  in heave,  |v|^2 / l^2 + nu_j^2  of moments.
+ *
+ * A strip at +-x that turns faster than it drifts has the drag 2 |x r| v, and so has the whole hull.
+ * Where all axes move at once the thrusters' forces and such drag vary together: without its column
+ * it is taken for thrust that is lost with speed, and drag becomes too small.
+ *
  * The DVL is late by d: for the forces thrust and rates are too early, rates by -d omega', and for
  * the moments the velocities are too late, by d nu'.
  */
@@ -342,6 +352,26 @@ static auvid_real_t uncertain_drag(const auvid_uncertain_t *u, const auvid_sampl
     return speed * (linear + (AUVID_C(1.0) - linear) * speed);
 }
 
+/* Returns DoF j's column of cross-flow drag. */
+static auvid_real_t uncertain_cross_flow(const auvid_metric_t *m, const auvid_real_t *nu, int j)
+{
+    const auvid_real_t *max = m->cfg.tau_max;
+    auvid_real_t force = auvid_max(auvid_max(max[AUVID_SURGE], max[AUVID_SWAY]), max[AUVID_HEAVE]);
+    auvid_real_t half_m =
+        force > AUVID_C(0.0) ? AUVID_C(2.0) * max[AUVID_YAW] / force : AUVID_C(0.0);
+    auvid_real_t square = AUVID_C(0.0), turn = AUVID_C(0.0);
+    for (int i = AUVID_SURGE; i <= AUVID_HEAVE; ++i) {
+        square += nu[i] * nu[i];
+    }
+    if (j < AUVID_HEAVE) {
+        turn = AUVID_C(2.0) * half_m * nu[AUVID_YAW];
+    } else if (j >= AUVID_ROLL) {
+        square = half_m > AUVID_C(0.0) ? square / (half_m * half_m) : AUVID_C(0.0);
+        turn = nu[j];
+    }
+    return (auvid_sqrt(square + turn * turn) - auvid_abs(nu[j])) * nu[j];
+}
+
 /* Returns a column of DoF j that is formed from the motion. down: the vertical, in the body. */
 static auvid_real_t uncertain_motion(const auvid_uncertain_t *u, const auvid_sample_t *cell,
                                      const auvid_real_t down[3], int code, int j)
@@ -355,9 +385,9 @@ static auvid_real_t uncertain_motion(const auvid_uncertain_t *u, const auvid_sam
     case INPUT_CROSS:
         return j == AUVID_SWAY ? nu[AUVID_YAW] : nu[AUVID_SWAY];
     case INPUT_LIFT:
-        return j == AUVID_SWAY  ? auvid_abs(nu[AUVID_SURGE]) * nu[AUVID_SWAY]
-               : j == AUVID_YAW ? nu[AUVID_SURGE] * nu[AUVID_SWAY]
-                                : nu[AUVID_SURGE] * nu[AUVID_SURGE];
+        return nu[AUVID_SURGE] * nu[j == AUVID_YAW ? AUVID_SWAY : AUVID_SURGE];
+    case INPUT_CROSS_FLOW:
+        return uncertain_cross_flow(&u->id->metric, nu, j);
     case INPUT_ASTERN:
         return j == AUVID_YAW ? down[1] : -down[2];
     default: /* INPUT_PORT */

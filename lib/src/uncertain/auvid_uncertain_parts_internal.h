@@ -158,7 +158,7 @@ void auvid_uncertain_publish_causes(auvid_uncertain_t *u);
 bool auvid_uncertain_reads(const auvid_uncertain_t *u, int j);
 
 /** Fewest rows for a solution; factor of the noise of smoothed rows, see auvid_confidence.c. */
-#define AUVID_UNCERTAIN_LEAST_ROWS AUVID_C(40.0)
+#define AUVID_UNCERTAIN_LEAST_ROWS AUVID_C(30.0)
 #define AUVID_UNCERTAIN_SMOOTHED AUVID_C(2.6)
 /** Factor of the covariance, see auvid_uncertain_solve.c. */
 #define AUVID_UNCERTAIN_COVARIANCE AUVID_C(1.9)

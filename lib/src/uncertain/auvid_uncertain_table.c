@@ -160,14 +160,19 @@ static auvid_real_t table_cross(const auvid_uncertain_t *u, const auvid_metric_t
            table_half_length(u, m);
 }
 
+/* Of the quadratic drag. */
+static auvid_real_t table_cross_flow(const auvid_uncertain_t *u, const auvid_metric_t *m,
+                                     auvid_real_t deviation, int j)
+{
+    return deviation * table_size(u, m, AUVID_PARAMETER_QUADRATIC_DRAG, j);
+}
+
 /* Of the drag in surge. */
 static auvid_real_t table_lift(const auvid_uncertain_t *u, const auvid_metric_t *m,
                                auvid_real_t deviation, int j)
 {
     return deviation * table_size(u, m, AUVID_PARAMETER_QUADRATIC_DRAG, AUVID_SURGE) *
-           (j == AUVID_SWAY  ? AUVID_C(1.0)
-            : j == AUVID_YAW ? AUVID_C(0.67) * table_half_length(u, m)
-                             : AUVID_C(0.5));
+           (j == AUVID_YAW ? AUVID_C(0.67) * table_half_length(u, m) : AUVID_C(0.5));
 }
 
 /* The lever of the vehicle's weight. */

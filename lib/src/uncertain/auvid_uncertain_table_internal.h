@@ -21,6 +21,7 @@ enum {
     INPUT_LIFT,
     INPUT_ASTERN, /* centre of gravity astern */
     INPUT_PORT,   /* centre of gravity to port */
+    INPUT_CROSS_FLOW,
     INPUTS
 };
 
@@ -115,14 +116,17 @@ enum {
         "a constant force acts, of ", "a constant force acts, of -", "N", UNCERTAIN_MOUNT)         \
     ROW(INPUT_CROSS, cross, HULL, SWAY + YAW, RELATIVE(table_cross), MOUNTING,                     \
         "sway and yaw act on each other", "sway and yaw act on each other", NULL, UNCERTAIN_MOUNT) \
-    ROW(INPUT_LIFT, cross, HULL, SWAY + HEAVE + YAW, RELATIVE(table_lift), MOUNTING,               \
-        "the hull has lift", "the hull has lift", NULL, UNCERTAIN_MOUNT)                           \
+    ROW(INPUT_LIFT, cross, HULL, HEAVE + YAW, RELATIVE(table_lift), MOUNTING, "the hull has lift", \
+        "the hull has lift", NULL, UNCERTAIN_MOUNT)                                                \
     ROW(INPUT_ASTERN, gravity_m, WEIGHT, PITCH + YAW, RELATIVE(table_weight), MOUNTING,            \
         "the centre of gravity is astern, by ", "the centre of gravity is ahead, by ", "m",        \
         UNCERTAIN_TRIM)                                                                            \
     ROW(INPUT_PORT, gravity_m, WEIGHT, ROLL + YAW, RELATIVE(table_weight), MOUNTING,               \
         "the centre of gravity is to port, by ", "the centre of gravity is to starboard, by ",     \
-        "m", UNCERTAIN_TRIM)
+        "m", UNCERTAIN_TRIM)                                                                       \
+    ROW(INPUT_CROSS_FLOW, cross_flow, HULL, DRAGGED, RELATIVE(table_cross_flow), INFLOW,           \
+        "drag grows with the speed of the other axes", "drag falls with the speed of the others",  \
+        NULL, "the model's drag is that of each axis alone")
 
 /** The numbers of a row. */
 typedef struct {

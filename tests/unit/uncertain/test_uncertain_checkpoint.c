@@ -230,7 +230,7 @@ static const uint64_t all_steps =
 
 static void test_a_split_run_ends_as_a_whole_one_excited(void)
 {
-    check_split_run(EXCITED, 9000);
+    check_split_run(EXCITED, 10000);
     TEST_ASSERT_TRUE(uncertain.excited);
     TEST_ASSERT_EQUAL_HEX64(all_steps | AFTER_PASSES(1), seen[0]);
 }
