@@ -31,15 +31,15 @@
  * quadratic part of the last solution. One of the square alone would leave what linear drag adds to
  * a constant force.
  *
- * Drag follows the whole speed, at least in part, not that of its axis alone: of the elements of a
- * hull each sees its own velocity. With l about half the length, twice the largest yaw moment over
- * the largest force, the column of cross-flow drag is (S - |nu_j|) nu_j,
+ * Drag follows the whole speed, at least in part, not that of its axis alone: each element of a
+ * hull has its own velocity. With l about half the length, twice the largest yaw moment over the
+ * largest force, the column of cross-flow drag is (S - |nu_j|) nu_j, and S^2 is
  *
- *     S^2 = |v|^2 + (2 l r)^2  in surge and sway,  |v|^2  in heave,  |v|^2 / l^2 + nu_j^2  of moments.
+ *     |v|^2 + (2 l r)^2  in surge and sway,   |v|^2  in heave,   |v|^2 / l^2 + nu_j^2  of moments.
  *
- * A strip at +-x that turns faster than it drifts has the drag 2 |x r| v, and so has the whole hull.
- * Where all axes move at once the thrusters' forces and such drag vary together: without its column
- * it is taken for thrust that is lost with speed, and drag becomes too small.
+ * (A strip that turns faster than it drifts has, with its counterpart at the other end, the drag
+ * 2 |x r| v.) Where all axes move at once, this drag and the thrusters' forces vary together:
+ * without the column it seems that thrust is lost with speed, and drag becomes too small.
  *
  * The DVL is late by d: for the forces thrust and rates are too early, rates by -d omega', and for
  * the moments the velocities are too late, by d nu'.
