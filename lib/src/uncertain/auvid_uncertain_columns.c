@@ -156,14 +156,17 @@ static void uncertain_compare(auvid_uncertain_t *u, const auvid_metric_t *m,
                               const auvid_sample_t *cell)
 {
     const auvid_allocation_config_t *cfg = &u->allocation->cfg;
+    auvid_real_t force[AUVID_MAX_THRUSTERS];
+    for (int i = 0; i < cfg->thrusters; ++i) {
+        force[i] = auvid_uncertain_force(u, i, cell->command[i]);
+    }
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
         auvid_real_t wrench = cell->tau[j], difference = -wrench, max = m->cfg.tau_max[j];
         if (u->equation[j].order == 0 || !(max > AUVID_C(0.0))) {
             continue;
         }
         for (int i = 0; i < cfg->thrusters; ++i) {
-            difference +=
-                cfg->thruster[i].wrench[j] * auvid_uncertain_force(u, i, cell->command[i]);
+            difference += cfg->thruster[i].wrench[j] * force[i];
         }
         u->recorded.wrench += wrench / max * (wrench / max);
         u->recorded.difference += difference / max * (difference / max);

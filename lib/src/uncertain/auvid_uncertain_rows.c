@@ -160,7 +160,7 @@ static int uncertain_may_wait(const auvid_metric_t *m, uint32_t n)
 {
     uint32_t step = m->cfg.row_cells, last = m->layout.taps - 1u;
     uint32_t k = (n % step + step - last % step) % step;
-    return k > 0 ? 3 * (int)(step - k) : 0;
+    return k > 0 ? 2 * (int)(step - k) : 0;
 }
 
 static void uncertain_cell(void *context, const auvid_metric_t *m, const auvid_sample_t *cell,
