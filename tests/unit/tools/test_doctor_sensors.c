@@ -241,8 +241,7 @@ static void test_exchanged_thrusters_that_tilt_are_only_a_warning(void)
     TEST_ASSERT_TRUE(doctor.usable);
 }
 
-/* A reversed thruster of heave would give it a moment, too: the force of heave shows that none is.
- */
+/* A reversed thruster of heave would give it a moment, too; heave's own force tells nothing. */
 static void test_heave_that_pitches_the_vehicle_is_no_reversed_thruster(void)
 {
     double q = 0.0, theta = 0.0;
@@ -257,10 +256,43 @@ static void test_heave_that_pitches_the_vehicle_is_no_reversed_thruster(void)
     to_thrusters_of(with_corners());
     examine_thrusters();
     TEST_ASSERT_EQUAL_MESSAGE(0, count(DOCTOR_ERROR), doctor.finding[0].text);
-    scale(CSV_THRUSTER_N + 3, -1.0);
+}
+
+static void test_a_thruster_that_never_runs_is_named(void)
+{
+    to_thrusters_of(with_corners());
+    scale(CSV_THRUSTER_N + 4, 0.0);
     examine_thrusters();
-    TEST_ASSERT_NOT_NULL(finding(DOCTOR_THRUSTER_SIGN));
-    TEST_ASSERT_NOT_NULL(strstr(finding(DOCTOR_THRUSTER_SIGN)->text, "thruster_4_N"));
+    TEST_ASSERT_NOT_NULL(finding(DOCTOR_STUCK));
+    TEST_ASSERT_EQUAL(DOCTOR_WARNING, finding(DOCTOR_STUCK)->severity);
+    TEST_ASSERT_NOT_NULL(
+        strstr(finding(DOCTOR_STUCK)->text, "thruster_5_N is always 0, but thruster_4_N changes"));
+}
+
+static void test_thrusters_that_come_rarely_are_slow(void)
+{
+    to_thrusters_of(with_corners());
+    for (int k = 0; k < ROWS; ++k) {
+        for (int i = 0; i < 7 && k % 100 > 0; ++i) {
+            rows[k].value[CSV_THRUSTER_N + i] = NAN;
+        }
+    }
+    examine_thrusters();
+    TEST_ASSERT_NOT_NULL(finding(DOCTOR_SLOW));
+    TEST_ASSERT_NOT_NULL(
+        strstr(finding(DOCTOR_SLOW)->text, "thruster_1_N comes every 2.03 s on average"));
+}
+
+/* As of a voltage that the vehicle does not measure. */
+static void test_a_column_without_values_is_an_error(void)
+{
+    to_thrusters();
+    has[CSV_VOLTAGE] = true;
+    for (int k = 0; k < ROWS; ++k) {
+        rows[k].value[CSV_VOLTAGE] = NAN;
+    }
+    examine_thrusters();
+    assert_error(DOCTOR_MISSING, CSV_VOLTAGE, "voltage_V has no value in any row");
 }
 
 /* Those of surge differ in yaw alone. */
@@ -362,6 +394,9 @@ int main(void)
     RUN_TEST(test_exchanged_thrusters_are_named);
     RUN_TEST(test_exchanged_thrusters_that_tilt_are_only_a_warning);
     RUN_TEST(test_heave_that_pitches_the_vehicle_is_no_reversed_thruster);
+    RUN_TEST(test_a_thruster_that_never_runs_is_named);
+    RUN_TEST(test_thrusters_that_come_rarely_are_slow);
+    RUN_TEST(test_a_column_without_values_is_an_error);
     RUN_TEST(test_exchanged_thrusters_of_one_axis_are_told_as_its_moment);
     RUN_TEST(test_a_reversed_thruster_that_is_alone_is_told_as_the_force_of_its_axis);
     RUN_TEST(test_a_reversed_degree_of_freedom_is_told_as_force_of_the_thrusters);

@@ -137,6 +137,17 @@ static void find_missing(doctor_t *d)
     }
 }
 
+/* fit does not take a column without values for one that is missing. */
+static void find_empty(doctor_t *d)
+{
+    for (int column = CSV_ATTITUDE; column < CSV_COLUMNS; ++column) {
+        if (d->has[column] && d->column[column].n < 1.0) {
+            doctor_add(d, DOCTOR_ERROR, DOCTOR_MISSING, column, -1, NULL,
+                       "%s has no value in any row: remove the column", csv_name[column]);
+        }
+    }
+}
+
 static bool always(const doctor_t *d, int column)
 {
     return d->has[column] && d->column[column].n > 1.0 && !(d->column[column].changes > 0.0);
@@ -291,6 +302,7 @@ static void find_limits(doctor_t *d)
 void doctor_columns(doctor_t *d)
 {
     find_missing(d);
+    find_empty(d);
     find_stuck(d);
     find_outage(d);
     find_held(d);

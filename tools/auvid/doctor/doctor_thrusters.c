@@ -255,6 +255,35 @@ static bool find_size(doctor_t *d)
     return wrong > 0;
 }
 
+/* Do both thrusters act in one DoF? */
+static bool act_together(const doctor_t *d, int one, int other)
+{
+    bool together = false;
+    for (int j = 0; j < 6; ++j) {
+        together = together || (d->has[CSV_WRENCH + j] && fabs(effect(d, one, j)) > 0.0 &&
+                                fabs(effect(d, other, j)) > 0.0);
+    }
+    return together;
+}
+
+/* A thruster that never runs beside one that does: it failed, or its column is not filled. */
+static void find_idle(doctor_t *d)
+{
+    for (int k = 0; k < log_inputs(d->use); ++k) {
+        int column = log_input(d->use, k), other = -1;
+        for (int i = 0; i < log_inputs(d->use) && other < 0; ++i) {
+            bool runs = d->column[log_input(d->use, i)].changes > 0.0;
+            other = runs && act_together(d, k, i) ? log_input(d->use, i) : other;
+        }
+        if (other >= 0 && d->column[column].n > 1.0 && !(d->column[column].changes > 0.0)) {
+            doctor_add(d, DOCTOR_WARNING, DOCTOR_STUCK, column, other, NULL,
+                       "%s is always %g, but %s changes: if that thruster ran, log its input; "
+                       "else leave it out of the vehicle file",
+                       csv_name[column], d->column[column].last, csv_name[other]);
+        }
+    }
+}
+
 bool doctor_thrusters(doctor_t *d)
 {
     explained_t best = {.llr = 0.0}, next = {.llr = 0.0};
@@ -262,6 +291,7 @@ bool doctor_thrusters(doctor_t *d)
     if (find_size(d)) {
         return true;
     }
+    find_idle(d);
     explain(d, &best, &next);
     for (int j = 0; j < 6; ++j) {
         axes += d->pushed[j].llr;

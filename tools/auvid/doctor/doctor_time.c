@@ -90,16 +90,19 @@ static void find_slow_rows(doctor_t *d)
 /* Inputs may have a rate of their own. */
 static void find_slow_inputs(doctor_t *d)
 {
-    for (int j = 0; j < 6 && d->inputs >= 0; ++j) {
-        double n = d->column[d->inputs + j].n;
-        double every = (d->last_s - d->start_s) / fmax(n - 1.0, 1.0);
-        if (d->has[d->inputs + j] && n > 1.0 && n < d->rows && every > 0.8 * GAP_S) {
-            doctor_add(d, DOCTOR_WARNING, DOCTOR_SLOW, d->inputs + j, -1, NULL,
-                       "%s comes every %.2f s on average, and fit bridges 0.5 s: log inputs at 5 "
-                       "Hz or faster, or give fit a longer --max-gap",
-                       csv_name[d->inputs + j], every);
-            return;
-        }
+    int inputs = d->use != NULL ? log_inputs(d->use) : d->inputs >= 0 ? 6 : 0, most = -1;
+    for (int k = 0; k < inputs; ++k) {
+        int column = d->use != NULL ? log_input(d->use, k) : d->inputs + k;
+        bool more = most < 0 || d->column[column].n > d->column[most].n;
+        most = d->has[column] && more ? column : most;
+    }
+    double n = most >= 0 ? d->column[most].n : 0.0;
+    double every = (d->last_s - d->start_s) / fmax(n - 1.0, 1.0);
+    if (n > 1.0 && n < d->rows && every > 0.8 * GAP_S) {
+        doctor_add(d, DOCTOR_WARNING, DOCTOR_SLOW, most, -1, NULL,
+                   "%s comes every %.2f s on average, and fit bridges 0.5 s: log inputs at 5 Hz or "
+                   "faster, or give fit a longer --max-gap",
+                   csv_name[most], every);
     }
 }
 

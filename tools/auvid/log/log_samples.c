@@ -97,8 +97,9 @@ int log_thrust_judge(const log_use_t *use, double largest_N, char *text, size_t 
             "the largest force of a thruster is %.3g N, but those of %s have up to %.3g "
             "N: %s",
             largest_N, use->vehicle->word, capacity,
-            use->kind == INPUT_THRUST
-                ? "are the columns thruster_1_N .. in newtons?"
+            use->kind == INPUT_THRUST ? "are the columns thruster_1_N .. in newtons?"
+            : wrong < 0
+                ? "the thrusters hardly run, or their commands are not those of the vehicle file"
                 : "give zero_command and full_command of the commands in the vehicle "
                   "file (of pulse widths 1500 and 1900), or name forces thruster_1_N ..");
     }
