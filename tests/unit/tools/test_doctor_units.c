@@ -64,6 +64,14 @@ static void test_the_position_shows_velocities_in_knots(void)
         "by 0.5144");
 }
 
+static void test_the_depth_shows_a_heave_velocity_in_feet(void)
+{
+    lose(CSV_SPECIFIC_FORCE, 3);
+    scale(CSV_NU + 2, 3.2808);
+    assert_only(DOCTOR_SCALE, CSV_NU + 2,
+                "w_mps: 3.28 times the rate of depth_m, as if in ft/s: multiply by 0.3048");
+}
+
 static void test_the_accelerometer_shows_velocities_in_knots(void)
 {
     lose(CSV_POSITION, 3);
@@ -327,6 +335,7 @@ int main(void)
 {
     UNITY_BEGIN();
     RUN_TEST(test_the_position_shows_velocities_in_knots);
+    RUN_TEST(test_the_depth_shows_a_heave_velocity_in_feet);
     RUN_TEST(test_the_accelerometer_shows_velocities_in_knots);
     RUN_TEST(test_the_dry_mass_shows_velocities_in_knots);
     RUN_TEST(test_slow_velocities_in_centimetres_are_named);

@@ -241,6 +241,8 @@ bool doctor_overlap(const doctor_range_t *a, const doctor_range_t *b);
 double doctor_discord(const doctor_pair_t *p, double gain);
 /** Are both signals, rates over a second, well above the errors of the sensors? */
 bool doctor_is_fast(const doctor_pair_t *p);
+/** The rate of the depth, and what the velocities say of it (doctor_travel.c). */
+doctor_pair_t doctor_depth(const doctor_sums_t *s);
 /** Correlation. */
 double doctor_correlation(const doctor_pair_t *p);
 /** Sweeps row k of a symmetric matrix (Beaton 1964). Returns false if it depends on others. */

@@ -49,7 +49,7 @@ static int unit_of(const doctor_pair_t *p)
     return -1;
 }
 
-/* Unit of velocity i by the position, or by the accelerometer; -1: m/s, or not known. */
+/* Unit of velocity i by position or depth, or by the accelerometer; -1: m/s, or not known. */
 static int unit_of_velocity(const doctor_t *d, const doctor_sums_t *all, int i, const char **by)
 {
     bool position = d->has[CSV_POSITION] && d->has[CSV_POSITION + 1] && i < 2;
@@ -58,7 +58,12 @@ static int unit_of_velocity(const doctor_t *d, const doctor_sums_t *all, int i, 
         *by = "the rates of north_m and east_m";
         return unit_of(&all->ground[0][i][i]);
     }
-    doctor_pair_t p = all->inertial[i];
+    doctor_pair_t p = doctor_depth(all);
+    if (i == 2 && d->has[CSV_POSITION + 2] && doctor_is_fast(&p)) {
+        *by = "the rate of depth_m";
+        return unit_of(&p);
+    }
+    p = all->inertial[i];
     *by = "what the accelerometer says";
     p = (doctor_pair_t){.n = p.n, .a = p.b, .b = p.a, .aa = p.bb, .bb = p.aa, .ab = p.ab};
     return force ? unit_of(&p) : -1;
@@ -76,8 +81,8 @@ static bool find_velocities(doctor_t *d, const doctor_sums_t *all)
             (void)snprintf(names + used, sizeof names - used, "%s%s", used > 0 ? ", " : "",
                            csv_name[CSV_NU + i]);
             column = found < 0 ? CSV_NU + i : column;
+            by = found < 0 ? last : by;
             found = k;
-            by = last;
         }
     }
     if (found >= 0) {

@@ -44,6 +44,11 @@ static doctor_pair_t depth_pair(const doctor_sums_t *s, const double sign[3])
     return p;
 }
 
+doctor_pair_t doctor_depth(const doctor_sums_t *s)
+{
+    return depth_pair(s, depth_sign[AS_TOLD]);
+}
+
 bool doctor_is_fast(const doctor_pair_t *p)
 {
     double n = fmax(p->n, 1.0), least = MIN_RATE * MIN_RATE * n;
