@@ -23,8 +23,9 @@ from auvid.series import ATTITUDE, COMMANDS, FORCE, POSITION, QUATERNION, RATES,
 from auvid.streams import INPUT
 
 UNITS = {"": 1, "1": 1, "%": 0.01, "s": 1, "ms": 1e-3, "us": 1e-6, "ns": 1e-9, "m": 1, "cm": 0.01,
-         "mm": 1e-3, "m/s": 1, "cm/s": 0.01, "mm/s": 1e-3, "kn": 1852 / 3600, "rad": 1,
-         "deg": math.pi / 180, "rad/s": 1, "deg/s": math.pi / 180, "N": 1, "kN": 1e3, "Nm": 1,
+         "mm": 1e-3, "ft": 0.3048, "m/s": 1, "cm/s": 0.01, "mm/s": 1e-3, "km/h": 1 / 3.6,
+         "ft/s": 0.3048, "kn": 1852 / 3600, "rad": 1,
+         "deg": math.pi / 180, "rad/s": 1, "deg/s": math.pi / 180, "N": 1, "kN": 1e3, "kgf": 9.80665, "Nm": 1,
          "V": 1, "m/s2": 1, "g": 9.80665, "mV": 1e-3, "rpm": 1}
 ISO_TIME = "ISO 8601"
 GROUPS = {"dvl": VELOCITY, "attitude": ATTITUDE, "quaternion": QUATERNION, "rates": RATES,
@@ -38,11 +39,13 @@ TURNED = {"v_mps", "w_mps", "q_radps", "r_radps", "theta_rad", "depth_m", "fy_mp
 
 
 class Entry(NamedTuple):
-    """A column is factor * source + offset; number: of the text of a cell."""
+    """A column is factor * source + offset; number: of the text of a cell; enu: it is one of a
+    quaternion that turns forward, left, up to ENU."""
     source: str
     factor: float
     offset: float
     number: Callable[[str], float] = float
+    enu: bool = False
 
 
 def _entry(path, column, section):
@@ -60,9 +63,9 @@ def _entry(path, column, section):
         if value not in allowed:
             raise UsageError(f"{path}: [{column}]: {key} = {value}: use one of "
                              f"{', '.join(filter(None, allowed))}")
-    if frame == "enu" and column in QUATERNION:
-        raise UsageError(f"{path}: [{column}]: a quaternion is read in NED and FRD: give angles")
     factor = units[unit] * int(sign)
+    if frame == "enu" and column in QUATERNION:
+        return Entry(section["from"], factor, 0.0, enu=True)
     if frame == "enu" and column == "psi_rad":
         return Entry(section["from"], -factor, math.pi / 2)
     return Entry(section["from"], -factor if frame == "enu" and column in TURNED else factor, 0.0,
@@ -86,7 +89,11 @@ def load(path):
                              f"{', '.join(sorted(KNOWN))}, thruster_1 .., rpm_1 ..")
     if not parser.sections():
         raise UsageError(f"{path}: no section: write one for each column, as [u_mps]")
-    return {column: _entry(path, column, parser[column]) for column in parser.sections()}
+    entries = {column: _entry(path, column, parser[column]) for column in parser.sections()}
+    if len({c in entries and entries[c].enu for c in QUATERNION}) > 1:
+        raise UsageError(f"{path}: frame = enu of a quaternion needs all of "
+                         f"{', '.join(QUATERNION)} with it")
+    return entries
 
 
 def grouped(entries):
@@ -94,6 +101,15 @@ def grouped(entries):
     out = [(name, [c for c in columns if c in entries]) for name, columns in GROUPS.items()]
     single = [c for c in entries if c != "t_s" and not any(c in g for g in GROUPS.values())]
     return [(name, columns) for name, columns in out if columns] + [(c, [c]) for c in single]
+
+
+def _in_ned(columns, entries, values):
+    """The values of a group. A quaternion from forward, left, up to ENU becomes one from forward,
+    right, down to NED: both frames are turned, by half a turn each."""
+    if tuple(columns) != tuple(QUATERNION) or not all(entry.enu for entry in entries):
+        return values
+    w, x, y, z = (math.sqrt(0.5) * value for value in values)
+    return [w + z, x + y, x - y, w - z]
 
 
 def _iso_time(text):
@@ -154,7 +170,9 @@ def read_csv(path, options):
             t = value(row, "t_s")
             for name, columns in groups:
                 if all(row[entries[c].source].strip() for c in columns):
-                    recording.add(name, t, [value(row, c) for c in columns],
+                    values = _in_ned(columns, [entries[c] for c in columns],
+                                     [value(row, c) for c in columns])
+                    recording.add(name, t, values,
                                   ", ".join(entries[c].source for c in columns), columns)
     return recording
 
@@ -179,6 +197,7 @@ class Fields:
         for name, columns, fields in self.by_topic[sample.topic]:
             values = [entry.factor * _field(message, path, sample.topic) + entry.offset
                       for path, entry in fields]
+            values = _in_ned(columns, [entry for _, entry in fields], values)
             recording.add("map " + name, t, values, sample.topic, columns)
 
     @staticmethod

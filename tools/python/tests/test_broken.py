@@ -213,6 +213,32 @@ def test_a_table_is_read_by_its_map(tmp_path, convert):
     assert "note: no rates in this log" in said and "no attitude" not in said
 
 
+def test_an_attitude_of_ros_is_turned_into_ned(tmp_path, convert):
+    """Angles of the same attitude: roll as it is, pitch down, heading from the north."""
+    names = ["qx", "qy", "qz", "qw"]
+    (tmp_path / "map.ini").write_text("[u_mps]\nfrom = v\n[cmd_surge]\nfrom = v\n" + "".join(
+        f"[{name}]\nfrom = {name}\nframe = enu\n" for name in names))
+    lines = ["t_s,v," + ",".join(names)]
+    for i in range(99):
+        a, b, c = 0.1, -0.2, 0.03 * i  # half of roll, pitch, yaw in forward, left, up
+        x, y, z = (np.array([np.cos(t), *(np.sin(t) * e)]) for t, e in zip((a, b, c), np.eye(3)))
+        w = [_times(_times(z, y), x)[k] for k in (1, 2, 3, 0)]
+        lines.append(f"{0.1 * i},{0.1 * (i % 5)}," + ",".join(f"{part:.9f}" for part in w))
+    (tmp_path / "dive.csv").write_text("\n".join([*lines, ""]))
+    status, said, rows = convert(tmp_path / "dive.csv", "--map", str(tmp_path / "map.ini"))
+    assert status == 0, said
+    w, x, y, z = (rows[name] for name in ("qw", "qx", "qy", "qz"))
+    assert np.allclose(np.arctan2(2 * (w * x + y * z), 1 - 2 * (x * x + y * y)), 0.2)
+    assert np.allclose(np.arcsin(2 * (w * y - z * x)), 0.4)
+    heading = np.arctan2(2 * (w * z + x * y), 1 - 2 * (y * y + z * z))
+    turn = heading - (np.pi / 2 - 0.06 * np.arange(99))
+    assert np.allclose(np.cos(turn), 1)
+
+
+def _times(a, b):
+    return np.r_[a[0] * b[0] - a[1:] @ b[1:], a[0] * b[1:] + b[0] * a[1:] + np.cross(a[1:], b[1:])]
+
+
 @pytest.mark.parametrize("form,separator", [
     ("2026-05-01T23:59:5{}.{}00Z", ","), ("2026-05-01 23:59:5{}.{}", ","),
     ("2026-05-02T01:59:5{},{}+02:00", ";")])
@@ -293,6 +319,7 @@ TABLES = [  # map, table, exit status, what is said
     (MAP.replace("cm/s", "ISO 8601"), TABLE, 2, "[v_mps]: unit = ISO 8601: use one of"),
     (MAP.replace("ms", "ISO 8601"), TABLE, 1, "line 2: time: '0' is not a time in ISO 8601"),
     (MAP.replace("sign", "scale"), TABLE, 2, "[cmd_surge]: unknown key scale"),
+    (MAP + "[qw]\nfrom = vx\nframe = enu\n", TABLE, 2, "frame = enu of a quaternion needs all of"),
     ("", TABLE, 2, "no section: write one for each column"),
     (MAP.replace("from = vx", ""), TABLE, 2, "[u_mps]: no key from"),
 ]
