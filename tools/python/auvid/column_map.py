@@ -24,9 +24,9 @@ from auvid.streams import INPUT
 
 UNITS = {"": 1, "1": 1, "%": 0.01, "s": 1, "ms": 1e-3, "us": 1e-6, "ns": 1e-9, "m": 1, "cm": 0.01,
          "mm": 1e-3, "ft": 0.3048, "m/s": 1, "cm/s": 0.01, "mm/s": 1e-3, "km/h": 1 / 3.6,
-         "ft/s": 0.3048, "kn": 1852 / 3600, "rad": 1,
-         "deg": math.pi / 180, "rad/s": 1, "deg/s": math.pi / 180, "N": 1, "kN": 1e3, "kgf": 9.80665, "Nm": 1,
-         "V": 1, "m/s2": 1, "g": 9.80665, "mV": 1e-3, "rpm": 1}
+         "ft/s": 0.3048, "kn": 1852 / 3600, "rad": 1, "deg": math.pi / 180, "rad/s": 1,
+         "deg/s": math.pi / 180, "N": 1, "kN": 1e3, "kgf": 9.80665, "Nm": 1, "V": 1, "m/s2": 1,
+         "g": 9.80665, "mV": 1e-3, "rpm": 1}
 ISO_TIME = "ISO 8601"
 GROUPS = {"dvl": VELOCITY, "attitude": ATTITUDE, "quaternion": QUATERNION, "rates": RATES,
           "position": POSITION, "specific_force": FORCE}
