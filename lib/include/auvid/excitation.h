@@ -208,8 +208,8 @@ auvid_status_t auvid_excitation_schedule(auvid_excitation_config_t *cfg,
  * @param cfg may be &e->cfg.
  * @return AUVID_OK; AUVID_ERR_NULL; AUVID_ERR_SIZE if segments is 0 or > AUVID_MAX_SEGMENTS, or if
  *         sines of a SINES segment is 0 or > AUVID_MAX_SINES; AUVID_ERR_NOT_FINITE; AUVID_ERR_RANGE
- *         if a field is outside its range or the sequence has length zero. On an error *e is
- *         unchanged.
+ *         if a field is outside its range, or the sequence or the run is shorter than a
+ *         millisecond. On an error *e is unchanged.
  */
 auvid_status_t auvid_excitation_init(auvid_excitation_t *e, const auvid_excitation_config_t *cfg);
 

@@ -148,8 +148,8 @@ typedef struct {
     struct {
         bool present;
         uint64_t t_us;
-        auvid_real_t altitude_m; /**< above the bottom, >= 0, e.g. of the DVL; for the guard. Not
-                                     read if passive */
+        auvid_real_t altitude_m; /**< above the bottom, 0..1e9, e.g. of the DVL; for the guard.
+                                     Not read if passive */
     } altitude;
     struct {
         bool present;

@@ -182,6 +182,19 @@ static void node_take_feedback(auvid_node_t *node, const auvid_can_message_t *m)
 
 /* Time of the tick: the time on the bus less the clock steps. A bus that reorders and duplicates
  * frames may deliver a tick twice, and the counter may accept it. Such a tick is no clock step. */
+/* Take the time of the first tick. An identifier that was restored from a checkpoint goes on: the
+ * restart may have taken minutes, but time does not go back. */
+static void node_take_first_tick(auvid_node_t *node, uint32_t time)
+{
+    uint64_t last_us = node->id.t_us;
+    node->bus_us = node->id.started ? auvid_can_extend_us(last_us, time) : time;
+    node->tick_us = node->bus_us;
+    if (node->id.started && node->bus_us <= last_us) {
+        ++node->counters.clock_steps;
+        node->tick_us = last_us + CLOCK_STEP_US;
+    }
+}
+
 static auvid_status_t node_take_tick(auvid_node_t *node, const auvid_can_tick_t *tick)
 {
     uint32_t behind = (node->sequence - tick->sequence) & 0xFFFFFu;
@@ -189,19 +202,20 @@ static auvid_status_t node_take_tick(auvid_node_t *node, const auvid_can_tick_t 
         ++node->counters.refused;
         return AUVID_ERR_STALE;
     }
-    uint64_t bus_us = node->started ? auvid_can_extend_us(node->bus_us, tick->time) : tick->time;
-    uint32_t passed = (tick->sequence - node->sequence) & 0xFFFFFu;
-    bool set = bus_us <= node->bus_us || bus_us - node->bus_us > CLOCK_STEP_US;
     if (!node->started) {
-        node->tick_us = tick->time;
-    } else if (set) {
-        ++node->counters.clock_steps;
-        node->tick_us += CLOCK_STEP_US;
+        node_take_first_tick(node, tick->time);
     } else {
-        node->tick_us += bus_us - node->bus_us;
-        node->counters.ticks_missed += passed - 1u; /* passed >= 1: see `behind` */
+        uint64_t bus_us = auvid_can_extend_us(node->bus_us, tick->time);
+        uint32_t passed = (tick->sequence - node->sequence) & 0xFFFFFu;
+        if (bus_us <= node->bus_us || bus_us - node->bus_us > CLOCK_STEP_US) {
+            ++node->counters.clock_steps;
+            node->tick_us += CLOCK_STEP_US;
+        } else {
+            node->tick_us += bus_us - node->bus_us;
+            node->counters.ticks_missed += passed - 1u; /* passed >= 1: see `behind` */
+        }
+        node->bus_us = bus_us;
     }
-    node->bus_us = bus_us;
     node->sequence = tick->sequence;
     node->started = true;
     return AUVID_TICK;

@@ -86,7 +86,8 @@ auvid_status_t auvid_causes_take(auvid_causes_t *causes, const auvid_can_message
     const auvid_can_wrong_input_t *m = &message->as.wrong_input;
     if (message->kind != AUVID_CAN_WRONG_INPUT || message->absent != 0 ||
         m->number != causes->number % 4u || m->rank > causes->named ||
-        m->rank >= AUVID_CAUSE_COUNT) {
+        m->rank >= AUVID_CAUSE_COUNT || m->input > AUVID_CAN_INPUT_INFLOW_CROSS_FLOW ||
+        m->dof > AUVID_CAN_DOF_YAW) {
         return AUVID_UNUSED;
     }
     uint32_t code = m->input + (m->input < AUVID_UNCERTAIN_GAIN ? 0u : AUVID_MAX_THRUSTERS);

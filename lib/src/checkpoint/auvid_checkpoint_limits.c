@@ -4,6 +4,7 @@
  * Conditions between members are in auvid_checkpoint_validate.c.
  */
 #include "auvid_checkpoint_limits_internal.h"
+#include "../identifier/auvid_actuation_internal.h"
 #include "../identifier/auvid_identifier_internal.h"
 #include "../metric/auvid_confidence_notes_internal.h"
 #include "../search/auvid_gauss_newton_internal.h"
@@ -213,7 +214,7 @@ const auvid_checkpoint_limit_t auvid_checkpoint_limit[] = {
     FLAG(identifier, work.set_pending, work.seeks_optimum),
     FLAG(identifier, started, started),
 
-    UP_TO(actuation, altitude_m, altitude_m, AUVID_C(1e9)),
+    UP_TO(actuation, altitude_m, altitude_m, AUVID_ACTUATION_HIGHEST_M),
     LENGTH(actuation, home, home),
     FLAG(actuation, starting, saturated),
 

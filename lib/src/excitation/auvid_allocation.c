@@ -248,8 +248,9 @@ void auvid_allocation_set_up(auvid_allocation_t *a, const auvid_allocation_confi
         return;
     }
     allocation_orthogonalise_columns(&d);
-    memset(a, 0, sizeof *a);
-    a->cfg = *cfg;
+    a->cfg = *cfg; /* which may be the same */
+    memset(a->inverse, 0, sizeof a->inverse);
+    a->actuated = 0;
     a->rank = (uint8_t)d.rank;
     allocation_invert(&d, a->inverse);
     for (int i = 0; i < DOFS; ++i) {
@@ -359,6 +360,14 @@ static auvid_real_t allocation_gain(const auvid_thruster_t *t, bool backward)
     return backward && t->gain_backward > AUVID_C(0.0) ? t->gain_backward : t->gain_forward;
 }
 
+static auvid_real_t allocation_command(const auvid_thruster_t *t, auvid_real_t force_N)
+{
+    bool backward = force_N < AUVID_C(0.0);
+    auvid_real_t n = auvid_abs(force_N) / allocation_gain(t, backward);
+    n = t->law == AUVID_THRUST_SQUARE ? auvid_sqrt(n) : n;
+    return backward ? -n : n;
+}
+
 auvid_status_t auvid_allocation_command(const auvid_allocation_t *a, const auvid_real_t *force_N,
                                         auvid_real_t *command)
 {
@@ -369,11 +378,12 @@ auvid_status_t auvid_allocation_command(const auvid_allocation_t *a, const auvid
         return AUVID_ERR_NOT_FINITE;
     }
     for (int j = 0; j < a->cfg.thrusters; ++j) {
-        const auvid_thruster_t *t = &a->cfg.thruster[j];
-        bool backward = force_N[j] < AUVID_C(0.0);
-        auvid_real_t n = auvid_abs(force_N[j]) / allocation_gain(t, backward);
-        n = t->law == AUVID_THRUST_SQUARE ? auvid_sqrt(n) : n;
-        command[j] = backward ? -n : n;
+        if (!auvid_is_finite(allocation_command(&a->cfg.thruster[j], force_N[j]))) {
+            return AUVID_ERR_NOT_FINITE;
+        }
+    }
+    for (int j = 0; j < a->cfg.thrusters; ++j) {
+        command[j] = allocation_command(&a->cfg.thruster[j], force_N[j]);
     }
     return AUVID_OK;
 }

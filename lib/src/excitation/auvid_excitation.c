@@ -427,5 +427,7 @@ auvid_real_t auvid_excitation_progress(const auvid_excitation_t *e)
     if (e == NULL || !e->running) {
         return e != NULL && e->finished ? AUVID_C(1.0) : AUVID_C(0.0);
     }
-    return auvid_real_of(e->last_us - e->start_us) / auvid_real_of(e->run_us);
+    uint64_t elapsed_us = e->last_us - e->start_us; /* a stop may come late */
+    return elapsed_us < e->run_us ? auvid_real_of(elapsed_us) / auvid_real_of(e->run_us)
+                                  : AUVID_C(1.0);
 }

@@ -7,6 +7,8 @@
 
 #include "../base/auvid_refusal_internal.h"
 
+#define SHORTEST_US 1000u /* of the sequence, and of the run: repetitions are counted in 32 bits */
+
 /* Whole seconds and fraction are separate: in float 3600 s has a resolution of 0.2 ms. */
 uint64_t auvid_excitation_us(auvid_real_t s)
 {
@@ -119,7 +121,8 @@ static uint64_t excitation_check(const auvid_excitation_config_t *cfg, auvid_ref
     if (why->status == AUVID_OK) {
         uint64_t run_us = excitation_run_us(cfg, sequence_us);
         auvid_check_part(why, "excitation");
-        auvid_check_that(why, sequence_us > 0, AUVID_ERR_RANGE, "segments");
+        auvid_check_that(why, sequence_us >= SHORTEST_US, AUVID_ERR_RANGE, "segments");
+        auvid_check_that(why, run_us >= SHORTEST_US, AUVID_ERR_RANGE, "duration_s");
         auvid_check_limit(why, 2 * auvid_excitation_us(cfg->fade_s) <= run_us, AUVID_ERR_RANGE,
                           "fade_s", cfg->fade_s, auvid_seconds(0, run_us) * AUVID_C(0.5));
     }

@@ -56,8 +56,8 @@ void auvid_guard_set_up(auvid_guard_t *g, const auvid_guard_config_t *cfg, auvid
     if (why->status != AUVID_OK) {
         return;
     }
-    memset(g, 0, sizeof *g);
-    g->cfg = *cfg;
+    g->cfg = *cfg; /* which may be the same */
+    memset((unsigned char *)g + sizeof g->cfg, 0, sizeof *g - sizeof g->cfg);
     g->ready = true;
 }
 

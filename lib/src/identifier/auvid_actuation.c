@@ -19,6 +19,17 @@ static auvid_guard_seen_t actuation_last_seen(const auvid_nav_t *nav, auvid_nav_
     return (auvid_guard_seen_t){.t_us = d->good_us, .known = d->has_sample};
 }
 
+/* The angle within half a turn. */
+static auvid_real_t actuation_wrap(auvid_real_t angle)
+{
+    auvid_real_t s, c;
+    if (auvid_abs(angle) <= AUVID_C(3.1415927)) {
+        return angle;
+    }
+    auvid_sincos(angle, &s, &c);
+    return auvid_atan2(s, c);
+}
+
 /* Collect the guard's input from the filter and the other sensors. */
 static void actuation_fill_guard_input(const auvid_identifier_t *id, bool saturated,
                                        auvid_guard_input_t *in)
@@ -50,7 +61,7 @@ static void actuation_fill_guard_input(const auvid_identifier_t *id, bool satura
     memcpy(in->position, state.position, sizeof in->position);
     memcpy(in->velocity_ground, state.velocity, sizeof in->velocity_ground);
     memcpy(in->rates, state.rates, sizeof in->rates);
-    in->roll = id->nav.imu.attitude[0]; /* not unwrapped: a full turn is level */
+    in->roll = actuation_wrap(id->nav.imu.attitude[0]); /* not unwrapped: a full turn is level */
     in->pitch = state.attitude[1];
 }
 
@@ -76,8 +87,8 @@ static void actuation_take_altitude(auvid_identifier_t *id, const auvid_input_t 
     uint64_t t_us = in->altitude.t_us;
     bool newer = !a->altitude.known || t_us > a->altitude.t_us;
     bool ahead = t_us > in->t_us && t_us - in->t_us > id->nav.cfg.future_us;
-    if (newer && !ahead && auvid_is_finite(in->altitude.altitude_m) &&
-        in->altitude.altitude_m >= AUVID_C(0.0)) {
+    if (newer && !ahead && in->altitude.altitude_m >= AUVID_C(0.0) &&
+        in->altitude.altitude_m <= AUVID_ACTUATION_HIGHEST_M) {
         a->altitude.t_us = t_us;
         a->altitude.known = true;
         a->altitude_m = in->altitude.altitude_m;

@@ -7,6 +7,9 @@
 
 #include "auvid/actuation.h"
 
+/** Largest altitude that is taken [m]. */
+#define AUVID_ACTUATION_HIGHEST_M AUVID_C(1e9)
+
 /** The functions, called for an identifier with an acting half only. */
 typedef struct auvid_actuation_functions {
     /** Last part of a tick: altitude, guard, excitation. out: zeroed before; its events are not

@@ -64,15 +64,16 @@ static auvid_uncertain_t *uncertain_of(const auvid_identifier_t *id)
     return id->attached.uncertain;
 }
 
-/* Have all excited DoF the rows for a solution? */
+/* Have all excited DoF the rows for a solution, and one at least? */
 static bool uncertain_is_ready(const auvid_identifier_t *id)
 {
-    bool ready = true;
+    bool ready = true, any = false;
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
-        ready = ready && (!auvid_metric_is_excited(&id->metric, j) ||
-                          auvid_uncertain_has_rows(uncertain_of(id), j));
+        bool has = auvid_uncertain_has_rows(uncertain_of(id), j);
+        ready = ready && (has || !auvid_metric_is_excited(&id->metric, j));
+        any = any || has;
     }
-    return ready;
+    return ready && any;
 }
 
 /* There is no estimate with uncertain inputs. */

@@ -354,10 +354,11 @@ static void uncertain_change_faded(uncertain_t *u, int j, auvid_real_t keep, auv
     }
 }
 
-/* The rows hold about as much as the ring: older ones fade. */
+/* The rows hold about as much as the ring, but enough for a solution: older ones fade. */
 static void uncertain_fade(uncertain_t *u, const auvid_metric_t *m, int j)
 {
-    auvid_real_t full = (auvid_real_t)m->cfg.sets * (auvid_real_t)m->cfg.set_rows;
+    auvid_real_t full = auvid_max((auvid_real_t)m->cfg.sets * (auvid_real_t)m->cfg.set_rows,
+                                  AUVID_UNCERTAIN_LEAST_ROWS);
     auvid_real_t keep = full / u->rows[j];
     if (keep < AUVID_C(1.0)) {
         uncertain_change_faded(u, j, keep, AUVID_C(0.0));

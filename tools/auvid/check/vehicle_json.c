@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "auvid/config.h"
+#include "../base/json_string.h"
 #include "../vehicle/vehicle_keys.h"
 #include "vehicle_output.h"
 #include "vehicle_sim.h"
@@ -79,7 +80,7 @@ static void print_value(const vehicle_key_t *key, const char *base)
     switch (key->kind) {
     case KEY_WORD:
     case KEY_TITLE:
-        printf("\"%s\"", (const char *)from);
+        json_string(stdout, from);
         break;
     case KEY_YES:
         printf(*(const bool *)from ? "true" : "false");
@@ -123,8 +124,10 @@ static void print_parameters(const auvid_vehicle_t *model)
     printf(",\n  \"parameters\": [");
     for (int i = 0; i < model->parameters; ++i) {
         const auvid_parameter_t *p = &model->parameter[i];
-        printf("%s\n    {\"name\": \"%s\", \"unit\": \"%s\", \"dof\": \"%s\", \"kind\": \"%s\"}",
-               i == 0 ? "" : ",", p->name, p->unit, vehicle_dofs[p->dof], vehicle_kinds[p->kind]);
+        printf("%s\n    {\"name\": \"%s\", \"unit\": ", i == 0 ? "" : ",", p->name);
+        json_string(stdout, p->unit);
+        printf(", \"dof\": \"%s\", \"kind\": \"%s\"}", vehicle_dofs[p->dof],
+               vehicle_kinds[p->kind]);
     }
     printf("]");
 }
@@ -218,16 +221,11 @@ static void print_truth(const vehicle_t *v)
 
 void vehicle_json(const vehicle_t *v, const char *path)
 {
-    printf("{\n  \"version\": \"%s\",\n  \"file\": \"", AUVID_VERSION_STRING);
-    for (const char *c = path; *c != '\0'; ++c) {
-        if ((unsigned char)*c < ' ') {
-            printf("\\u%04x", (unsigned)*c);
-        } else {
-            printf(*c == '"' || *c == '\\' ? "\\%c" : "%c", *c);
-        }
-    }
-    printf("\",\n  \"name\": \"%s\",\n  \"title\": \"%s\",\n  \"model\": \"%s\",\n  \"fast\": %s",
-           v->word, v->title, kinds[v->kind], v->fast ? "true" : "false");
+    printf("{\n  \"version\": \"%s\",\n  \"file\": ", AUVID_VERSION_STRING);
+    json_string(stdout, path);
+    printf(",\n  \"name\": \"%s\",\n  \"title\": ", v->word);
+    json_string(stdout, v->title);
+    printf(",\n  \"model\": \"%s\",\n  \"fast\": %s", kinds[v->kind], v->fast ? "true" : "false");
     printf(",\n  \"dry_mass_kg\": ");
     print_real("", v->dry_mass_kg);
     print_parameters(v->model);

@@ -7,6 +7,7 @@
 #include "auvid/config.h"
 #include "doctor.h"
 #include "doctor_report.h"
+#include "../base/json_string.h"
 #include "../base/report_error.h"
 #include "../vehicle/vehicle_calibration.h"
 
@@ -84,26 +85,11 @@ static int examine(doctor_t *doctor, csv_log_t *log, const log_use_t *use, doubl
     return status;
 }
 
-static void print_string(const char *text)
-{
-    putchar('"');
-    for (; *text != '\0'; ++text) {
-        if (*text == '"' || *text == '\\') {
-            printf("\\%c", *text);
-        } else if ((unsigned char)*text < ' ') {
-            printf("\\u%04x", (unsigned)(unsigned char)*text);
-        } else {
-            putchar(*text);
-        }
-    }
-    putchar('"');
-}
-
 static void print_column(const char *key, int column)
 {
     printf(", \"%s\": ", key);
     if (column >= 0) {
-        print_string(csv_name[column]);
+        json_string(stdout, csv_name[column]);
     } else {
         fputs("null", stdout);
     }
@@ -113,10 +99,10 @@ static void print_json(const doctor_t *d, const csv_log_t *log)
 {
     static const char *const dof[6] = {"surge", "sway", "heave", "roll", "pitch", "yaw"};
     printf("{\"version\": \"%s\", \"log\": ", AUVID_VERSION_STRING);
-    print_string(log->path);
+    json_string(stdout, log->path);
     printf(", \"rows\": %.0f, \"seconds\": %.6g, \"usable\": %s, \"verdict\": ", d->rows,
            d->last_s - d->start_s, d->usable ? "true" : "false");
-    print_string(d->verdict);
+    json_string(stdout, d->verdict);
     fputs(", \"usable_motion_s\": {", stdout);
     for (int j = 0; j < 6; ++j) {
         printf("%s\"%s\": %.4g", j > 0 ? ", " : "", dof[j], d->usable_s[j]);
@@ -130,7 +116,7 @@ static void print_json(const doctor_t *d, const csv_log_t *log)
         print_column("other", f->other);
         printf(", \"value\": %.6g, \"from_s\": %.9g, \"to_s\": %.9g, \"sentence\": ", f->value,
                f->from_s, f->to_s);
-        print_string(f->text);
+        json_string(stdout, f->text);
         putchar('}');
     }
     puts("]}");

@@ -61,7 +61,9 @@ static void write_parameter(FILE *out, const result_t *result, int i)
 {
     char note[WORDS];
     report_note(result, i, note, sizeof note);
-    fprintf(out, "  %-6s ", result->vehicle->parameter[i].name);
+    fputs("  ", out);
+    escaped(out, result->vehicle->parameter[i].name);
+    fputs("  ", out);
     if (report_is_identified(result, i)) {
         fprintf(out, "%.5g", (double)result->estimate.pi[i]);
     } else {
@@ -70,7 +72,9 @@ static void write_parameter(FILE *out, const result_t *result, int i)
     if (isfinite(report_sigma(result, i))) {
         fprintf(out, " +- %.2g", HALF_WIDTH * report_sigma(result, i));
     }
-    fprintf(out, " %s%s", report_unit(result, i), note[0] != '\0' ? "; not identifiable: " : "");
+    fputc(' ', out);
+    escaped(out, report_unit(result, i));
+    fputs(note[0] != '\0' ? "; not identifiable: " : "", out);
     escaped(out, note);
     fputc('\n', out);
 }

@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "report.h"
+#include "../base/json_string.h"
 
 /* Longest note and sentence. */
 enum { WORDS = 300 };
@@ -18,45 +19,6 @@ static void json_number(FILE *out, double x)
     } else {
         fprintf(out, "null");
     }
-}
-
-/* Number of bytes of the UTF-8 character at text; 0: it is none. */
-static int utf8_bytes(const unsigned char *text)
-{
-    int more = text[0] < 0x80   ? 0
-               : text[0] < 0xc2 ? -1
-               : text[0] < 0xe0 ? 1
-               : text[0] < 0xf0 ? 2
-                                : 3;
-    if (more < 0 || text[0] > 0xf4) {
-        return 0;
-    }
-    for (int i = 1; i <= more; ++i) {
-        if (text[i] < 0x80 || text[i] > 0xbf) {
-            return 0;
-        }
-    }
-    return 1 + more;
-}
-
-/* A string, which may hold any byte but 0: names of files and parameters come from outside. What is
- * not UTF-8 becomes U+FFFD. "<" is escaped, so that the text can stand inside HTML. */
-static void json_string(FILE *out, const char *text)
-{
-    const unsigned char *at = (const unsigned char *)text;
-    fputc('"', out);
-    while (*at != 0) {
-        int bytes = utf8_bytes(at);
-        if (bytes == 0) {
-            fprintf(out, "\\ufffd");
-        } else if (*at == '"' || *at == '\\' || *at == '<' || *at < 0x20) {
-            fprintf(out, "\\u%04x", *at);
-        } else {
-            fprintf(out, "%.*s", bytes, (const char *)at);
-        }
-        at += bytes > 0 ? bytes : 1;
-    }
-    fputc('"', out);
 }
 
 /* Words for auvid_parameter_kind_t. */
