@@ -201,6 +201,18 @@ f = d["findings"][0]
 assert not d["usable"] and d["verdict"].startswith("not usable")
 assert (f["severity"], f["code"], f["column"]) == ("error", "angle_degrees", "psi_rad"), f
 assert "degrees" in f["sentence"] and d["usable_motion_s"]["surge"] > 60'
+# decodes COMMAND...: its output is UTF-8 and JSON.
+decodes() {
+    "$@" | python3 -c 'import json, sys; json.loads(sys.stdin.buffer.read().decode())'
+}
+cp clean.csv $'\xff\xed\xa0\x80\xf4\x90\x80\x80.csv'
+cp whole.csv $'\xe0\x80\x80.csv'
+LC_ALL=C sed 's/^title = .*/title = Caf\xe9 500/' "$ROOT/tools/auvid/vehicles/girona500.ini" >latin.ini
+check "JSON of a file whose name is no UTF-8" decodes "$AUVID" check --json \
+    $'\xff\xed\xa0\x80\xf4\x90\x80\x80.csv'
+check "  of fit" decodes "$AUVID" fit --json --plain $'\xe0\x80\x80.csv'
+check "  of a vehicle whose title is Latin-1" decodes "$AUVID" check --json latin.ini
+
 check "fit prints errors before its result" exits 3 fit moment_reversed.csv --plain --json
 check "  on stderr" grep -q 'moment_reversed.csv: N_Nm has the wrong sign' err
 check "  and identifies nothing from such a log, though motion would do" python3 -c '

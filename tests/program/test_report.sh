@@ -27,6 +27,12 @@ csv.writer(sys.stdout, lineterminator="\n").writerows([head, *rows])' "$2" >"$1.
 change sign 'for row in rows: row[head.index("Y_N")] = str(-float(row[head.index("Y_N")]))'
 change slow 'rows = rows[::50]'
 
+sed 's/^m_u = mass surge kg$/m_u = mass surge <!-- \&/' \
+    "$ROOT/tools/auvid/vehicles/surface.ini" >comment.ini
+check "a unit is no markup" sh -c "'$AUVID' demo --vehicle comment.ini --sets 1 \
+    --report comment.html >/dev/null 2>&1; [ -s comment.html ] && ! grep -q '<!-- &' comment.html &&
+    [ \$(grep -c '</script>' comment.html) -ge 2 ]"
+
 cat >page.py <<'END'
 import html, json, re, sys
 page = open(sys.argv[1], errors="replace").read()

@@ -90,7 +90,8 @@ typedef struct {
     uint32_t frames;          /**< accepted frames */
     uint32_t refused;         /**< refused frames: bad checksum, length, range or counter, or a tick
                                    older than one already accepted */
-    uint32_t samples_dropped; /**< samples that navigation or the recorder refused */
+    uint32_t samples_dropped; /**< samples that navigation or the recorder refused, or of a refused
+                                   tick */
     uint32_t unknown_age;     /**< samples without an age; they are not used */
     uint32_t foreign_commands; /**< command frames of another node, counted in every guard state */
 } auvid_node_counters_t;

@@ -194,6 +194,13 @@ static void node_count_drops(auvid_node_t *node, uint32_t events)
     }
 }
 
+/* Returns how many samples wait for the tick. */
+static uint32_t node_count_samples(const auvid_input_t *in)
+{
+    return (uint32_t)in->imu.present + in->dvl.present + in->depth.present + in->gps.present +
+           in->altitude.present;
+}
+
 /* Clears all samples but the IMU's: a half of it may be pending. */
 static void node_clear_samples(auvid_input_t *in)
 {
@@ -216,15 +223,15 @@ auvid_status_t auvid_node_step(auvid_node_t *node, const uint64_t *t_us, auvid_c
     }
     auvid_output_t out;
     uint64_t tick_us = t_us != NULL ? *t_us : node->tick_us;
-    bool advances = !node->id.started || tick_us > node->id.t_us;
-    if (advances) { /* else auvid_identifier_step refuses the tick, and what came waits */
+    if (!node->id.started ||
+        tick_us > node->id.t_us) { /* otherwise auvid_identifier_step refuses the tick */
         if (t_us != NULL) {
             node_open_tick(node, tick_us, frame, count);
         }
         node_record_thrust(node);
         node_arm(node);
-        node_set_sample_times(node, tick_us);
     }
+    node_set_sample_times(node, tick_us);
     auvid_status_t status = auvid_identifier_step(&node->id, &node->in, &out);
     node_command_thrusters(node, &out, frame, count);
     node_count_drops(node, out.events);
@@ -233,10 +240,10 @@ auvid_status_t auvid_node_step(auvid_node_t *node, const uint64_t *t_us, auvid_c
         node->t_us = tick_us;
         node->first_us = node->counters.ticks > 0 ? node->first_us : tick_us;
         ++node->counters.ticks;
+    } else {
+        node->counters.samples_dropped += node_count_samples(&node->in);
     }
-    if (advances) {
-        node_clear_samples(&node->in);
-    }
+    node_clear_samples(&node->in);
     return status;
 }
 

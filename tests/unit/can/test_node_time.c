@@ -3,6 +3,7 @@
  * samples between two ticks, and a clock of its own.
  */
 #include "node_run.h"
+#include "save_checkpoint.h"
 
 static void clock_is_set(int32_t by_us)
 {
@@ -135,6 +136,68 @@ static void test_a_node_with_its_own_clock_sends_the_tick_and_refuses_to_go_back
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_node_step(&node, &t_us, frame, &count));
 }
 
+static void test_samples_of_a_refused_tick_are_counted_as_dropped(void)
+{
+    auvid_can_frame_t frame[AUVID_NODE_FRAMES], depth;
+    auvid_can_sender_t from;
+    auvid_can_message_t m = {.kind = AUVID_CAN_DEPTH, .as.depth = {.depth = 5}};
+    int count = 0;
+    uint64_t t_us = 1000000;
+    begin(false);
+    auvid_can_sender_init(&from, NULL);
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_node_step(&node, &t_us, frame, &count));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_can_pack(&from, &m, &depth));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_node_take(&node, &depth));
+    TEST_ASSERT_EQUAL(AUVID_ERR_TIME_SAME, auvid_node_step(&node, &t_us, frame, &count));
+    TEST_ASSERT_EQUAL_UINT32(1, node.counters.samples_dropped);
+    t_us = 1020000;
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_node_step(&node, &t_us, frame, &count));
+    TEST_ASSERT_EQUAL_UINT32(1, node.counters.samples_dropped);
+}
+
+/* A node is restarted after an hour and 20 minutes, when the 32 bits of the tick frames have
+ * wrapped, from the checkpoint of the last one; the bus clock goes on, or begins anew. */
+static void restart(int32_t later_us, uint32_t steps)
+{
+    static uint8_t saved[64 * 1024];
+    static auvid_identifier_t dive;
+    auvid_can_frame_t frame[AUVID_NODE_FRAMES];
+    auvid_can_sender_t from;
+    uint64_t t_us = 4800000000u;
+    uint32_t bytes = 0;
+    int count = 0;
+    begin(false);
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_node_step(&node, &t_us, frame, &count));
+    bytes = save_checkpoint(&node.id, saved, sizeof saved);
+    dive = node.id;
+    begin(false);
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_checkpoint_restore(&node.id, saved, bytes));
+    auvid_can_sender_init(&from, NULL);
+    for (uint32_t k = 0; k < 3; ++k) {
+        auvid_can_message_t m = {
+            .kind = AUVID_CAN_TICK,
+            .as.tick = {.sequence = k, .time = (uint32_t)t_us + (uint32_t)later_us + 20000u * k}};
+        auvid_can_frame_t tick;
+        TEST_ASSERT_EQUAL(AUVID_OK, auvid_can_pack(&from, &m, &tick));
+        TEST_ASSERT_EQUAL(AUVID_TICK, auvid_node_take(&node, &tick));
+        TEST_ASSERT_EQUAL(AUVID_OK, auvid_node_step(&node, NULL, frame, &count));
+    }
+    TEST_ASSERT_EQUAL_UINT32(steps, node.counters.clock_steps);
+    TEST_ASSERT_EQUAL_UINT32(3, node.counters.ticks);
+    TEST_ASSERT_TRUE(node.t_us ==
+                     dive.t_us + (later_us > 0 ? (uint32_t)later_us : 1000000u) + 40000u);
+}
+
+static void test_a_restored_node_goes_on_with_the_clock_of_the_bus(void)
+{
+    restart(7000000, 0);
+}
+
+static void test_a_restored_node_goes_on_if_the_clock_of_the_bus_went_back(void)
+{
+    restart(-600000000, 1);
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -145,5 +208,8 @@ int main(void)
     RUN_TEST(test_a_late_or_repeated_tick_is_refused_and_no_clock_step);
     RUN_TEST(test_halves_of_an_imu_sample_may_arrive_in_neighbouring_ticks);
     RUN_TEST(test_a_node_with_its_own_clock_sends_the_tick_and_refuses_to_go_back);
+    RUN_TEST(test_samples_of_a_refused_tick_are_counted_as_dropped);
+    RUN_TEST(test_a_restored_node_goes_on_with_the_clock_of_the_bus);
+    RUN_TEST(test_a_restored_node_goes_on_if_the_clock_of_the_bus_went_back);
     return UNITY_END();
 }

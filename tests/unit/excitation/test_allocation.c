@@ -194,6 +194,28 @@ static void test_a_thruster_out_of_order_is_not_used(void)
     assert_wrench(60, 0, 0, 0, 0, 0);
 }
 
+static void test_init_takes_its_own_configuration(void)
+{
+    a.cfg.thruster[4].min_N = 0;
+    a.cfg.thruster[4].max_N = 0;
+    TEST_ASSERT_EQUAL_INT(AUVID_OK, auvid_allocation_init(&a, &a.cfg));
+    TEST_ASSERT_EQUAL_INT(0, a.actuated & AUVID_DOF_BIT(AUVID_SWAY));
+    TEST_ASSERT_EQUAL_INT(AUVID_SATURATED, solve(60, 30, 0, 0, 0, 0));
+    assert_wrench(60, 0, 0, 0, 0, 0);
+}
+
+static void test_a_command_beyond_the_largest_number_is_refused(void)
+{
+    auvid_real_t force[AUVID_MAX_THRUSTERS] = {1, 1, 1, 1, AUVID_C(1e30)};
+    auvid_real_t command[AUVID_MAX_THRUSTERS] = {7};
+    a.cfg.thruster[4].gain_forward = AUVID_C(1e-30) * AUVID_C(1e-8);
+    a.cfg.thruster[4].law = AUVID_THRUST_LINEAR;
+    auvid_status_t status = auvid_allocation_command(&a, force, command);
+    bool fits = sizeof(auvid_real_t) == sizeof(double);
+    TEST_ASSERT_EQUAL_INT(fits ? AUVID_OK : AUVID_ERR_NOT_FINITE, status);
+    TEST_ASSERT_TRUE(fits || !(fabs((double)command[0] - 7.0) > 0.0));
+}
+
 /* In exact arithmetic the first thruster does not affect sway: its share is proportional to the sum
  * of products of the columns' X and Y, -0.5 * 0.6 + 0.3 * 1.0. It works in one direction only, so
  * a rounding error would block sway in one direction. */
@@ -483,6 +505,8 @@ int main(void)
     RUN_TEST(test_without_priority_the_whole_wrench_is_scaled);
     RUN_TEST(test_no_force_ever_exceeds_its_limit);
     RUN_TEST(test_a_thruster_out_of_order_is_not_used);
+    RUN_TEST(test_init_takes_its_own_configuration);
+    RUN_TEST(test_a_command_beyond_the_largest_number_is_refused);
     RUN_TEST(test_a_thruster_at_its_limit_does_not_block_a_dof_it_does_not_affect);
     RUN_TEST(test_two_coupled_dofs_are_not_actuated);
     RUN_TEST(test_a_mask_without_roll_lets_sway_be_used);

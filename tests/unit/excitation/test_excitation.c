@@ -176,6 +176,24 @@ static void test_stop_fades_out_and_ends(void)
     TEST_ASSERT_EQUAL_DOUBLE(1.0, (double)auvid_excitation_progress(&e));
 }
 
+static void test_progress_is_at_most_1_if_the_stop_comes_late(void)
+{
+    add(AUVID_SEGMENT_STEP, 100, 10);
+    begin();
+    TEST_ASSERT_EQUAL_INT(AUVID_OK, auvid_excitation_stop(&e, 1000 * S));
+    TEST_ASSERT_EQUAL_DOUBLE(1.0, (double)auvid_excitation_progress(&e));
+}
+
+static void test_runs_and_sequences_of_microseconds_are_refused(void)
+{
+    add(AUVID_SEGMENT_STEP, 100, 1e-6);
+    cfg.duration_s = 86400;
+    TEST_ASSERT_EQUAL_INT(AUVID_ERR_RANGE, auvid_excitation_init(&e, &cfg));
+    cfg.segment[0].duration_s = 1;
+    cfg.duration_s = AUVID_C(1e-7);
+    TEST_ASSERT_EQUAL_INT(AUVID_ERR_RANGE, auvid_excitation_init(&e, &cfg));
+}
+
 static void test_no_wrench_before_start_and_after_the_end(void)
 {
     add(AUVID_SEGMENT_STEP, 100, 1);
@@ -520,6 +538,8 @@ int main(void)
     RUN_TEST(test_the_run_fades_in_and_out_with_a_raised_cosine);
     RUN_TEST(test_a_segment_fades_in_and_out);
     RUN_TEST(test_stop_fades_out_and_ends);
+    RUN_TEST(test_progress_is_at_most_1_if_the_stop_comes_late);
+    RUN_TEST(test_runs_and_sequences_of_microseconds_are_refused);
     RUN_TEST(test_no_wrench_before_start_and_after_the_end);
     RUN_TEST(test_time_that_goes_back_gives_no_wrench_and_does_no_harm);
     RUN_TEST(test_progress_runs_from_0_to_1);

@@ -355,6 +355,14 @@ static void test_limits_that_are_negative_or_not_finite_are_refused(void)
     check_init(AUVID_OK);
 }
 
+static void test_init_takes_its_own_configuration(void)
+{
+    auvid_guard_defaults(&cfg);
+    TEST_ASSERT_EQUAL_INT(AUVID_OK, auvid_guard_init(&g, &cfg));
+    TEST_ASSERT_EQUAL_INT(AUVID_OK, auvid_guard_init(&g, &g.cfg));
+    TEST_ASSERT_EQUAL_MEMORY(&cfg, &g.cfg, sizeof cfg);
+}
+
 static void test_depth_limits_in_reverse_order_are_refused(void)
 {
     cfg.depth_min_m = 101;
@@ -438,6 +446,7 @@ int main(void)
     RUN_TEST(test_a_guard_that_is_all_zeros_permits_nothing);
     RUN_TEST(test_the_defaults_are_those_that_the_header_names);
     RUN_TEST(test_limits_that_are_negative_or_not_finite_are_refused);
+    RUN_TEST(test_init_takes_its_own_configuration);
     RUN_TEST(test_depth_limits_in_reverse_order_are_refused);
     RUN_TEST(test_what_cannot_be_switched_off_is_refused);
     RUN_TEST(test_a_limit_of_zero_is_a_limit_of_zero);

@@ -42,6 +42,19 @@ static void test_too_close_to_the_bottom(void)
     TEST_ASSERT_TRUE(chain.actuation.guard.trip.value < 2);
 }
 
+/* Roll wrapped to 0 .. 2 pi passes from 0 to a full turn. */
+static void turn_roll(chain_t *c, auvid_input_t *in)
+{
+    (void)c;
+    in->imu.attitude[0] += AUVID_C(6.2831853);
+}
+
+static void test_a_full_turn_of_roll_is_level(void)
+{
+    cfg.before = turn_roll;
+    begin();
+}
+
 static void test_too_much_roll(void)
 {
     cfg.acting.guard.roll_max_rad = AUVID_C(0.03);
@@ -405,6 +418,7 @@ int main(void)
     RUN_TEST(test_too_deep);
     RUN_TEST(test_too_shallow);
     RUN_TEST(test_too_close_to_the_bottom);
+    RUN_TEST(test_a_full_turn_of_roll_is_level);
     RUN_TEST(test_too_much_roll);
     RUN_TEST(test_too_much_pitch);
     RUN_TEST(test_too_fast);

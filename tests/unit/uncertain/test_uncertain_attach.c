@@ -41,6 +41,40 @@ static auvid_status_t attach(void)
     return status;
 }
 
+/* A ring of fewer rows than a solution needs: 15 s. */
+static void test_a_small_ring_has_solutions(void)
+{
+    chain_t *c = &chain;
+    cfg.id.metric.sets = 1;
+    cfg.id.metric.set_rows = 30;
+    memset(c, 0, sizeof *c);
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&c->id, &cfg.id));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_allocation_init(&c->allocation, &cfg.thrusters));
+    TEST_ASSERT_EQUAL(AUVID_OK, attach());
+    for (uint32_t k = 1; k < 1000; ++k) {
+        static const auvid_real_t level[3] = {0};
+        auvid_sample_t sample = {.t_us = 100000u * k};
+        auvid_real_t wrench[AUVID_DOF_COUNT];
+        auvid_allocation_result_t thrust;
+        for (int j = 0; j < 2 * AUVID_DOF_COUNT; ++j) {
+            int dof = j / 2;
+            auvid_real_t w =
+                AUVID_C(0.3) * (auvid_real_t)(1 + j % 2) + AUVID_C(0.11) * (auvid_real_t)dof;
+            double phase = 0.1 * k * (double)w + dof;
+            sample.nu[dof] += dof == 3 || dof == 4 ? 0 : AUVID_C(0.2) * (auvid_real_t)sin(phase);
+            sample.nu_dot[dof] +=
+                dof == 3 || dof == 4 ? 0 : AUVID_C(0.2) * w * (auvid_real_t)cos(phase);
+        }
+        auvid_vehicle_residual(&auvid_girona500, &sample, auvid_girona500_paper, wrench);
+        (void)auvid_allocation_solve(&c->allocation, wrench, &thrust);
+        (void)auvid_identifier_applied(&c->id, sample.t_us, thrust.wrench, thrust.force_N);
+        (void)auvid_identifier_motion(&c->id, sample.t_us, level, sample.nu);
+        (void)auvid_identifier_work(&c->id, 400);
+    }
+    TEST_ASSERT_TRUE(storage.estimate.number > 1);
+    TEST_ASSERT_TRUE(fabs((double)storage.estimate.pi[0] - 250.0) < 25.0);
+}
+
 static void test_null_is_refused(void)
 {
     const auvid_allocation_t *a = &chain.allocation;
@@ -226,6 +260,7 @@ static void test_no_cell_is_lost_and_a_set_is_at_most_seven_ticks_later(void)
 int main(void)
 {
     UNITY_BEGIN();
+    RUN_TEST(test_a_small_ring_has_solutions);
     RUN_TEST(test_null_is_refused);
     RUN_TEST(test_it_attaches_once_and_before_the_first_step_or_wrench);
     RUN_TEST(test_a_prior_out_of_range_is_refused);

@@ -371,7 +371,7 @@ static void test_impossible_values_are_refused(void)
     OF_INPUTS(recorded.speed[0] = (auvid_real_t)NAN);
     OF_INPUTS(rows[AUVID_ROLL] = 1);
     OF_INPUTS(rows[AUVID_SURGE] = 0); /* that are being solved */
-    OF_INPUTS(factor[1][0] = AUVID_C(1e30));
+    OF_INPUTS(factor[1][0] = (auvid_real_t)INFINITY);
     OF_INPUTS(pi[0] = (auvid_real_t)NAN);
     OF_INPUTS(scale = 3);
     OF_INPUTS(estimate.covariance[0] = AUVID_C(2e37));

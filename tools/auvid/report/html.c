@@ -63,7 +63,7 @@ static void write_parameter(FILE *out, const result_t *result, int i)
     report_note(result, i, note, sizeof note);
     fputs("  ", out);
     escaped(out, result->vehicle->parameter[i].name);
-    fputs("  ", out);
+    fputs(" ", out);
     if (report_is_identified(result, i)) {
         fprintf(out, "%.5g", (double)result->estimate.pi[i]);
     } else {
