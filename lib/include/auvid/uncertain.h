@@ -61,10 +61,10 @@
  * uncertain inputs.
  *
  * Regressor path only. Attach it once; a program without it does not contain it. A checkpoint
- * (checkpoint.h) contains its state. Cost: a tick of the example on a Cortex-M4F takes 23 thousand
+ * (checkpoint.h) contains its state. Cost: a tick of the example on a Cortex-M4F takes 24 thousand
  * instructions instead of 17 on average, 64 instead of 58 at most; of these about 0.1 thousand for
  * each thruster and command. Memory:
- * sizeof(auvid_uncertain_t), 31 KiB with default sizes; AUVID_MAX_UNCERTAIN chooses for how many
+ * sizeof(auvid_uncertain_t), 32 KiB with default sizes; AUVID_MAX_UNCERTAIN chooses for how many
  * columns.
  *
  * Sources: Fuller 1987 (errors in variables); Ljung 1999, 7 (prediction error); Schmidt 1966

@@ -1,5 +1,7 @@
 #include "bus_identifier.h"
 
+#include <stdio.h>
+
 #include "../base/report_error.h"
 
 int bus_identifier_begin(bus_identifier_t *to, const options_t *options, const char *replayed,
@@ -36,6 +38,34 @@ int bus_identifier_begin(bus_identifier_t *to, const options_t *options, const c
     }
     status = excites ? world_excite(&to->node, &to->actuation, &world) : AUVID_OK;
     return status < 0 ? report_refused(options->command, status, &to->actuation.refusal, NULL) : 0;
+}
+
+auvid_status_t bus_identifier_take(bus_identifier_t *to, const auvid_can_frame_t *frame)
+{
+    auvid_status_t status = auvid_node_take(&to->node, frame);
+    to->received |= status >= 0 ? UINT32_C(1) << (int)auvid_can_kind(NULL, frame->id) : 0;
+    return status;
+}
+
+void bus_identifier_print_missing(const bus_identifier_t *from)
+{
+    static const struct {
+        uint32_t kinds;
+        const char *name;
+    } needed[] = {
+        {1u << AUVID_CAN_IMU_ATTITUDE, "imu_attitude"},
+        {1u << AUVID_CAN_IMU_RATES, "imu_rates"},
+        {1u << AUVID_CAN_DVL_BOTTOM | 1u << AUVID_CAN_DVL_WATER, "dvl_bottom (or dvl_water)"},
+        {1u << AUVID_CAN_THRUSTER_FEEDBACK_A, "thruster_feedback_a"},
+    };
+    const char *before = "  never received, but needed: ";
+    for (size_t k = 0; k < sizeof needed / sizeof needed[0]; ++k) {
+        if ((from->received & needed[k].kinds) == 0) {
+            printf("%s%s", before, needed[k].name);
+            before = ", ";
+        }
+    }
+    fputs(*before == ',' ? "\n" : "", stdout);
 }
 
 void bus_identifier_step(bus_identifier_t *to, const uint64_t *clock_us, auvid_can_frame_t *frame,

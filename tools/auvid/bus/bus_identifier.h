@@ -20,6 +20,7 @@ typedef struct {
     vehicle_calibration_t calibration[VEHICLE_CALIBRATIONS]; /* those that act */
     int calibrations;
     uint64_t start_us; /* time of the first tick */
+    uint32_t received; /* kinds of frames that came, a bit each */
     bool started;      /* it has passed */
 } bus_identifier_t;
 
@@ -30,6 +31,12 @@ typedef struct {
  * @return 0, or EXIT_REFUSED after one line on stderr */
 int bus_identifier_begin(bus_identifier_t *to, const options_t *options, const char *replayed,
                          bool answer, bool excites);
+
+/** auvid_node_take, which also notes what came. */
+auvid_status_t bus_identifier_take(bus_identifier_t *to, const auvid_can_frame_t *frame);
+
+/** Prints what never came of that without which nothing is identified; nothing if all did. */
+void bus_identifier_print_missing(const bus_identifier_t *from);
 
 /** Processes one tick: auvid_node_step, with the known force of this time. The times of a vehicle
  * file count from the first tick. */

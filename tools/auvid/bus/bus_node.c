@@ -84,7 +84,7 @@ static int receive(run_t *run)
     auvid_can_frame_t frame;
     int got = 0;
     for (int k = 0; k < MAX_FRAMES && (got = link_receive(&run->link, &frame)) > 0; ++k) {
-        if (auvid_node_take(&run->own.node, &frame) == AUVID_TICK && !run->options->clock_own) {
+        if (bus_identifier_take(&run->own, &frame) == AUVID_TICK && !run->options->clock_own) {
             return serve(run, NULL);
         }
     }
@@ -187,6 +187,7 @@ static int finish(run_t *run)
             puts("nothing identified: no thrust varied: use --excite, or drive the vehicle\n");
         }
         report_result(&result, NULL);
+        bus_identifier_print_missing(&run->own);
         print_counters(run);
         print_ticks(run);
     }

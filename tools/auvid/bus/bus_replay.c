@@ -133,7 +133,7 @@ static void take(run_t *run, const auvid_can_frame_t *frame)
         compare(run, frame);
         return;
     }
-    auvid_status_t status = auvid_node_take(&run->own.node, frame);
+    auvid_status_t status = bus_identifier_take(&run->own, frame);
     if (status < 0) {
         ++run->refused[-(int)status];
     } else if (status == AUVID_TICK) {
@@ -233,6 +233,7 @@ static int report(run_t *run)
     } else {
         printf("auvid %s replay of %s\n\n", AUVID_VERSION_STRING, run->options->log);
         report_result(&result, NULL);
+        bus_identifier_print_missing(&run->own);
         printf("  log   %u frames of auvid, %u refused, %u ticks; estimate frames: %u as in the "
                "log, %u different\n",
                (unsigned)run->ours, (unsigned)run->own.node.counters.refused,
