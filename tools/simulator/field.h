@@ -150,6 +150,8 @@ typedef struct {
     double linear[6], quadratic[6];
     double asymmetry[6];  /* drag times (1 + asymmetry) forward, (1 - asymmetry) backward */
     double exponent_loss; /* reduction of the exponent of quadratic drag */
+    double cross_flow;    /* part of the quadratic drag that follows the whole speed .. */
+    double half_m;        /* .. at half the length */
     double fouling;       /* present relative increase of drag */
     double side_centre_m; /* point of action of linear side drag, ahead of the origin */
     double lift_sway, lift_yaw, lift_heave; /* coefficients of |u| v, u v, u^2 */

@@ -105,6 +105,8 @@ static void shape(field_hull_t *h, const field_sheet_t *sheet, const field_confi
         h->asymmetry[i] = sim_rng_uniform(&rng) < 0.5 ? asymmetry : -asymmetry;
     }
     h->exponent_loss = c->size[FIELD_DRAG_EXPONENT];
+    h->cross_flow = c->size[FIELD_CROSS_FLOW];
+    h->half_m = sheet->length_m / 2.0;
     sim_rng_seed(&rng, c->seed, FIELD_STREAM_CROSS);
     h->side_centre_m = cross * sim_rng_gauss(&rng) * sheet->length_m / 2.0;
     h->lift_sway = cross * fabs(sim_rng_gauss(&rng)) * h->quadratic[U];
@@ -195,11 +197,13 @@ static void multiply(const double *m, const double x[6], double p[6])
 /* Drag, lift, and side drag that does not act at the origin. Fouling increases both drags. */
 static void add_drag(const field_hull_t *h, const double nu[6], double more, double force[6])
 {
-    double fouled = more * (1.0 + h->fouling);
+    double fouled = more * (1.0 + h->fouling), turn = h->half_m * nu[R];
+    double whole = sqrt(nu[U] * nu[U] + nu[V] * nu[V] + nu[W] * nu[W] + turn * turn);
     for (int i = 0; i < 6; ++i) {
         double x = nu[i], a = fabs(x);
         double square =
             fabs(h->exponent_loss) > 0.0 && a > 0.0 ? pow(a, 1.0 - h->exponent_loss) : a;
+        square += h->cross_flow * (whole / (i < P ? 1.0 : h->half_m) - a);
         force[i] -= fouled * (h->linear[i] + h->quadratic[i] * square) * x *
                     (1.0 + (x > 0.0 ? h->asymmetry[i] : -h->asymmetry[i]));
     }

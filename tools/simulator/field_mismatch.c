@@ -115,6 +115,9 @@ static const field_mismatch_t kinds[FIELD_KINDS] = {
     [FIELD_THRUST_BILINEAR] = {"thrust_bilinear", "",
                                "1: thrust is lost with inflow times the propeller's speed",
                                ALONE(0, 1)},
+    [FIELD_CROSS_FLOW] = {"cross_flow", "",
+                          "part of quadratic drag that follows the whole speed, not its axis's",
+                          ALONE(0, 1)},
 };
 
 int field_mismatches(const field_mismatch_t **table)

@@ -120,8 +120,6 @@ static void test_lever_arm_and_delay_of_the_dvl_are_found_and_would_bias_the_est
     }
 }
 
-/* By Fossen's bilinear law thrust is lost with the speed of the propeller; the column is of its
- * square. What that leaves looks like linear drag. */
 /* In proportion to thrust, or by Fossen's bilinear law: each would bias the other's linear drag. */
 static void test_thrust_is_lost_with_speed_by_either_law(void)
 {
@@ -138,6 +136,26 @@ static void test_thrust_is_lost_with_speed_by_either_law(void)
         for (int i = SIM_M_U; i <= SIM_N_RR; ++i) {
             TEST_ASSERT_TRUE(i == SIM_WB || fabs(error(i)) < (i < SIM_WB ? 0.03 : 0.1));
         }
+    }
+}
+
+static bool attach_without_cross_flow(auvid_identifier_t *id)
+{
+    return attach_without(id, &inputs.cross_flow);
+}
+
+/* Drag of the whole speed looks like thrust that is lost with speed, where all axes move. */
+static void test_cross_flow_drag_is_no_loss_of_thrust(void)
+{
+    const auvid_real_t *loss = run.uncertain.shared + AUVID_UNCERTAIN_INFLOW;
+    for (int i = 0; i < 2; ++i) {
+        identify_rov("cross_flow", 0.4, i == 0 ? NULL : attach_without_cross_flow);
+        double largest = 0.0, sum = (double)(loss[0] + loss[1]);
+        for (int k = SIM_M_U; k <= SIM_M_R; ++k) {
+            largest = fmax(largest, fabs(error(k)));
+        }
+        TEST_ASSERT_TRUE(i == 0 ? fabs(sum) < 0.08 : sum > 0.12);
+        TEST_ASSERT_TRUE(i == 0 ? largest < 0.06 : largest > 0.09);
     }
 }
 
@@ -379,6 +397,7 @@ int main(void)
     RUN_TEST(test_each_mismatch_is_found_and_leaves_the_parameters_right);
     RUN_TEST(test_lever_arm_and_delay_of_the_dvl_are_found_and_would_bias_the_estimate);
     RUN_TEST(test_thrust_is_lost_with_speed_by_either_law);
+    RUN_TEST(test_cross_flow_drag_is_no_loss_of_thrust);
     RUN_TEST(test_with_inputs_less_exact_than_told_little_is_identifiable);
     RUN_TEST(test_a_large_residual_does_not_carry_the_thrust_away);
     RUN_TEST(test_inputs_far_less_exact_than_told_give_no_estimate);

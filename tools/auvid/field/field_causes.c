@@ -22,6 +22,7 @@ static const struct {
                {"thrust_dead_band", AUVID_CAUSE_CURVE},
                {"thrust_advance", AUVID_CAUSE_INFLOW},
                {"drag_exponent", AUVID_CAUSE_INFLOW},
+               {"cross_flow", AUVID_CAUSE_INFLOW},
                {"thrust_lag", AUVID_CAUSE_TIMING},
                {"thrust_force_lag", AUVID_CAUSE_TIMING},
                {"thrust_late", AUVID_CAUSE_TIMING},
