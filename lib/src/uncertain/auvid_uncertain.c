@@ -262,7 +262,16 @@ static void uncertain_publish(auvid_identifier_t *id)
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
         u->linear[j] = auvid_uncertain_linear_part(u, &id->metric, j);
     }
+    u->half_m = auvid_uncertain_half_length(u, &id->metric);
     u->informed = (uint8_t)(u->informed + (u->informed < 2));
+}
+
+/* Half of the length before the first solution: twice the arm of the largest yaw moment. */
+static auvid_real_t uncertain_first_half(const auvid_metric_t *m)
+{
+    const auvid_real_t *max = m->cfg.tau_max;
+    auvid_real_t force = auvid_max(auvid_max(max[AUVID_SURGE], max[AUVID_SWAY]), max[AUVID_HEAVE]);
+    return force > AUVID_C(0.0) ? AUVID_C(2.0) * max[AUVID_YAW] / force : AUVID_C(0.0);
 }
 
 static const auvid_uncertain_functions_t uncertain_table = {
@@ -300,6 +309,7 @@ auvid_status_t auvid_identifier_attach_uncertain(auvid_identifier_t *id, auvid_u
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
         storage->linear[j] = FIRST_LINEAR;
     }
+    storage->half_m = uncertain_first_half(&id->metric);
     storage->checkpoint = &auvid_uncertain_checkpoint;
     status = auvid_uncertain_lay_out(storage, &id->metric);
     if (status == AUVID_OK) {
@@ -347,6 +357,7 @@ auvid_status_t auvid_uncertain_start(auvid_uncertain_t *uncertain, const auvid_u
     memcpy(u->shared, known->shared, sizeof u->shared);
     memcpy(u->own, known->own, sizeof u->own);
     memcpy(u->linear, known->linear, sizeof u->linear);
+    u->half_m = known->half_m;
     u->scale = known->scale;
     u->informed = 2;
     u->given = true;

@@ -32,10 +32,10 @@
  * a constant force.
  *
  * Drag follows the whole speed, at least in part, not that of its axis alone: each element of a
- * hull has its own velocity. With l about half the length, twice the largest yaw moment over the
- * largest force, the column of cross-flow drag is (S - |nu_j|) nu_j, and S^2 is
+ * hull has its own velocity. With l about half the length, by the last solution, the column of
+ * cross-flow drag is (S - |nu_j|) nu_j, and S^2 is
  *
- *     |v|^2 + (2 l r)^2  in surge and sway,   |v|^2  in heave,   |v|^2 / l^2 + nu_j^2  of moments.
+ *     |v|^2 + (1.5 l r)^2  in surge, sway,   |v|^2  in heave,   |v|^2 / l^2 + nu_j^2  of moments.
  *
  * (A strip that turns faster than it drifts has, with its counterpart at the other end, the drag
  * 2 |x r| v.) Where all axes move at once, this drag and the thrusters' forces vary together:
@@ -57,6 +57,8 @@
 #define SMALLEST_CURVE AUVID_C(1e-4)
 /* Step of current [m/s], lever arm [m] and times [s] for their differences. */
 #define STEP AUVID_C(0.02)
+/* Arm of the drag in turns, over half of the length: 1 of a point there, up to 2 of a strip. */
+#define STRIP AUVID_C(1.5)
 
 /* ---- which columns there are ---- */
 
@@ -355,19 +357,15 @@ static auvid_real_t uncertain_drag(const auvid_uncertain_t *u, const auvid_sampl
     return speed * (linear + (AUVID_C(1.0) - linear) * speed);
 }
 
-/* Returns DoF j's column of cross-flow drag. */
-static auvid_real_t uncertain_cross_flow(const auvid_metric_t *m, const auvid_real_t *nu, int j)
+/* Returns DoF j's column of cross-flow drag; half_m: half of the length, 0: not known. */
+static auvid_real_t uncertain_cross_flow(const auvid_real_t *nu, auvid_real_t half_m, int j)
 {
-    const auvid_real_t *max = m->cfg.tau_max;
-    auvid_real_t force = auvid_max(auvid_max(max[AUVID_SURGE], max[AUVID_SWAY]), max[AUVID_HEAVE]);
-    auvid_real_t half_m =
-        force > AUVID_C(0.0) ? AUVID_C(2.0) * max[AUVID_YAW] / force : AUVID_C(0.0);
     auvid_real_t square = AUVID_C(0.0), turn = AUVID_C(0.0);
     for (int i = AUVID_SURGE; i <= AUVID_HEAVE; ++i) {
         square += nu[i] * nu[i];
     }
     if (j < AUVID_HEAVE) {
-        turn = AUVID_C(2.0) * half_m * nu[AUVID_YAW];
+        turn = STRIP * half_m * nu[AUVID_YAW];
     } else if (j >= AUVID_ROLL) {
         square = half_m > AUVID_C(0.0) ? square / (half_m * half_m) : AUVID_C(0.0);
         turn = nu[j];
@@ -390,7 +388,7 @@ static auvid_real_t uncertain_motion(const auvid_uncertain_t *u, const auvid_sam
     case INPUT_LIFT:
         return nu[AUVID_SURGE] * nu[j == AUVID_YAW ? AUVID_SWAY : AUVID_SURGE];
     case INPUT_CROSS_FLOW:
-        return uncertain_cross_flow(&u->id->metric, nu, j);
+        return uncertain_cross_flow(nu, u->half_m, j);
     case INPUT_ASTERN:
         return j == AUVID_YAW ? down[1] : -down[2];
     default: /* INPUT_PORT */

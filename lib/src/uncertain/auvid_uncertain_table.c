@@ -100,8 +100,7 @@ static auvid_real_t table_size(const auvid_uncertain_t *u, const auvid_metric_t 
     return auvid_max(drag ? -value : value, AUVID_C(0.0));
 }
 
-/* Half the length of the vehicle [m], roughly: twice the radius of gyration. */
-static auvid_real_t table_half_length(const auvid_uncertain_t *u, const auvid_metric_t *m)
+auvid_real_t auvid_uncertain_half_length(const auvid_uncertain_t *u, const auvid_metric_t *m)
 {
     auvid_real_t inertia = table_size(u, m, AUVID_PARAMETER_INERTIA, AUVID_YAW);
     auvid_real_t mass = table_size(u, m, AUVID_PARAMETER_MASS, AUVID_SWAY);
@@ -157,7 +156,7 @@ static auvid_real_t table_cross(const auvid_uncertain_t *u, const auvid_metric_t
 {
     (void)j;
     return deviation * table_size(u, m, AUVID_PARAMETER_LINEAR_DRAG, AUVID_SWAY) *
-           table_half_length(u, m);
+           auvid_uncertain_half_length(u, m);
 }
 
 /* Of the quadratic drag. */
@@ -172,7 +171,7 @@ static auvid_real_t table_lift(const auvid_uncertain_t *u, const auvid_metric_t 
                                auvid_real_t deviation, int j)
 {
     return deviation * table_size(u, m, AUVID_PARAMETER_QUADRATIC_DRAG, AUVID_SURGE) *
-           (j == AUVID_YAW ? AUVID_C(0.67) * table_half_length(u, m) : AUVID_C(0.5));
+           (j == AUVID_YAW ? AUVID_C(0.67) * auvid_uncertain_half_length(u, m) : AUVID_C(0.5));
 }
 
 /* The lever of the vehicle's weight. */

@@ -158,6 +158,10 @@ auvid_real_t auvid_uncertain_configured(const auvid_uncertain_t *u, int input);
 auvid_real_t auvid_uncertain_linear_part(const auvid_uncertain_t *u, const auvid_metric_t *m,
                                          int j);
 
+/** Returns half the length of the vehicle [m], roughly, by the last solution: twice the radius of
+ * gyration. 0: not known. */
+auvid_real_t auvid_uncertain_half_length(const auvid_uncertain_t *u, const auvid_metric_t *m);
+
 /** Returns the standard deviation of the prior of a column of DoF j. */
 auvid_real_t auvid_uncertain_sigma(const auvid_uncertain_t *u, const auvid_metric_t *m, int input,
                                    int j);
