@@ -55,7 +55,8 @@ awk '/ 404#/ && ++n % 50 == 0 { next } { print }' run.log >lossy.log
 check "a log with frames missing differs from its estimates" exits 1 replay lossy.log --sets 2
 grep -v ' 404#' run.log >no_dvl.log
 check "a log without a DVL differs, too" exits 1 replay no_dvl.log --sets 2
-check "  and says what never came" grep -qx "  never received, but needed: dvl_bottom (or dvl_water)" out
+check "  and says what never came" grep -qx \
+    "  never received, but needed: dvl_bottom (or dvl_water)" out
 check "by a number of frames" grep -Eq '[1-9][0-9]* different' out
 
 # ---- wrong inputs ----

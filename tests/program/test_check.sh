@@ -207,7 +207,8 @@ decodes() {
 }
 cp clean.csv $'\xff\xed\xa0\x80\xf4\x90\x80\x80.csv'
 cp whole.csv $'\xe0\x80\x80.csv'
-LC_ALL=C sed 's/^title = .*/title = Caf\xe9 500/' "$ROOT/tools/auvid/vehicles/girona500.ini" >latin.ini
+LC_ALL=C sed 's/^title = .*/title = Caf\xe9 500/' \
+    "$ROOT/tools/auvid/vehicles/girona500.ini" >latin.ini
 check "JSON of a file whose name is no UTF-8" decodes "$AUVID" check --json \
     $'\xff\xed\xa0\x80\xf4\x90\x80\x80.csv'
 check "  of fit" decodes "$AUVID" fit --json --plain $'\xe0\x80\x80.csv'

@@ -156,7 +156,7 @@ static void test_samples_of_a_refused_tick_are_counted_as_dropped(void)
 }
 
 /* A node is restarted after an hour and 20 minutes, when the 32 bits of the tick frames have
- * wrapped, from the checkpoint of the last one; the bus clock goes on, or begins anew. */
+ * wrapped, from the checkpoint of the last one; the bus clock goes on, or begins at zero. */
 static void restart(int32_t later_us, uint32_t steps)
 {
     static uint8_t saved[64 * 1024];
