@@ -194,6 +194,9 @@ echo >>torn.avw
 check "no record yet" cold 'No such file or directory' none.avw
 check "a truncated record" cold 'not a prior record' short.avw
 check "a damaged record" cold 'a damaged prior record' torn.avw
+check "that of another vehicle is discarded, and this is told" sh -c "'$AUVID' node --bus memory \
+    --excite --sets 2 --vehicle bluerov2_standard --prior first.avw 2>&1 >/dev/null |
+    grep -q 'the data contradict this prior record, and it was discarded'"
 check "a record that cannot be written" exits 2 \
     node --bus memory --excite --sets 1 --save none/x.avw
 # used PATTERN LOG: the log replays, and one line on stderr says what was ignored.

@@ -23,6 +23,7 @@ typedef struct {
     const options_t *options;
     bus_identifier_t own;
     auvid_prior_t prior;
+    bool has_prior;
     link_t link;
     vehicle_sim_t vehicle_sim; /* --bus memory: the vehicle in this process */
     bus_memory_t hub;          /* its ends: node, vehicle */
@@ -39,7 +40,7 @@ static int begin(run_t *run)
         return EXIT_REFUSED;
     }
     if (o->prior != NULL) {
-        (void)prior_file_read(&run->own.node.id, &run->prior, o->prior);
+        run->has_prior = prior_file_read(&run->own.node.id, &run->prior, o->prior);
     }
     if (!run->simulated) {
         return link_open(&run->link, "node", o);
@@ -190,6 +191,9 @@ static int finish(run_t *run)
         bus_identifier_print_missing(&run->own);
         print_counters(run);
         print_ticks(run);
+    }
+    if (run->has_prior) {
+        prior_file_judge(&run->prior, run->options->prior);
     }
     return report_exit(&result);
 }

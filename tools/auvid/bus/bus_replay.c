@@ -202,6 +202,9 @@ static void warn_left_out(const run_t *run)
     if (run->log.bus.text[0] != '\0') {
         report_warning("%s", run->log.bus.text);
     }
+    if (run->options->prior != NULL) {
+        prior_file_judge(&run->prior, run->options->prior);
+    }
     if (run->own.node.counters.refused > 0) {
         report_warning(
             "%s: %u frames of auvid are refused: %u with a wrong checksum, %u of a wrong "

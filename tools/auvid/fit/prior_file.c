@@ -30,6 +30,15 @@ bool prior_file_read(auvid_identifier_t *id, auvid_prior_t *storage, const char 
     return status >= 0;
 }
 
+void prior_file_judge(const auvid_prior_t *storage, const char *path)
+{
+    if (storage->known == 0) {
+        report_warning("%s: the data contradict this prior record, and it was discarded: of another "
+                       "vehicle, payload or thrusters?",
+                       path);
+    }
+}
+
 bool prior_file_write(const auvid_identifier_t *id, const char *path)
 {
     uint8_t record[AUVID_PRIOR_BYTES];

@@ -11,6 +11,9 @@
  * line on stderr. */
 bool prior_file_read(auvid_identifier_t *id, auvid_prior_t *storage, const char *path);
 
+/** Warns on stderr if the data contradicted the prior of the file, so that it was discarded. */
+void prior_file_judge(const auvid_prior_t *storage, const char *path);
+
 /** Writes the last estimate, completely or not at all. Returns false after one line on stderr. */
 bool prior_file_write(const auvid_identifier_t *id, const char *path);
 
