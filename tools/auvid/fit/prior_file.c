@@ -33,9 +33,10 @@ bool prior_file_read(auvid_identifier_t *id, auvid_prior_t *storage, const char 
 void prior_file_judge(const auvid_prior_t *storage, const char *path)
 {
     if (storage->known == 0) {
-        report_warning("%s: the data contradict this prior record, and it was discarded: of another "
-                       "vehicle, payload or thrusters?",
-                       path);
+        report_warning(
+            "%s: the data contradict this prior record, and it was discarded: of another "
+            "vehicle, payload or thrusters?",
+            path);
     }
 }
 
