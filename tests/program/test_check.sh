@@ -183,7 +183,7 @@ done <<'END'
 2 time_back time_back.csv:702:[0-9]+: t_s: '[0-9.]+' goes back: sort the rows
 END
 
-sed "s/^dry_mass_kg = .*/dry_mass_kg = 200/" "$ROOT/tools/auvid/vehicles/girona500.ini" >dry.ini
+sed "s/^model = .*/&\ndry_mass_kg = 200/" "$ROOT/tools/auvid/vehicles/girona500.ini" >dry.ini
 check "forces in kgf, if the dry mass is known" exits 1 check kgf.csv --vehicle dry.ini
 check "  are named" grep -Eq 'X_N, Y_N, .* look like kilograms-force .*: multiply them by 9\.81' out
 check "  by fit, too" sh -c "'$AUVID' fit kgf.csv --plain --dry-mass 200 2>&1 |

@@ -14,7 +14,6 @@ static const char *const vehicles_ready_0[] = {
     "name = girona500\n",
     "title = Girona500\n",
     "model = girona500\n",
-    "dry_mass_kg = 140\n",
     "\n",
     "[thruster.1]  # surge, port\n",
     "position_m = 0 -0.4 0\n",
