@@ -18,13 +18,16 @@ int main(int count, char **option)
     auvid_uncertain_config_t inputs;
     auvid_uncertain_defaults(&inputs);
 #if AUVID_MAX_PARAMETERS >= 22
-    auvid_identifier_defaults(&cfg, &auvid_bluerov2_heavy);
+    static auvid_calibrated_t known;
+    (void)auvid_calibrated_init(&known, &auvid_bluerov2_heavy, AUVID_HEAVE);
+    bool force = count > 1 && strcmp(option[1], "force") == 0;
+    auvid_identifier_defaults(&cfg, force ? &known.vehicle : &auvid_bluerov2_heavy);
     auvid_allocation_init(&thrusters, &auvid_allocation_bluerov2_heavy);
 #else
     auvid_identifier_defaults(&cfg, &auvid_girona500);
     auvid_allocation_init(&thrusters, &auvid_allocation_girona500);
 #endif
-    if (count > 1) {
+    if (count > 1 && strcmp(option[1], "still") == 0) {
         inputs.current = 0;
     }
     if (count > 1 && strcmp(option[1], "exact") == 0) {
@@ -78,3 +81,5 @@ report "no columns: refused" 2 "$(attaches exact)"
 report "no columns: a third of the memory" 1 $((3 * $(bytes) < default))
 build -DAUVID_MAX_PARAMETERS=22 -DAUVID_MAX_UNCERTAIN=124
 report "124 columns: BlueROV2 Heavy in six degrees of freedom" 0 "$(attaches)"
+build -DAUVID_MAX_PARAMETERS=32 -DAUVID_MAX_UNCERTAIN=130
+report "130 columns: the same with a known force" 0 "$(attaches force)"

@@ -180,8 +180,6 @@ static void node_take_feedback(auvid_node_t *node, const auvid_can_message_t *m)
     }
 }
 
-/* Time of the tick: the time on the bus less the clock steps. A bus that reorders and duplicates
- * frames may deliver a tick twice, and the counter may accept it. Such a tick is no clock step. */
 /* Take the time of the first tick. An identifier that was restored from a checkpoint goes on: the
  * restart may have taken minutes, but time does not go back. */
 static void node_take_first_tick(auvid_node_t *node, uint32_t time)
@@ -195,6 +193,8 @@ static void node_take_first_tick(auvid_node_t *node, uint32_t time)
     }
 }
 
+/* Time of the tick: the time on the bus less the clock steps. A bus that reorders and duplicates
+ * frames may deliver a tick twice, and the counter may accept it. Such a tick is no clock step. */
 static auvid_status_t node_take_tick(auvid_node_t *node, const auvid_can_tick_t *tick)
 {
     uint32_t behind = (node->sequence - tick->sequence) & 0xFFFFFu;

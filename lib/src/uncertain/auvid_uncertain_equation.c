@@ -94,10 +94,10 @@ typedef struct {
 static uncertain_drags_t uncertain_drags(uncertain_t *u, int j)
 {
     int l = u->work.part.drag_at[0], q = u->work.part.drag_at[1], none = u->equation[j].order;
-    return (uncertain_drags_t){l == none ? AUVID_C(1.0) : uncertain_drag_product(u, j, 0, l),
-                               q == none ? AUVID_C(1.0) : uncertain_drag_product(u, j, 1, q),
-                               l == none || q == none ? AUVID_C(0.0)
-                                                      : uncertain_drag_product(u, j, 0, q)};
+    return (uncertain_drags_t){
+        l == none ? AUVID_C(1.0) : uncertain_drag_product(u, j, 0, l),
+        q == none ? AUVID_C(1.0) : uncertain_drag_product(u, j, 1, q),
+        l == none || q == none ? AUVID_C(0.0) : uncertain_drag_product(u, j, 0, q)};
 }
 
 /* Parts of column k that are linear and quadratic drag. */

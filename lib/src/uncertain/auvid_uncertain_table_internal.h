@@ -21,7 +21,7 @@ enum {
     INPUT_LIFT,
     INPUT_ASTERN, /* centre of gravity astern */
     INPUT_PORT,   /* centre of gravity to port */
-    INPUT_CROSS_FLOW,
+    INPUT_CROSS_FLOW, /* drag that follows the whole speed */
     INPUTS
 };
 

@@ -42,6 +42,22 @@ static void test_too_close_to_the_bottom(void)
     TEST_ASSERT_TRUE(chain.actuation.guard.trip.value < 2);
 }
 
+/* Some altimeters say "no bottom" by their largest number, which no checkpoint holds. */
+static void say_no_bottom(chain_t *c, auvid_input_t *in)
+{
+    (void)c;
+    in->altitude.altitude_m = in->altitude.present ? AUVID_C(3e38) : in->altitude.altitude_m;
+}
+
+static void test_an_altitude_beyond_all_bounds_is_dropped(void)
+{
+    cfg.before = say_no_bottom;
+    TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &cfg));
+    chain_run(&chain, 0.5);
+    TEST_ASSERT_TRUE((chain.events & AUVID_EVENT_ALTITUDE_DROPPED) != 0);
+    TEST_ASSERT_FALSE(chain.actuation.altitude.known);
+}
+
 /* Roll wrapped to 0 .. 2 pi passes from 0 to a full turn. */
 static void turn_roll(chain_t *c, auvid_input_t *in)
 {
@@ -418,6 +434,7 @@ int main(void)
     RUN_TEST(test_too_deep);
     RUN_TEST(test_too_shallow);
     RUN_TEST(test_too_close_to_the_bottom);
+    RUN_TEST(test_an_altitude_beyond_all_bounds_is_dropped);
     RUN_TEST(test_a_full_turn_of_roll_is_level);
     RUN_TEST(test_too_much_roll);
     RUN_TEST(test_too_much_pitch);

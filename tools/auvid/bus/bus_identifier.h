@@ -20,8 +20,8 @@ typedef struct {
     vehicle_calibration_t calibration[VEHICLE_CALIBRATIONS]; /* those that act */
     int calibrations;
     uint64_t start_us; /* time of the first tick */
-    uint32_t received; /* kinds of frames that came, a bit each */
     bool started;      /* it has passed */
+    uint32_t received; /* kinds of frames that came, a bit each */
 } bus_identifier_t;
 
 /** Starts.
