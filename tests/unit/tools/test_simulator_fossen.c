@@ -1,39 +1,22 @@
 /* The vehicle of the simulator in six degrees of freedom against physics. */
-#include "simulator.h"
-
 #include <math.h>
 #include <string.h>
 
+#include "sim_run.h"
 #include "unity.h"
 
 enum { X, Y, Z, K, M, N };
-
-static sim_config_t cfg;
-static sim_t sim;
-static sim_output_t out;
 
 /* The BlueROV2 without noise and without stabilisation. */
 void setUp(void)
 {
     sim_bluerov2(&cfg);
-    cfg.imu_angle_rad = cfg.imu_rate_rad_s = cfg.dvl_m_s = cfg.depth_m = cfg.gps_m = 0;
+    without_noise();
     cfg.hold_Nm_rad = cfg.hold_Nms_rad = 0;
 }
 
 void tearDown(void)
 {
-}
-
-static void begin(void)
-{
-    TEST_ASSERT_TRUE(sim_init(&sim, &cfg));
-}
-
-static void run(double seconds, const double wrench[6])
-{
-    for (long i = lround(seconds * 50); i > 0; --i) {
-        sim_step(&sim, NULL, wrench, &out);
-    }
 }
 
 /* A vehicle in which all degrees of freedom are coupled. */
