@@ -129,7 +129,8 @@ SLOW := $(addprefix %/tests/unit/,$(addprefix identifier/,test_adaptive test_cha
     test_uncertain_causes))
 SLOW_SANITIZED := $(SLOW) $(addprefix %/tests/unit/,$(addprefix tools/test_,doctor \
     doctor_sensors doctor_units doctor_campaign field field_mismatch field_run field_sensors \
-    simulator simulator_sensors simulator_vehicle) $(addprefix identifier/test_,drift identifier prior prior_benefit prior_known \
+    simulator simulator_sensors simulator_vehicle) \
+    $(addprefix identifier/test_,drift identifier prior prior_benefit prior_known \
     thrusters thrusters_identify thrusters_prior underactuated user_model) \
     uncertain/test_instruments navigation/test_latency can/test_can_accuracy \
     excitation/test_excitation_plan search/test_optimizer_figures)

@@ -113,7 +113,8 @@ uint16_t auvid_can_id(const auvid_can_ids_t *ids, auvid_can_kind_t kind);
 uint8_t auvid_can_crc(const uint8_t data[AUVID_CAN_BYTES], uint8_t data_id);
 
 /** Returns the full time [us] whose lower 32 bits are wrapped_us, as in a tick frame. Of all such
- * times it is the one nearest to last_us, at most 35 minutes away. */
+ * times, none of which is before 0, it is the one nearest to last_us: at most 35 minutes away, but
+ * for a last_us below that. */
 uint64_t auvid_can_extend_us(uint64_t last_us, uint32_t wrapped_us);
 
 /*

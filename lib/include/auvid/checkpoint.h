@@ -31,7 +31,7 @@
  *
  * Called from the control task, between ticks. Cost on a Cortex-M4F (-O2): 29 instructions a byte
  * to save (7.4k a page of 256), 70 to restore, and 13k to begin. Size: 20 to 26 KB with default
- * sizes, depending on what is under way; 29 KB more with uncertain inputs, and 24 KB with
+ * sizes, depending on what is under way; 32 KB more with uncertain inputs, and 27 KB with
  * instruments. cursor.bytes is the size, AUVID_CHECKPOINT_MAX its bound. Memory: the cursor, 56
  * bytes; stack 0.6 KiB. Code: 11 KB on a Cortex-M4F (-Os), none if it is not called.
  * Not in the paper.
@@ -104,10 +104,11 @@ auvid_status_t auvid_checkpoint_next(auvid_checkpoint_t *cursor, uint8_t *chunk,
  * Time must advance: a step before the saved `t_us` is rejected.
  * @param checkpoint [bytes]
  * @return AUVID_OK; AUVID_ERR_NULL; AUVID_ERR_STATE (not initialised, or only one of the two has an
- * acting half, adaptive excitation, uncertain inputs, instruments, a prediction, a change test, or
- * memory for a prior); AUVID_ERR_CHECKSUM (damaged, truncated, or no checkpoint); AUVID_ERR_SIZE
- * (of a library of another version or of other sizes, or of another number of rows of storage);
- * AUVID_ERR_MODEL (of another model, of other free parameters, or of other fixed values);
+ * acting half, adaptive excitation, uncertain inputs, instruments, a change test, or memory for a
+ * prior; or a prediction was under way, and none is attached); AUVID_ERR_CHECKSUM (damaged,
+ * truncated, or no checkpoint); AUVID_ERR_SIZE (of a library of another version or of other sizes,
+ * or of another number of rows of storage); AUVID_ERR_MODEL (of another model, of other free
+ * parameters, or of other fixed values);
  * AUVID_ERR_CONFIGURATION (the rest of the configuration differs); AUVID_ERR_RANGE (undamaged, but
  * not written by auvid: a number is not finite, out of its range, or contradicts another). A
  * rejected checkpoint changes nothing. */

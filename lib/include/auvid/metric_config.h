@@ -36,11 +36,12 @@ typedef struct {
                                0..1000000; 0: a sample in every cell; default 200000. In the
                                identifier also AUVID_VELOCITY_OBSERVED (default): the median of the
                                first seven intervals; a rate that changes later is not noticed.
-                               In the residual path only thrusters.h reads it */
+                               In the residual path only thrusters.h and the test for feedback
+                               read it */
     auvid_real_t fixed[AUVID_MAX_PARAMETERS]; /**< values of the parameters that are not free, and
                                 of free ones while their DoF is not excited, in the model's order
                                 and units; 0 of a free one: not known. Default 0 */
-    auvid_real_t tau_max[AUVID_DOF_COUNT];    /**< scale of the wrench [N, Nm], > 0: the largest
+    auvid_real_t tau_max[AUVID_DOF_COUNT]; /**< scale of the wrench [N, Nm], 1e-9..1e9: the largest
                                 that you apply. Makes the cost dimensionless, and scales
                                 excitation_threshold. Default 100, 40. In the identifier 0
                                 (default): 100, 40 until auvid_node_init,
@@ -72,8 +73,8 @@ typedef struct {
                               sets * set_rows <= 60000 */
     uint8_t sets;         /**< sets in the ring, 1..AUVID_MAX_SETS; default all */
     uint8_t half_width[2]; /**< half-width of the Savitzky-Golay smoother of order 2 [cells] for
-                                forces [0] and for moments [1]; default 10, 7. Not used in the
-                                residual path */
+                                forces [0] and for moments [1]; 1..255, at most AUVID_MAX_TAPS
+                                taps; default 10, 7. Not used in the residual path */
     uint8_t lag[2]; /**< distance in rows of the two rows of a sum or difference, for forces [0] and
                          for moments [1]; 1..AUVID_METRIC_LAGS, default 2, 1 */
     uint8_t passes; /**< number of applications of the smoother, 1 or 2;

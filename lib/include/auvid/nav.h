@@ -87,7 +87,8 @@ typedef struct {
 } auvid_nav_mount_t;
 
 /** Configuration. Fill with auvid_nav_defaults(), then change individual fields. Within the stated
- * ranges single precision can represent the covariance. */
+ * ranges single precision can represent the covariance, if ticks are at most a second apart (with
+ * the default sigma_acceleration: at any interval). */
 typedef struct {
     auvid_real_t sigma_acceleration[3]; /**< process noise n_u n_v n_w of Eq. 5 at ticks of
         `reference_tick` [m/s2]; default 1 (gain of a DVL update >= 0.96); 1e-4..100 */
@@ -246,7 +247,7 @@ typedef struct {
     auvid_real_t attitude[3];                   /* as measured, not unwrapped */
     auvid_real_t rates[3];                      /* p q r */
     auvid_real_t past_rates[AUVID_NAV_PAST][3]; /* ring: p q r of past ticks */
-    int32_t yaw_revolutions[3];       /* revolutions to add to phi and psi; theta has none */
+    int32_t revolutions[3];           /* revolutions to add to phi and psi; theta has none */
     uint32_t past_us[AUVID_NAV_PAST]; /* times of the ring, lower halves */
     uint16_t stale;                   /**< rejected: time not increasing */
     uint16_t invalid;                 /**< rejected: not finite or out of range */
@@ -324,9 +325,9 @@ auvid_status_t auvid_nav_init(auvid_nav_t *nav, const auvid_nav_config_t *cfg);
  * see below.
  * @param t_us time of the IMU sample [us], later than that of the previous call. The prediction
  *        covers the whole step; a step beyond 2147 s counts as 2147 s.
- * @param attitude phi theta psi of the IMU, ZYX Euler [rad], |.| <= 1e4; phi and psi wrapped
- *        anywhere, or continuous.
- * @param rates p q r, the IMU's frame [rad/s], |.| <= 100.
+ * @param attitude phi theta psi of the IMU, ZYX Euler [rad], together of length <= 1e4; phi
+ *        and psi wrapped anywhere, or continuous.
+ * @param rates p q r, the IMU's frame [rad/s], together of length <= 100.
  * @return AUVID_OK; AUVID_GAP if the step was predicted and was longer than gap_us; AUVID_ERR_NULL;
  *         AUVID_ERR_STATE if not initialised; AUVID_ERR_NOT_FINITE; AUVID_ERR_RANGE;
  *         AUVID_ERR_TIME_BACK; AUVID_ERR_TIME_SAME. On an error only imu.stale or imu.invalid

@@ -55,7 +55,7 @@
  * node only computes the wrench of the feedback with it.
  *
  * Cost: take is one auvid_can_unpack; step and work as in identifier.h; report packs at most
- * AUVID_NODE_FRAMES frames. Memory: sizeof(auvid_node_t): the identifier and 2 KiB.
+ * AUVID_NODE_FRAMES frames. Memory: sizeof(auvid_node_t): the identifier and 1.4 KiB.
  */
 #ifndef AUVID_NODE_H
 #define AUVID_NODE_H
@@ -70,7 +70,7 @@ extern "C" {
 #endif
 
 /** Maximum number of frames from one call of report. */
-#define AUVID_NODE_FRAMES 12
+#define AUVID_NODE_FRAMES 4
 /** Maximum number of frames from one call of step or halt. */
 #define AUVID_NODE_COMMANDS 3
 
@@ -159,8 +159,8 @@ void auvid_node_defaults(auvid_node_config_t *cfg);
  * @param allocation of the thrusters on the bus; copied
  * @param identifier configuration of the identifier. It may be node->id.cfg, which saves memory;
  * its contents are undefined afterwards
- * @return AUVID_OK; AUVID_ERR_NULL; AUVID_ERR_RANGE (identifiers overlap; velocity source);
- * AUVID_ERR_SIZE (no thrusters, or more than AUVID_CAN_THRUSTERS); the errors of
+ * @return AUVID_OK; AUVID_ERR_NULL; AUVID_ERR_RANGE (identifiers overlap, or exceed 11 bits;
+ * velocity source); AUVID_ERR_SIZE (no thrusters, or more than AUVID_CAN_THRUSTERS); the errors of
  * auvid_identifier_init, the errors of auvid_allocation_init. After an error node->id.refusal names
  * the field, its value and its limit (part "ids": of *cfg; "allocation": of *allocation). */
 auvid_status_t auvid_node_init(auvid_node_t *node, const auvid_node_config_t *cfg,

@@ -159,7 +159,7 @@ typedef struct {
 /** Inputs, the thrust of each equation, and the parameters of surge, sway and yaw. */
 #define AUVID_UNCERTAIN_CHANNELS (AUVID_MAX_UNCERTAIN + 26)
 /** Inputs that belong to one DoF, of all DoF together; their rows. */
-#define AUVID_UNCERTAIN_OWN 29
+#define AUVID_UNCERTAIN_OWN 30
 #define AUVID_UNCERTAIN_OWN_ROWS (5 * AUVID_UNCERTAIN_COLUMNS)
 /** Order of the joint R factor. */
 #define AUVID_UNCERTAIN_JOINT (AUVID_UNCERTAIN_SHARED + AUVID_MAX_PARAMETERS + 1)
@@ -223,7 +223,6 @@ typedef struct {
     uint8_t own_at;                         /* its own inputs */
     uint8_t own, inputs;                    /* number of own inputs; of own and shared ones */
     uint8_t order;                          /* all columns; 0: not modelled */
-    uint32_t of_thrust; /* bit k: input k is formed from the thrust, else from motion */
 } auvid_uncertain_equation_t;
 
 /** Rows under construction, and those being rotated into the R factors. Private. */
@@ -305,9 +304,8 @@ typedef struct auvid_uncertain {
     auvid_uncertain_equation_t equation[AUVID_DOF_COUNT];
     uint8_t code[AUVID_UNCERTAIN_CHANNELS];   /* what each input is */
     uint16_t place[AUVID_UNCERTAIN_CHANNELS]; /* where its channel is, and that of the thrust */
-    uint16_t section[5];  /* ends of the channels: none; of forces, formed from motion, then from
+    uint16_t section[5]; /* ends of the channels: none; of forces, formed from motion, then from
                             thrust; of moments likewise */
-    uint8_t rows_at_once; /* of both bands, from one row of the metric */
     /* state: from here on, see checkpoint.h */
     uint64_t begin_us;         /* of the first cell of the rows; 0: none */
     auvid_sample_t cell;       /* the last one */
@@ -454,7 +452,7 @@ typedef struct {
  *
  * Regressor path only. A program without it does not contain it. A checkpoint contains its state.
  * Cost, Girona500: 5 calls of the regressor and 1.2k multiplications in each cell, and 16k for each
- * row, half of them at most in one cell. Memory: sizeof(auvid_instruments_t), 23 KiB with default
+ * row, half of them at most in one cell. Memory: sizeof(auvid_instruments_t), 27 KiB with default
  * sizes.
  *
  * Sources: Soederstroem and Stoica 1989, 8; Ljung 1999, 7.6 and 13.5; Shea 1997 (strength), Staiger

@@ -118,6 +118,16 @@ static inline auvid_real_t auvid_seconds(uint64_t a_us, uint64_t b_us)
     return (auvid_real_t)(us < INT32_MAX ? (int32_t)us : INT32_MAX) * AUVID_C(1e-6);
 }
 
+/** Returns the number of bits that are set. */
+static inline uint32_t auvid_count_bits(uint32_t bits)
+{
+    uint32_t count = 0;
+    for (; bits != 0; bits &= bits - 1u) {
+        ++count;
+    }
+    return count;
+}
+
 /** Returns n, rounded once. In float the compiler's conversion of 64 bits has ten times the code
  * size. */
 auvid_real_t auvid_real_of(uint64_t n);

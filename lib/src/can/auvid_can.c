@@ -133,15 +133,14 @@ static bool can_decode_signal(const auvid_can_type_t *type, uint32_t raw, can_fi
     return true;
 }
 
+static const auvid_can_ids_t can_default_ids = {AUVID_CAN_FAST_BASE, AUVID_CAN_SLOW_BASE};
+
 void auvid_can_ids_defaults(auvid_can_ids_t *ids)
 {
     if (ids != NULL) {
-        ids->fast = AUVID_CAN_FAST_BASE;
-        ids->slow = AUVID_CAN_SLOW_BASE;
+        *ids = can_default_ids;
     }
 }
-
-static const auvid_can_ids_t can_default_ids = {AUVID_CAN_FAST_BASE, AUVID_CAN_SLOW_BASE};
 
 auvid_status_t auvid_can_ids_check(const auvid_can_ids_t *ids)
 {
@@ -294,5 +293,6 @@ auvid_status_t auvid_can_unpack(const auvid_can_ids_t *ids, const auvid_can_fram
 uint64_t auvid_can_extend_us(uint64_t last_us, uint32_t wrapped_us)
 {
     uint32_t ahead = wrapped_us - (uint32_t)last_us;
-    return ahead < 0x80000000u ? last_us + ahead : last_us - (0u - ahead);
+    uint32_t behind = 0u - ahead;
+    return ahead < 0x80000000u || behind > last_us ? last_us + ahead : last_us - behind;
 }

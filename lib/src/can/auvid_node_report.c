@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "../base/auvid_math_internal.h"
+#include "../identifier/auvid_identifier_internal.h"
 #include "auvid_node_step_internal.h"
 
 /* What is reported has its values in the DBC, or fits the bits that the DBC gives it. */
@@ -43,17 +44,10 @@ static void node_report_velocity(auvid_node_t *node, const auvid_nav_state_t *st
     auvid_node_send(node, &m, frame, count);
 }
 
-/* Returns the estimate to report; all zeros: there is none yet. */
-static const auvid_estimate_t *node_estimate(const auvid_node_t *node)
-{
-    const auvid_estimate_t *e = auvid_identifier_estimate(&node->id);
-    return e != NULL ? e : &node->id.estimate;
-}
-
 /* Flags of parameter i: see the DBC. */
 static uint32_t node_parameter_flags(const auvid_node_t *node, int i)
 {
-    const auvid_estimate_t *e = node_estimate(node);
+    const auvid_estimate_t *e = identifier_read_estimate(&node->id);
     auvid_dof_t dof = node->id.metric.cfg.vehicle->parameter[i].dof;
     return (e->identified >> i & 1u) | (uint32_t)(e->excited >> dof & 1) << 1 |
            (uint32_t)e->not_converged << 2 | (e->confidence.identifiable >> i & 1u) << 3 |
@@ -63,7 +57,7 @@ static uint32_t node_parameter_flags(const auvid_node_t *node, int i)
 /* Each call reports the next parameter; an unknown value is absent. */
 static void node_report_estimate(auvid_node_t *node, auvid_can_frame_t *frame, int *count)
 {
-    const auvid_estimate_t *e = node_estimate(node);
+    const auvid_estimate_t *e = identifier_read_estimate(&node->id);
     int i = node->next.parameter;
     node->next.parameter = (uint8_t)((i + 1) % node->id.metric.cfg.vehicle->parameters);
     auvid_can_message_t m = {.kind = AUVID_CAN_ESTIMATE};
@@ -91,7 +85,7 @@ _Static_assert(AUVID_CAN_POINT_YAW_BACKWARD_1_0 + 1 == POINTS * AUVID_DOF_COUNT,
 /* Drag force at a point: see the DBC. */
 static auvid_status_t node_drag_at(const auvid_node_t *node, int point, auvid_drag_t *drag)
 {
-    const auvid_estimate_t *e = node_estimate(node);
+    const auvid_estimate_t *e = identifier_read_estimate(&node->id);
     int dof = point / POINTS, backward = point % POINTS >= FRACTIONS;
     auvid_real_t speed = drag_fraction[point % FRACTIONS] * e->speed[dof][backward];
     return auvid_estimate_drag(e, node->id.metric.cfg.vehicle, (auvid_dof_t)dof,
@@ -116,7 +110,7 @@ static void node_report_drag(auvid_node_t *node, auvid_can_frame_t *frame, int *
     bool known = seen && drag.half_width < AUVID_LARGEST;
     auvid_can_message_t m = {.kind = AUVID_CAN_DRAG};
     m.as.drag.point = (uint32_t)point;
-    m.as.drag.number = node_estimate(node)->number % 128u;
+    m.as.drag.number = identifier_read_estimate(&node->id)->number % 128u;
     m.as.drag.flags = drag.identifiable;
     m.as.drag.force = drag.force;
     m.absent = seen ? 0u : AUVID_CAN_DRAG_NO_FORCE;

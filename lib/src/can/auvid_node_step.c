@@ -189,16 +189,17 @@ static void node_count_drops(auvid_node_t *node, uint32_t events)
     for (int i = 0; events != 0 && i < AUVID_INPUT_SAMPLES; ++i) {
         dropped |= auvid_input_places[i].event;
     }
-    for (dropped &= events; dropped != 0; dropped &= dropped - 1u) {
-        ++node->counters.samples_dropped;
-    }
+    node->counters.samples_dropped += auvid_count_bits(dropped & events);
 }
 
 /* Returns how many samples wait for the tick. */
 static uint32_t node_count_samples(const auvid_input_t *in)
 {
-    return (uint32_t)in->imu.present + in->dvl.present + in->depth.present + in->gps.present +
-           in->altitude.present;
+    uint32_t count = in->imu.present;
+    for (int i = 0; i < AUVID_INPUT_SAMPLES; ++i) {
+        count += auvid_input_has(in, i);
+    }
+    return count;
 }
 
 /* Clears all samples but the IMU's: a half of it may be pending. */

@@ -25,7 +25,7 @@ const auvid_checkpoint_block_t auvid_checkpoint_configured[CHECKPOINT_CONFIGURED
     OF_ID(recorder.cfg.cell_us, recorder.cfg.input, 0),
     OF_ID(metric.cfg.fixed, metric.cfg.open_loop, 0),
     BLOCK(ROOT_UNCERTAIN, auvid_uncertain_t, cfg.backward, cfg.fractions, PART_UNCERTAIN),
-    BLOCK(ROOT_UNCERTAIN, auvid_uncertain_t, equation, rows_at_once, PART_UNCERTAIN),
+    BLOCK(ROOT_UNCERTAIN, auvid_uncertain_t, equation, section, PART_UNCERTAIN),
 };
 
 const auvid_checkpoint_block_t auvid_checkpoint_block[CHECKPOINT_BLOCKS] = {

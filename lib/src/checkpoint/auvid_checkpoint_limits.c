@@ -15,6 +15,12 @@
 
 enum { MAX_ROWS = 60000 /* of all sets */ };
 
+/* A parameter, or what a note counts with it. */
+enum {
+    MAX_PARTNER =
+        AUVID_MAX_PARAMETERS > UNACTUATED_ROWS ? AUVID_MAX_PARAMETERS - 1 : UNACTUATED_ROWS
+};
+
 const auvid_checkpoint_limit_t auvid_checkpoint_limit[] = {
     LENGTH(nav_velocity_sample, velocity, velocity),
     AXES(nav_velocity_sample, measured),
@@ -31,7 +37,7 @@ const auvid_checkpoint_limit_t auvid_checkpoint_limit[] = {
     WITHIN(nav, imu.rotation, imu.rotation, AUVID_C(1.01)),
     WITHIN(nav, imu.attitude, imu.attitude, AUVID_C(1e4)),
     WITHIN(nav, imu.rates, imu.past_rates, AUVID_C(100.0)),
-    SIGNED(nav, int32_t, imu.yaw_revolutions, imu.yaw_revolutions, -1000000, 1000000),
+    SIGNED(nav, int32_t, imu.revolutions, imu.revolutions, -1000000, 1000000),
     BYTE(nav, imu.past_next, imu.past_next, 2 * AUVID_NAV_PAST - 1),
     BYTE(nav, imu.ready, imu.ready, NAV_RUNNING),
     LENGTH(nav, ekf.position, ekf.velocity),
@@ -112,7 +118,7 @@ const auvid_checkpoint_limit_t auvid_checkpoint_limit[] = {
     UP_TO(confidence, effective_noise, residual_rms, AUVID_C(1e18)), /* squared */
     UP_TO(confidence, uncertainty, uncertainty, 1),
     BYTE(confidence, note, note, AUVID_NOTE_COUNT - 1),
-    BYTE(confidence, partner, partner, AUVID_MAX_PARAMETERS - 1),
+    BYTE(confidence, partner, partner, MAX_PARTNER),
     BYTE(confidence, sets, sets, AUVID_MAX_SETS),
     BYTE(confidence, lost, lost, 100),
     FLAG(confidence, unchecked, unchecked),

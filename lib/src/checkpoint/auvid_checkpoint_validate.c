@@ -119,15 +119,6 @@ static uint32_t checkpoint_word(const subject_t *s, size_t offset, size_t width)
 /* Copies as many bytes as *to has, from byte `at` of the identifier. */
 #define COPY(to, at) checkpoint_copy(s, ROOT_IDENTIFIER, at, to, sizeof *(to))
 
-static uint32_t checkpoint_count_bits(uint32_t mask)
-{
-    uint32_t count = 0;
-    for (; mask != 0; mask &= mask - 1u) {
-        ++count;
-    }
-    return count;
-}
-
 /* A held sample is ahead of the IMU by at most max_age_us. */
 static bool checkpoint_check_nav(const subject_t *s)
 {
@@ -343,7 +334,7 @@ static bool checkpoint_check_search(const subject_t *s)
     bool global = (s->view->parts & PART_GLOBAL) != 0;
     uint32_t delay = auvid_metric_stores_rows(&s->id->metric) && s->id->metric.cfg.estimate_delay;
     uint32_t n = WORD(optimizer.cfg.n);
-    return n == checkpoint_count_bits(WORD(work.active)) + delay &&
+    return n == auvid_count_bits(WORD(work.active)) + delay &&
            global == (WORD(optimizer.state) < AUVID_OPTIMIZER_START) &&
            (global ? checkpoint_check_crs(s) : checkpoint_check_line_search(s)) &&
            (!WORD(optimizer.asked) ||
@@ -387,7 +378,7 @@ static bool checkpoint_check_bounded_ls(const subject_t *s, size_t at, uint32_t 
 static bool checkpoint_check_optimum(const subject_t *s)
 {
     uint32_t n = WORD(optimum.n), dof = WORD(optimum.dof);
-    return n == checkpoint_count_bits(WORD(work.active)) &&
+    return n == auvid_count_bits(WORD(work.active)) &&
            checkpoint_check_bounded_ls(s, MEMBER(optimum), n) &&
            WORD(optimum.changes) < 4u * (n + 1u) &&
            (dof == AUVID_DOF_COUNT || WORD(optimum.row) <= s->id->metric.layout.count[dof]) &&
@@ -399,7 +390,7 @@ static bool checkpoint_check_optimum(const subject_t *s)
 static bool checkpoint_check_newton(const subject_t *s)
 {
     const auvid_metric_t *m = &s->id->metric;
-    uint32_t n = checkpoint_count_bits(WORD(work.active)) + m->cfg.estimate_delay;
+    uint32_t n = auvid_count_bits(WORD(work.active)) + m->cfg.estimate_delay;
     uint32_t state = WORD(linear.newton.state), pass = WORD(metric.evaluator.at.pass);
     bool right = state == NEWTON_COST   ? pass == PASS_COST
                  : state == NEWTON_ROWS ? pass <= PASS_ADDED || pass == PASS_LINEAR

@@ -48,13 +48,6 @@ static auvid_adaptive_t *adaptive_state(const auvid_identifier_t *id)
     return (auvid_adaptive_t *)id->actuation->shape_context;
 }
 
-/* The estimate that the user reads; all zeros: there is none yet. */
-static const auvid_estimate_t *adaptive_estimate(const auvid_identifier_t *id)
-{
-    const auvid_estimate_t *e = auvid_identifier_estimate(id);
-    return e != NULL ? e : &id->estimate;
-}
-
 /* ---- the next hold ---- */
 
 /* Sum the estimates of DoF j's parameters of a kind. */
@@ -62,7 +55,7 @@ static auvid_real_t adaptive_parameter_sum(const auvid_identifier_t *id, int j,
                                            auvid_parameter_kind_t kind)
 {
     const auvid_vehicle_t *vehicle = identifier_vehicle(id);
-    const auvid_real_t *pi = adaptive_estimate(id)->pi;
+    const auvid_real_t *pi = identifier_read_estimate(id)->pi;
     auvid_real_t sum = AUVID_C(0.0);
     for (int i = 0; i < vehicle->parameters; ++i) {
         const auvid_parameter_t *p = &vehicle->parameter[i];
@@ -137,7 +130,7 @@ static void adaptive_choose_hold(auvid_identifier_t *id, int j, auvid_excitation
  * i: above 1 more excitation is needed. */
 static auvid_real_t adaptive_variance_ratio(const auvid_identifier_t *id, int i)
 {
-    const auvid_estimate_t *e = adaptive_estimate(id);
+    const auvid_estimate_t *e = identifier_read_estimate(id);
     auvid_real_t variance = auvid_estimate_covariance(e, identifier_vehicle(id), i, i);
     auvid_real_t ratio = AUVID_HALF_WIDTH / auvid_confidence_allowed(&id->metric.cfg, i, e->pi[i]);
     auvid_real_t square = ratio * ratio * variance;
@@ -167,7 +160,7 @@ static auvid_real_t adaptive_available_rows(const auvid_identifier_t *id, int j)
  * more motion does not check them. */
 static bool adaptive_is_identifiable(const auvid_identifier_t *id, int i)
 {
-    const auvid_confidence_t *c = &adaptive_estimate(id)->confidence;
+    const auvid_confidence_t *c = &identifier_read_estimate(id)->confidence;
     bool checks = id->attached.uncertain_functions != NULL;
     return (c->identifiable >> i & 1u) != 0 || c->note[i] == AUVID_NOTE_IMPLAUSIBLE ||
            (c->note[i] == AUVID_NOTE_UNCHECKED && !checks);
@@ -184,7 +177,7 @@ static bool adaptive_is_settled(auvid_note_t note)
 static void adaptive_assess_parameter(auvid_identifier_t *id, int i, auvid_real_t *need)
 {
     auvid_adaptive_t *a = adaptive_state(id);
-    const auvid_estimate_t *e = adaptive_estimate(id);
+    const auvid_estimate_t *e = identifier_read_estimate(id);
     int j = (int)identifier_vehicle(id)->parameter[i].dof;
     bool excitable = adaptive_amplitude(id, j) > AUVID_C(0.0);
     bool known = (adaptive_is_identifiable(id, i) && !(excitable && (e->coupled >> j & 1))) ||

@@ -7,7 +7,7 @@
 #include <string.h>
 
 #include "auvid/types.h"
-#include "../base/auvid_math_internal.h"
+#include "../base/auvid_linalg_internal.h"
 #include "../base/auvid_refusal_internal.h"
 #include "../metric/auvid_metric_internal.h"
 #include "../models/auvid_vehicle_internal.h"
@@ -174,7 +174,7 @@ auvid_real_t auvid_estimate_covariance(const auvid_estimate_t *estimate,
     if (estimate == NULL || vehicle == NULL || row < 0 || column >= vehicle->parameters) {
         return AUVID_C(0.0);
     }
-    return estimate->covariance[row * vehicle->parameters - row * (row - 1) / 2 + column - row];
+    return estimate->covariance[auvid_qr_row(vehicle->parameters, row) + column - row];
 }
 
 static auvid_status_t identifier_init(auvid_identifier_t *id, const auvid_identifier_config_t *cfg,

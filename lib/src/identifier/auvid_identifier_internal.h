@@ -51,6 +51,13 @@ static inline bool identifier_is_ready(const auvid_identifier_t *id)
     return identifier_vehicle(id) != NULL;
 }
 
+/** The estimate that the user reads; all zeros: there is none yet. */
+static inline const auvid_estimate_t *identifier_read_estimate(const auvid_identifier_t *id)
+{
+    const auvid_estimate_t *e = auvid_identifier_estimate(id);
+    return e != NULL ? e : &id->estimate;
+}
+
 /** Set the events for a status of the metric that concerns a set. */
 static inline void identifier_take_set(auvid_identifier_t *id, auvid_status_t status)
 {
@@ -185,6 +192,14 @@ bool auvid_identifier_pays(auvid_bounded_ls_t *ls);
 /** Continue the work begun by auvid_identifier_begin_optimum.
  * @return AUVID_OK: it is in work.candidate and work.minimum; AUVID_PENDING */
 auvid_status_t auvid_identifier_optimum(auvid_identifier_t *id, uint32_t *budget);
+
+/** A minimum, and the largest excess of a result's cost: 1e-3 of it and of a constant cost. For
+ * data without noise that is almost zero: then 1e-8 of the cost of all-zero parameters. */
+static inline auvid_minimum_t identifier_minimum(auvid_real_t cost, auvid_real_t constant,
+                                                 auvid_real_t zero)
+{
+    return (auvid_minimum_t){cost, AUVID_C(1e-3) * (cost + constant) + AUVID_C(1e-8) * zero};
+}
 
 /** Returns the minimum found in id->optimum, and writes its parameters to pi, by their number in
  * the model. `constant`: further cost. */

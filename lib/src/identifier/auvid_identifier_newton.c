@@ -21,10 +21,6 @@
 
 #if AUVID_MAX_COMMANDS > 0
 
-/* Largest excess of a result's cost, as in auvid_identifier_optimum.c. */
-#define NEWTON_EXCESS AUVID_C(1e-3)
-#define NEWTON_EXCESS_OF_ZERO AUVID_C(1e-8)
-
 /* Rows of a prior come after those of a DoF: row PRIOR_ROWS + i is that of the i-th parameter. */
 enum { PRIOR_ROWS = 64 };
 _Static_assert(AUVID_MAX_PARAMETERS + AUVID_METRIC_DELAYS <= PRIOR_ROWS, "rows of a DoF");
@@ -177,9 +173,7 @@ static void identifier_end_newton(auvid_identifier_t *id)
 {
     const auvid_gauss_newton_t *gn = &id->linear.newton;
     auvid_identifier_expand(id, gn->x, gn->ls.n);
-    id->work.minimum = (auvid_minimum_t){.cost = gn->cost,
-                                         .allowed = NEWTON_EXCESS * gn->cost +
-                                                    NEWTON_EXCESS_OF_ZERO * gn->ls.zero};
+    id->work.minimum = identifier_minimum(gn->cost, AUVID_C(0.0), gn->ls.zero);
 }
 
 static auvid_status_t identifier_newton(auvid_identifier_t *id, uint32_t *budget)

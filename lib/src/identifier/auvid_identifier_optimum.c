@@ -8,11 +8,6 @@
 #include "../base/auvid_math_internal.h"
 #include "../metric/auvid_metric_evaluator_internal.h"
 
-/* Largest excess of a result's cost, relative to the minimum. For data without noise the minimum
- * is almost zero: then relative to the cost of all-zero parameters. */
-#define EXCESS_OF_MINIMUM AUVID_C(1e-3)
-#define EXCESS_OF_ZERO AUVID_C(1e-8)
-
 void auvid_identifier_begin_optimum(auvid_identifier_t *id, const auvid_real_t *pi)
 {
     auvid_bounded_ls_t *ls = &id->optimum;
@@ -40,9 +35,7 @@ auvid_minimum_t auvid_identifier_take_optimum(auvid_identifier_t *id, auvid_real
     for (int i = 0; i < ls->n; ++i) {
         pi[id->work.parameter_of[i]] = ls->x[i];
     }
-    return (auvid_minimum_t){.cost = ls->cost,
-                             .allowed = EXCESS_OF_MINIMUM * (ls->cost + constant) +
-                                        EXCESS_OF_ZERO * ls->zero};
+    return identifier_minimum(ls->cost, constant, ls->zero);
 }
 
 static void identifier_begin_minimum(auvid_identifier_t *id)

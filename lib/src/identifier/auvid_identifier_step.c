@@ -51,6 +51,13 @@ static void identifier_watch_cell(auvid_identifier_t *id, const auvid_sample_t *
     }
 }
 
+/* Set the event if rows were dropped since there were `dropped`. */
+static void identifier_flag_dropped(auvid_identifier_t *id, uint32_t dropped)
+{
+    bool drops = id->metric.sets.rows_dropped != dropped;
+    id->events |= drops ? AUVID_EVENT_ROWS_DROPPED : 0u;
+}
+
 /* Do a part of what the last cell has left to do. @return false: nothing was left */
 static bool identifier_continue_cell(auvid_identifier_t *id)
 {
@@ -59,8 +66,7 @@ static bool identifier_continue_cell(auvid_identifier_t *id)
     if (auvid_metric_waits(&id->metric)) {
         uint32_t dropped = id->metric.sets.rows_dropped;
         identifier_take_set(id, auvid_metric_continue(&id->metric));
-        bool drops = id->metric.sets.rows_dropped != dropped;
-        id->events |= drops ? AUVID_EVENT_ROWS_DROPPED : 0u;
+        identifier_flag_dropped(id, dropped);
         return true;
     }
     return (simulate != NULL && simulate->advance(id)) ||
@@ -82,8 +88,7 @@ static bool identifier_take_cell(auvid_identifier_t *id)
         identifier_pass_cell(id, &cell);
         (void)auvid_metric_take_cell(&id->metric, &cell);
         identifier_watch_cell(id, &cell);
-        bool drops = id->metric.sets.rows_dropped != dropped;
-        id->events |= drops ? AUVID_EVENT_ROWS_DROPPED : 0u;
+        identifier_flag_dropped(id, dropped);
     }
     return status == AUVID_GAP || status == AUVID_OK;
 }

@@ -133,7 +133,6 @@ static void prior_publish(auvid_identifier_t *id, const auvid_prior_t *prior, bo
     auvid_estimate_t *e = &id->estimate;
     const auvid_vehicle_t *vehicle = identifier_vehicle(id);
     uint32_t free = auvid_metric_free_of(&id->metric, UINT8_MAX);
-    int parameters = vehicle->parameters;
     e->confidence.uncertainty = id->uncertainty;
     e->confidence.unchecked = !id->exact_inputs;
     e->number = 1;
@@ -145,8 +144,7 @@ static void prior_publish(auvid_identifier_t *id, const auvid_prior_t *prior, bo
         e->confidence.note[i] = (free >> i & 1u) != 0 ? AUVID_NOTE_UNCERTAIN : AUVID_NOTE_FIXED;
         e->confidence.sigma[i] = AUVID_LARGEST;
         if (known && prior->sigma[i] <= AUVID_LARGEST_SIGMA) {
-            int diagonal = i * parameters - i * (i - 1) / 2;
-            e->covariance[diagonal] = prior->sigma[i] * prior->sigma[i];
+            e->covariance[auvid_qr_row(vehicle->parameters, i)] = prior->sigma[i] * prior->sigma[i];
             e->confidence.sigma[i] = prior->sigma[i];
             if (scale_errors) {
                 prior_add_scale_errors(id, i);

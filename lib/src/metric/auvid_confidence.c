@@ -43,7 +43,6 @@
 #include "../base/auvid_linalg_internal.h"
 #include "auvid_metric_evaluator_internal.h"
 
-#define SMOOTHED AUVID_C(2.6) /* f, of rows half a second apart */
 #define RIDGE                                                                                      \
     AUVID_C(1e-4)          /* smallest pivot, relative to its column: a parameter that the data do
                                      not determine gets an error of 1e4 times the column's */
@@ -146,7 +145,8 @@ static void confidence_add_delay_priors(job_t *c, int j, int order)
 {
     auvid_real_t sigma = c->result.uncertainty.delay_s / auvid_metric_node_s(c->metric);
     auvid_real_t unexplained = c->part[AUVID_QR_FACTOR(order) - 1];
-    auvid_real_t noise = auvid_sqrt(SMOOTHED * unexplained * unexplained / c->spread.rows[j]);
+    auvid_real_t noise =
+        auvid_sqrt(AUVID_CONFIDENCE_SMOOTHED * unexplained * unexplained / c->spread.rows[j]);
     auvid_real_t row[AUVID_MAX_PARAMETERS + AUVID_METRIC_DELAYS] = {AUVID_C(0.0)};
     row[0] = noise / sigma;
     auvid_qr_update(c->part, order, 0, row);
@@ -261,8 +261,8 @@ static void confidence_find_noise(job_t *c, int j)
     bool scatters = c->spread.degrees_of_freedom[j] > AUVID_C(1e-4);
     auvid_real_t scatter = scatters ? c->spread.scatter[j] : AUVID_C(0.0);
     auvid_real_t nu = scatters ? c->spread.degrees_of_freedom[j] : AUVID_C(0.0);
-    c->result.effective_noise[j] =
-        auvid_sqrt((SMOOTHED * residual * residual + scatter) / (AUVID_C(1.0) + nu));
+    c->result.effective_noise[j] = auvid_sqrt(
+        (AUVID_CONFIDENCE_SMOOTHED * residual * residual + scatter) / (AUVID_C(1.0) + nu));
     auvid_confidence_bias(c, j);
 }
 

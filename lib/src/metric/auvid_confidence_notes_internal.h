@@ -10,6 +10,9 @@
 /** Column, or parameter, that does not exist. */
 enum { NOWHERE = 255 };
 
+/** Factor f of the noise of smoothed rows half a second apart: see auvid_confidence.c. */
+#define AUVID_CONFIDENCE_SMOOTHED AUVID_C(2.6)
+
 /** partner of AUVID_NOTE_NOT_EXCITED: see estimate.h */
 enum { IDLE, UNACTUATED, UNACTUATED_ROWS };
 

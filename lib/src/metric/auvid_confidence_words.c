@@ -6,6 +6,7 @@
 #include "auvid_confidence_notes_internal.h"
 #include "auvid_words_internal.h"
 #include "../base/auvid_math_internal.h"
+#include "../models/auvid_vehicle_internal.h"
 
 const char *auvid_note_str(auvid_note_t note)
 {
@@ -194,12 +195,6 @@ static void confidence_append_need(auvid_words_t *w, const auvid_parameter_t *pa
     auvid_words_append(w, needs[kind]);
 }
 
-static bool confidence_is_drag(const auvid_parameter_t *parameter)
-{
-    return parameter->kind == AUVID_PARAMETER_LINEAR_DRAG ||
-           parameter->kind == AUVID_PARAMETER_QUADRATIC_DRAG;
-}
-
 static void confidence_append_pair(auvid_words_t *w, const auvid_parameter_t *one,
                                    const auvid_parameter_t *other)
 {
@@ -207,7 +202,7 @@ static void confidence_append_pair(auvid_words_t *w, const auvid_parameter_t *on
     auvid_words_append(w, " and ");
     auvid_words_append(w, other->name);
     auvid_words_append(w, " cannot be distinguished; ");
-    auvid_words_append(w, confidence_is_drag(one) && confidence_is_drag(other)
+    auvid_words_append(w, auvid_vehicle_is_drag(one->kind) && auvid_vehicle_is_drag(other->kind)
                               ? "steps held 4-8 s at two strengths"
                               : "fix one of them, or vary the motion");
 }

@@ -42,7 +42,7 @@ void auvid_metric_defaults(auvid_metric_config_t *cfg, const auvid_vehicle_t *ve
 #define METRIC_REALS(name, n, low, high) REALS_IN(auvid_metric_config_t, name, n, low, high)
 static const auvid_field_t metric_fields[] = {
     METRIC_REALS(fixed, AUVID_MAX_PARAMETERS, -AUVID_LARGEST, AUVID_LARGEST),
-    REALS_ABOVE(auvid_metric_config_t, tau_max, AUVID_DOF_COUNT, AUVID_C(0.0), AUVID_LARGEST),
+    REALS_IN(auvid_metric_config_t, tau_max, AUVID_DOF_COUNT, AUVID_C(1e-9), AUVID_C(1e9)),
     METRIC_REALS(excitation_threshold, 1, AUVID_C(0.0), AUVID_C(1.0)),
     METRIC_WHOLE(cell_us, 1, 1000, 1000000),
     METRIC_WHOLE(max_cell_us, 1, 0, 1000000),
@@ -76,10 +76,8 @@ void auvid_metric_count(const auvid_vehicle_t *vehicle, uint32_t free, uint32_t 
     *columns = *factor = 0;
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
         uint32_t left = vehicle->columns[j] & (free == 0 ? UINT32_MAX : free);
-        uint32_t order = vehicle->columns[j] == 0 ? 0 : AUVID_METRIC_DELAYS;
-        for (; left != 0; left &= left - 1) {
-            ++order;
-        }
+        uint32_t order =
+            vehicle->columns[j] == 0 ? 0 : auvid_count_bits(left) + AUVID_METRIC_DELAYS;
         *columns += order;
         *factor += AUVID_QR_FACTOR(order);
     }

@@ -189,4 +189,13 @@ void auvid_metric_set_up(auvid_metric_t *metric, const auvid_metric_config_t *cf
  * with the fixed values. */
 uint32_t auvid_checksum_of_model(const auvid_metric_config_t *cfg);
 
+/** Are the motion of a sample without its acceleration, and its inputs, finite? */
+static inline bool auvid_metric_is_finite(const auvid_sample_t *sample)
+{
+    return auvid_is_finite(sample->phi) && auvid_is_finite(sample->theta) &&
+           auvid_is_finite(sample->psi) && auvid_all_finite(sample->nu, AUVID_DOF_COUNT) &&
+           auvid_all_finite(sample->tau, AUVID_DOF_COUNT) &&
+           auvid_all_finite(sample->command, AUVID_MAX_COMMANDS);
+}
+
 #endif

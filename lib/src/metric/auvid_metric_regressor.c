@@ -149,12 +149,6 @@ static auvid_real_t metric_spread_weight(const auvid_metric_t *m, auvid_real_t s
     return spread * (before - AUVID_C(2.0) * kernel[age] + after);
 }
 
-/* The slot of the row that began before the one at `slot`. */
-static uint32_t metric_earlier_slot(const auvid_metric_t *m, uint32_t slot)
-{
-    return slot > 0 ? slot - 1u : m->layout.overlap - 1u;
-}
-
 void auvid_metric_add_extra(const auvid_metric_t *m, const auvid_metric_place_t *place,
                             auvid_metric_add_t *add, void *context)
 {
@@ -164,7 +158,7 @@ void auvid_metric_add_extra(const auvid_metric_t *m, const auvid_metric_place_t 
         auvid_real_t spread = metric_spread_weight(m, place->spread, age);
         const auvid_real_t thrust[2] = {motion[0] + spread, motion[1]};
         add(context, slot, age == 0, motion, thrust);
-        slot = metric_earlier_slot(m, slot);
+        slot = auvid_metric_earlier_slot(m, slot);
     }
 }
 
@@ -321,7 +315,7 @@ static void metric_add_equations(auvid_metric_t *m, const auvid_sample_t *sample
     }
     for (uint32_t age = n % step; age < m->layout.taps && age <= n; age += step) {
         metric_accumulate_rows(m, slot, age, channel, any ? fixed : NULL, sample->missing);
-        slot = metric_earlier_slot(m, slot);
+        slot = auvid_metric_earlier_slot(m, slot);
     }
 }
 

@@ -142,7 +142,7 @@ static void metric_add_motion(auvid_metric_t *m, const auvid_sample_t *sample, u
     uint32_t step = m->cfg.row_cells;
     for (uint32_t age = n % step; age < m->layout.taps && age <= n; age += step) {
         metric_accumulate_motion(m, slot, age, sample);
-        slot = slot > 0 ? slot - 1u : m->layout.overlap - 1u;
+        slot = auvid_metric_earlier_slot(m, slot);
     }
 }
 

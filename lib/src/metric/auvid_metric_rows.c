@@ -48,11 +48,7 @@ static void metric_update_max_speed(auvid_partial_set_t *set, const auvid_sample
 
 auvid_status_t auvid_metric_take_cell(auvid_metric_t *m, const auvid_sample_t *sample)
 {
-    if (!auvid_is_finite(sample->phi) || !auvid_is_finite(sample->theta) ||
-        !auvid_is_finite(sample->psi) || !auvid_all_finite(sample->nu, AUVID_DOF_COUNT) ||
-        !auvid_all_finite(sample->nu_dot, AUVID_DOF_COUNT) ||
-        !auvid_all_finite(sample->tau, AUVID_DOF_COUNT) ||
-        !auvid_all_finite(sample->command, AUVID_MAX_COMMANDS)) {
+    if (!auvid_metric_is_finite(sample) || !auvid_all_finite(sample->nu_dot, AUVID_DOF_COUNT)) {
         return AUVID_ERR_NOT_FINITE;
     }
     if (auvid_metric_takes_cell(m, sample->t_us)) {

@@ -60,6 +60,12 @@ static inline uint32_t auvid_metric_slot_of_complete(const auvid_metric_t *m, ui
     return (n - (m->layout.taps - 1u)) / m->cfg.row_cells % m->layout.overlap;
 }
 
+/** The slot of the row that began before the one at `slot`. */
+static inline uint32_t auvid_metric_earlier_slot(const auvid_metric_t *m, uint32_t slot)
+{
+    return slot > 0 ? slot - 1u : m->layout.overlap - 1u;
+}
+
 /** auvid_metric_add in parts, one for each tick: take the cell, checked; then, while something
  * waits, continue. @return as auvid_metric_add */
 auvid_status_t auvid_metric_take_cell(auvid_metric_t *m, const auvid_sample_t *sample);

@@ -11,7 +11,7 @@
 
 #include <string.h>
 
-#include "../base/auvid_math_internal.h"
+#include "auvid_metric_internal.h"
 
 /* A simulated velocity beyond this [m/s, rad/s] has diverged. It is clamped here; R2 shows it. */
 #define DIVERGED AUVID_C(100.0)
@@ -196,10 +196,7 @@ auvid_status_t auvid_validation_add(auvid_validation_t *validation, const auvid_
     if (validation->vehicle == NULL) {
         return AUVID_ERR_STATE;
     }
-    if (!auvid_is_finite(sample->phi) || !auvid_is_finite(sample->theta) ||
-        !auvid_is_finite(sample->psi) || !auvid_all_finite(sample->nu, AUVID_DOF_COUNT) ||
-        !auvid_all_finite(sample->tau, AUVID_DOF_COUNT) ||
-        !auvid_all_finite(sample->command, AUVID_MAX_COMMANDS)) {
+    if (!auvid_metric_is_finite(sample)) {
         return AUVID_ERR_NOT_FINITE;
     }
     auvid_validation_t *v = validation;

@@ -141,7 +141,7 @@ auvid_status_t auvid_current_bounds(const auvid_current_t *current, auvid_real_t
         auvid_parameter_kind_t kind = current->parameter[i].kind;
         if (kind == AUVID_PARAMETER_MASS || kind == AUVID_PARAMETER_INERTIA) {
             lower[i] = auvid_max(lower[i], AUVID_C(0.0));
-        } else if (kind == AUVID_PARAMETER_LINEAR_DRAG || kind == AUVID_PARAMETER_QUADRATIC_DRAG) {
+        } else if (auvid_vehicle_is_drag(kind)) {
             upper[i] = auvid_min(upper[i], AUVID_C(0.0));
         }
     }

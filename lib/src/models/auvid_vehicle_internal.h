@@ -16,4 +16,10 @@ static inline uint32_t auvid_vehicle_affine(const auvid_vehicle_t *vehicle)
     return vehicle->residual == NULL ? UINT32_MAX >> (32 - vehicle->parameters) : vehicle->affine;
 }
 
+/** Is it a coefficient of drag? */
+static inline bool auvid_vehicle_is_drag(auvid_parameter_kind_t kind)
+{
+    return kind == AUVID_PARAMETER_LINEAR_DRAG || kind == AUVID_PARAMETER_QUADRATIC_DRAG;
+}
+
 #endif

@@ -161,7 +161,7 @@ bool auvid_nav_pose(const auvid_nav_t *nav, auvid_nav_state_t *state)
     for (int i = 0; i < 3; ++i) {
         state->position[i] = nav->ekf.position[i] + nav->ekf.position_lo[i];
         state->attitude[i] = nav->imu.attitude[i] +
-                             (auvid_real_t)nav->imu.yaw_revolutions[i] * (AUVID_C(2.0) * AUVID_PI);
+                             (auvid_real_t)nav->imu.revolutions[i] * (AUVID_C(2.0) * AUVID_PI);
         state->velocity[i] = nav->ekf.velocity[i];
         state->rates[i] = nav->imu.rates[i];
     }

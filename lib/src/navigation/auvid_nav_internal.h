@@ -174,9 +174,6 @@ void auvid_nav_rates_at(const auvid_nav_t *nav, uint32_t age_us, auvid_real_t w[
 /** Internal status of a held sample; the public functions return AUVID_PENDING. */
 #define NAV_HELD AUVID_EMPTY
 
-/** Apply the held samples whose time is reached. */
-void auvid_nav_release(auvid_nav_t *nav);
-
 /** Re-initialise one axis of the position: add `step`, set its variance, clear its correlations. */
 void auvid_nav_restart_position(auvid_nav_t *nav, int axis, auvid_real_t step,
                                 auvid_real_t variance);

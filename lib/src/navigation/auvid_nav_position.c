@@ -94,8 +94,7 @@ auvid_status_t auvid_nav_update_position(auvid_nav_t *nav, uint8_t sensor, uint6
     m.is_velocity = false;
     m.first = row->axis;
     m.n = row->axes;
-    m.z[0] = value[0];
-    for (int j = 1; j < m.n; ++j) {
+    for (int j = 0; j < m.n; ++j) {
         m.z[j] = value[j];
     }
     unsigned flags = nav_known_flags(m.first, m.n);

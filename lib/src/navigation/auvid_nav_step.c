@@ -77,7 +77,8 @@ static inline void nav_count_revolutions(int32_t *turns, auvid_real_t from, auvi
     }
 }
 
-void auvid_nav_release(auvid_nav_t *nav)
+/* Apply the held samples whose time is reached. */
+static void nav_release(auvid_nav_t *nav)
 {
     for (int i = 0; i < AUVID_NAV_SENSOR_COUNT; ++i) {
         unsigned bit = 1u << i;
@@ -147,11 +148,11 @@ static auvid_status_t nav_advance(auvid_nav_t *nav, uint64_t t_us, const auvid_r
         nav->ekf.updated_us = t_us;
         return AUVID_OK;
     }
-    nav_count_revolutions(&nav->imu.yaw_revolutions[0], phi, attitude[0]);
-    nav_count_revolutions(&nav->imu.yaw_revolutions[2], psi, attitude[2]);
+    nav_count_revolutions(&nav->imu.revolutions[0], phi, attitude[0]);
+    nav_count_revolutions(&nav->imu.revolutions[2], psi, attitude[2]);
     nav_predict(nav, auvid_seconds(0, dt_us));
     if (nav->held.sensors != 0) {
-        auvid_nav_release(nav);
+        nav_release(nav);
     }
     if (nav->cfg.gap_us > 0 && dt_us > nav->cfg.gap_us) {
         nav->flags = (uint16_t)(nav->flags | AUVID_NAV_IN_GAP);

@@ -239,7 +239,7 @@ static bool instruments_column_is_strong(const instruments_t *n, int j, const ui
         }
     }
     auvid_real_t p = instruments_left(projected, count), w = instruments_left(whole, count);
-    auvid_real_t noise = AUVID_UNCERTAIN_SMOOTHED * auvid_max(w - p, AUVID_C(0.0)) / n->rows[j];
+    auvid_real_t noise = AUVID_CONFIDENCE_SMOOTHED * auvid_max(w - p, AUVID_C(0.0)) / n->rows[j];
     return p > INSTRUMENTS_STRONG * (auvid_real_t)n->of[j].count * noise;
 }
 

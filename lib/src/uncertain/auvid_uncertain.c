@@ -83,16 +83,6 @@ static void uncertain_withdraw(auvid_uncertain_t *u)
     memset(&u->causes, 0, sizeof u->causes);
 }
 
-static bool uncertain_add_cell(auvid_identifier_t *id)
-{
-    return auvid_uncertain_add_cell(uncertain_of(id));
-}
-
-static void uncertain_rotate(auvid_identifier_t *id)
-{
-    auvid_uncertain_rotate(uncertain_of(id));
-}
-
 static bool uncertain_begin(auvid_identifier_t *id)
 {
     if (uncertain_of(id)->work.solving) {
@@ -275,8 +265,8 @@ static auvid_real_t uncertain_first_half(const auvid_metric_t *m)
 }
 
 static const auvid_uncertain_functions_t uncertain_table = {
-    uncertain_add_cell, uncertain_rotate,   uncertain_begin, uncertain_solve,
-    uncertain_publish,  uncertain_estimate, uncertain_judge, uncertain_sag};
+    auvid_uncertain_add_cell, auvid_uncertain_rotate, uncertain_begin, uncertain_solve,
+    uncertain_publish,        uncertain_estimate,     uncertain_judge, uncertain_sag};
 
 auvid_status_t auvid_identifier_attach_uncertain(auvid_identifier_t *id, auvid_uncertain_t *storage,
                                                  const auvid_uncertain_config_t *cfg,
@@ -309,11 +299,11 @@ auvid_status_t auvid_identifier_attach_uncertain(auvid_identifier_t *id, auvid_u
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
         storage->linear[j] = FIRST_LINEAR;
     }
-    storage->half_m = uncertain_first_half(&id->metric);
     storage->checkpoint = &auvid_uncertain_checkpoint;
     status = auvid_uncertain_lay_out(storage, &id->metric);
     if (status == AUVID_OK) {
         auvid_identifier_set_scale(id, allocation);
+        storage->half_m = uncertain_first_half(&id->metric);
         id->attached.uncertain = storage;
         id->attached.uncertain_functions = &uncertain_table;
         id->metric.extra = &auvid_uncertain_extra;

@@ -27,6 +27,7 @@ static const auvid_checkpoint_limit_t checkpoint_limit_uncertain[] = {
     FLAG(uncertain, work.solving, work.solving),
     FINITE(uncertain, work.joint, work.weight),
     BYTE(uncertain, work.part.drag_at, work.part.sag_at, UNCERTAIN_MAX_ORDER),
+    BYTE(uncertain, work.part.mass_at, work.part.mass_at, UNCERTAIN_MAX_ORDER - 1),
     FINITE(uncertain, work.part.factor, work.part.scale),
     FINITE(uncertain, factor, factor),
     UP_TO(uncertain, rows, rows, AUVID_C(1e9)),
@@ -100,10 +101,9 @@ static bool checkpoint_check_uncertain(const auvid_identifier_t *id, const uint8
 {
     const auvid_uncertain_t *u = id->attached.uncertain;
     auvid_real_t rows[AUVID_DOF_COUNT];
-    bool good = true;
     memcpy(rows, STATE_AT(auvid_uncertain_t, begin_us, rows), sizeof rows);
-    good = checkpoint_check_causes(STATE_AT(auvid_uncertain_t, begin_us, causes)) &&
-           checkpoint_check_causes(STATE_AT(auvid_uncertain_t, begin_us, work.causes));
+    bool good = checkpoint_check_causes(STATE_AT(auvid_uncertain_t, begin_us, causes)) &&
+                checkpoint_check_causes(STATE_AT(auvid_uncertain_t, begin_us, work.causes));
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
         bool any = rows[j] > AUVID_C(0.0) || (OF_INPUTS(recorded.pending) >> 2 * j & 3u) != 0;
         good = good && (!any || u->equation[j].order > 0);

@@ -73,7 +73,8 @@ static void uncertain_place_channels(auvid_uncertain_t *u)
             int channels = auvid_uncertain_channels_of(u, j);
             for (int k = 0; k < channels; ++k) {
                 unsigned thrust =
-                    k == e->inputs || (k < e->inputs && (e->of_thrust >> k & 1u) != 0);
+                    k == e->inputs ||
+                    (k < e->inputs && auvid_uncertain_of_thrust(u->code[e->channel_at + k]));
                 if (section == 2u * moment + thrust) {
                     u->place[e->channel_at + k] = next++;
                 }
@@ -105,8 +106,6 @@ auvid_status_t auvid_uncertain_lay_out(auvid_uncertain_t *u, const auvid_metric_
             if (channel + e->inputs >= AUVID_UNCERTAIN_CHANNELS) {
                 return AUVID_ERR_SIZE;
             }
-            bool thrust = auvid_uncertain_row(code)->from <= INPUT_FROM_GAIN;
-            e->of_thrust |= (uint32_t)thrust << e->inputs;
             u->code[channel + e->inputs++] = (uint8_t)code;
             e->own = (uint8_t)(e->own + (code >= OWN_INPUTS));
         }
@@ -115,7 +114,6 @@ auvid_status_t auvid_uncertain_lay_out(auvid_uncertain_t *u, const auvid_metric_
         row += e->order;
         channel += (uint32_t)auvid_uncertain_channels_of(u, j);
         own += e->own;
-        u->rows_at_once = (uint8_t)(u->rows_at_once + 2u);
         own_rows += (uint32_t)auvid_qr_row(e->order, e->own);
         if (e->order > AUVID_UNCERTAIN_ORDER || row > AUVID_UNCERTAIN_COLUMNS ||
             channel > AUVID_UNCERTAIN_CHANNELS || factor > AUVID_UNCERTAIN_FACTOR ||

@@ -193,7 +193,7 @@ static auvid_real_t uncertain_gamma(const uncertain_t *u, int j, auvid_real_t zz
     auvid_real_t delivered = AUVID_C(1.0);
     for (int k = 0; k < e->inputs; ++k) {
         part[k] = AUVID_C(0.0);
-        if ((e->of_thrust >> k & 1u) != 0) {
+        if (auvid_uncertain_of_thrust(u->code[e->channel_at + k])) {
             part[k] = zz > AUVID_C(0.0) ? uncertain_product(u, j, k, e->order - 1, weight) / zz
                                         : AUVID_C(0.0);
             part[k] -= k == u->work.part.sag_at ? u->work.sag_from : AUVID_C(0.0);
@@ -401,17 +401,17 @@ void auvid_uncertain_prepare(uncertain_t *u, const auvid_metric_t *m, int j)
         }
     }
     uncertain_weigh_bands(squares, weight);
-    auvid_real_t noise = auvid_sqrt(AUVID_UNCERTAIN_SMOOTHED *
+    auvid_real_t noise = auvid_sqrt(AUVID_CONFIDENCE_SMOOTHED *
                                     (weight[0] * squares[0] + weight[1] * squares[1]) / u->rows[j]);
     auvid_real_t least = AUVID_C(1e-5) * m->cfg.tau_max[j];
     for (int band = 0; band < AUVID_METRIC_BANDS; ++band) {
         p->scale[band] = auvid_sqrt(weight[band]) / auvid_max(noise, least);
     }
-    p->squares = u->rows[j] / AUVID_UNCERTAIN_SMOOTHED;
+    p->squares = u->rows[j] / AUVID_CONFIDENCE_SMOOTHED;
     if (u->work.strong != 0) {
         auvid_real_t mean = (squares[0] + squares[1]) / u->rows[j];
         uncertain_weigh_projected(u, m, j,
-                                  auvid_max(auvid_sqrt(AUVID_UNCERTAIN_SMOOTHED * mean), least));
+                                  auvid_max(auvid_sqrt(AUVID_CONFIDENCE_SMOOTHED * mean), least));
     }
     uncertain_prepare_slopes(u, m, j, squares, weight);
 }

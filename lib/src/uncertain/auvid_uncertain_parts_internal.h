@@ -52,10 +52,10 @@ void auvid_uncertain_take_forces(auvid_uncertain_t *u);
 
 /** Take the next step with the last cell: form its channels, or add them to the rows.
  * @return false: there was none, the next cell may come */
-bool auvid_uncertain_add_cell(auvid_uncertain_t *u);
+bool auvid_uncertain_add_cell(auvid_identifier_t *id);
 
 /** Rotate one band of a complete row of a DoF into its factor, if one waits. */
-void auvid_uncertain_rotate(auvid_uncertain_t *u);
+void auvid_uncertain_rotate(auvid_identifier_t *id);
 
 /** Forget the rows. */
 void auvid_uncertain_restart(auvid_uncertain_t *u);
@@ -128,10 +128,6 @@ static inline const auvid_real_t *auvid_uncertain_joint_row(const auvid_uncertai
     return u->work.joint + auvid_qr_row(JOINT_ORDER, i) - i;
 }
 
-/** Solve for shared inputs and parameters, or for the inputs beside known parameters; then for the
- * own inputs of each DoF. */
-void auvid_uncertain_finish(auvid_uncertain_t *u, const auvid_metric_t *m, bool known);
-
 /** Take row i of the parameters, which is left, into the problem of their minimum; the first begins
  * it. */
 void auvid_uncertain_leave(auvid_uncertain_t *u, int i);
@@ -157,9 +153,8 @@ void auvid_uncertain_publish_causes(auvid_uncertain_t *u);
 /** Does the solution read DoF j's factors in several steps? Then they must not change. */
 bool auvid_uncertain_reads(const auvid_uncertain_t *u, int j);
 
-/** Fewest rows for a solution; factor of the noise of smoothed rows, see auvid_confidence.c. */
+/** Fewest rows for a solution. */
 #define AUVID_UNCERTAIN_LEAST_ROWS AUVID_C(30.0)
-#define AUVID_UNCERTAIN_SMOOTHED AUVID_C(2.6)
 /** Factor of the covariance, see auvid_uncertain_solve.c. */
 #define AUVID_UNCERTAIN_COVARIANCE AUVID_C(1.9)
 

@@ -40,16 +40,6 @@ static bool uncertain_takes_rows(auvid_uncertain_t *u)
     return excites || !u->excited;
 }
 
-/* Returns how many rows wait, one band of a DoF each. */
-static int uncertain_waiting(const auvid_uncertain_t *u)
-{
-    int waiting = 0;
-    for (uint32_t bits = u->recorded.pending; bits != 0; bits &= bits - 1u) {
-        ++waiting;
-    }
-    return waiting;
-}
-
 /* Rotate rows that wait into the factors, at most this many. */
 static void uncertain_rotate_rows(auvid_uncertain_t *u, int most)
 {
@@ -168,7 +158,7 @@ static void uncertain_cell(void *context, const auvid_metric_t *m, const auvid_s
 {
     auvid_uncertain_t *u = context;
     auvid_uncertain_rows_t *r = &u->recorded;
-    uncertain_rotate_rows(u, uncertain_waiting(u) - uncertain_may_wait(m, place->n));
+    uncertain_rotate_rows(u, (int)auvid_count_bits(r->pending) - uncertain_may_wait(m, place->n));
     r->takes_rows = uncertain_takes_rows(u);
     if (place->n == 0) {
         memset(r->successive, 0, sizeof r->successive);
@@ -200,9 +190,10 @@ static void uncertain_take(void *context, const auvid_metric_t *m, uint32_t slot
     r->completes = true;
 }
 
-bool auvid_uncertain_add_cell(auvid_uncertain_t *u)
+bool auvid_uncertain_add_cell(auvid_identifier_t *id)
 {
-    const auvid_metric_t *m = &u->id->metric;
+    auvid_uncertain_t *u = id->attached.uncertain;
+    const auvid_metric_t *m = &id->metric;
     int waits = u->recorded.waits;
     if (waits == UNCERTAIN_CELL) {
         uncertain_form_channels(u, m);
@@ -212,9 +203,9 @@ bool auvid_uncertain_add_cell(auvid_uncertain_t *u)
     return waits != UNCERTAIN_NONE;
 }
 
-void auvid_uncertain_rotate(auvid_uncertain_t *u)
+void auvid_uncertain_rotate(auvid_identifier_t *id)
 {
-    uncertain_rotate_rows(u, 1);
+    uncertain_rotate_rows(id->attached.uncertain, 1);
 }
 
 const struct auvid_metric_extra auvid_uncertain_extra = {uncertain_finish, uncertain_cell,

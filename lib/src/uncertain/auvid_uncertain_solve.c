@@ -118,7 +118,9 @@ static void uncertain_keep(uncertain_t *u, const auvid_metric_t *m, const auvid_
     }
 }
 
-void auvid_uncertain_finish(uncertain_t *u, const auvid_metric_t *m, bool known)
+/* Solve for shared inputs and parameters, or for the inputs beside known parameters; then for the
+ * own inputs of each DoF. */
+static void uncertain_back_solve(uncertain_t *u, const auvid_metric_t *m, bool known)
 {
     auvid_real_t x[JOINT_ORDER];
     const int n = known ? PARAMETERS_AT : JOINT_ORDER - 1;
@@ -240,7 +242,7 @@ static bool uncertain_fades(const uncertain_t *u, int j, int i)
     return u->excited && moves && u->informed < 2 && i == u->equation[j].inputs - 1;
 }
 
-/* Returns the cost of the present step [units]: about 230 instructions each on a Cortex-M4F. */
+/* Returns the cost of the present step [units]: about 250 instructions each on a Cortex-M4F. */
 static uint32_t uncertain_price(const uncertain_t *u)
 {
     const auvid_metric_t *m = &u->id->metric;
@@ -347,7 +349,7 @@ static bool uncertain_step(uncertain_t *u, const auvid_metric_t *m)
         uncertain_add_shared_prior(u, m, i);
         break;
     case SOLVE_FINISH:
-        auvid_uncertain_finish(u, m, false);
+        uncertain_back_solve(u, m, false);
         break;
     case SOLVE_SCALE:
         uncertain_scale(u, m, i);
@@ -363,7 +365,7 @@ static bool uncertain_step(uncertain_t *u, const auvid_metric_t *m)
     case SOLVE_SEARCH:
         return !auvid_uncertain_search(u);
     case SOLVE_KEEP:
-        auvid_uncertain_finish(u, m, true);
+        uncertain_back_solve(u, m, true);
         break;
     case SOLVE_SIDES:
         uncertain_solve_side(u, i);

@@ -8,6 +8,7 @@
 #include "auvid_uncertain_table_internal.h"
 #include "../base/auvid_math_internal.h"
 #include "../metric/auvid_metric_evaluator_internal.h"
+#include "../models/auvid_vehicle_internal.h"
 
 #define GRAVITY AUVID_C(9.81)
 
@@ -96,8 +97,7 @@ static auvid_real_t table_size(const auvid_uncertain_t *u, const auvid_metric_t 
 {
     int p = table_parameter(m, kind, j);
     auvid_real_t value = p < 0 ? AUVID_C(0.0) : u->pi[p];
-    bool drag = kind == AUVID_PARAMETER_LINEAR_DRAG || kind == AUVID_PARAMETER_QUADRATIC_DRAG;
-    return auvid_max(drag ? -value : value, AUVID_C(0.0));
+    return auvid_max(auvid_vehicle_is_drag(kind) ? -value : value, AUVID_C(0.0));
 }
 
 auvid_real_t auvid_uncertain_half_length(const auvid_uncertain_t *u, const auvid_metric_t *m)

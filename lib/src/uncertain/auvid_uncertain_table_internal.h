@@ -184,6 +184,12 @@ static inline bool auvid_uncertain_tilts(int j)
 /** Is the column of this input made orthogonal to the drag? */
 bool auvid_uncertain_of_hull(const auvid_metric_t *m, int input);
 
+/** Is it formed from the thrust, else from motion? */
+static inline bool auvid_uncertain_of_thrust(int input)
+{
+    return auvid_uncertain_row(input)->from <= INPUT_FROM_GAIN;
+}
+
 /** Has DoF j's equation a column of this input? */
 bool auvid_uncertain_has(const auvid_uncertain_t *u, const auvid_metric_t *m, int input, int j);
 

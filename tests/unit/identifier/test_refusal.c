@@ -202,7 +202,7 @@ static void test_a_field_of_the_metric_is_named(void)
     NAMED(SIZE, "metric", "sets", -1, AUVID_MAX_SETS + 1, AUVID_MAX_SETS,
           cfg.metric.sets = AUVID_MAX_SETS + 1);
     WHOLE(metric, passes, 3, 2);
-    NAMED(RANGE, "metric", "tau_max", 4, -1, 0, cfg.metric.tau_max[4] = -1);
+    NAMED(RANGE, "metric", "tau_max", 4, -1, 1e-9, cfg.metric.tau_max[4] = -1);
     NAMED(NOT_FINITE, "metric", "fixed", 3, NAN, -(double)AUVID_LARGEST,
           cfg.metric.fixed[3] = (auvid_real_t)NAN);
     NAMED(RANGE, "metric", "half_width", 1, 0, 1, cfg.metric.half_width[1] = 0);

@@ -225,7 +225,7 @@ typedef struct {
     union {
         auvid_real_t window[AUVID_METRIC_WINDOW][AUVID_DOF_COUNT]; /* residuals of the last rows */
 #if AUVID_MAX_COMMANDS > 0
-        auvid_regressor_t regressor; /* not in the residual path: of a cell */
+        auvid_regressor_t regressor; /* of a cell */
 #endif
     };
 } auvid_metric_evaluator_t;
