@@ -33,6 +33,11 @@ int main(int count, char **option)
     if (count > 1 && strcmp(option[1], "exact") == 0) {
         inputs = (auvid_uncertain_config_t){.nominal_lag_s = AUVID_C(0.15)};
     }
+    for (int i = 0; count > 1 && strcmp(option[1], "fixed") == 0 && i < cfg.vehicle->parameters;
+         ++i) {
+        bool constant = cfg.vehicle->parameter[i].kind == AUVID_PARAMETER_FORCE;
+        cfg.metric.free &= ~((uint32_t)constant << i);
+    }
     if (auvid_identifier_init(&id, &cfg) < 0) {
         return 1;
     }
@@ -80,6 +85,9 @@ build -DAUVID_MAX_UNCERTAIN=0
 report "no columns: refused" 2 "$(attaches exact)"
 report "no columns: a third of the memory" 1 $((3 * $(bytes) < default))
 build -DAUVID_MAX_PARAMETERS=22 -DAUVID_MAX_UNCERTAIN=124
-report "124 columns: BlueROV2 Heavy in six degrees of freedom" 0 "$(attaches)"
-build -DAUVID_MAX_PARAMETERS=32 -DAUVID_MAX_UNCERTAIN=130
-report "130 columns: the same with a known force" 0 "$(attaches force)"
+report "124 columns: too few for the BlueROV2 Heavy" 2 "$(attaches)"
+build -DAUVID_MAX_PARAMETERS=22
+report "default for 22 parameters: BlueROV2 Heavy in six degrees of freedom" 0 "$(attaches)"
+report "the same with W-B fixed" 0 "$(attaches fixed)"
+build -DAUVID_MAX_PARAMETERS=32 -DAUVID_MAX_UNCERTAIN=132
+report "132 columns: the same with a known force" 0 "$(attaches force)"

@@ -293,7 +293,7 @@ int main(int count, char **word)
     return 0;
 }
 END
-wide=(-std=c11 -O1 -DAUVID_MAX_PARAMETERS=32 -DAUVID_MAX_UNCERTAIN=130 -I"$ROOT/lib/include" -I.)
+wide=(-std=c11 -O1 -DAUVID_MAX_PARAMETERS=32 -DAUVID_MAX_UNCERTAIN=132 -I"$ROOT/lib/include" -I.)
 objects=("$ROOT"/build/wide/lib/src/*/*.o)
 of_tools=("$ROOT"/build/wide/tools/auvid/vehicle/*.o
     "$ROOT"/build/wide/tools/auvid/base/{ini,report_error}.o)

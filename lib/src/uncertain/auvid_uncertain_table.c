@@ -80,7 +80,9 @@ bool auvid_uncertain_has(const auvid_uncertain_t *u, const auvid_metric_t *m, in
 uint32_t auvid_uncertain_moved(const auvid_metric_t *m, int input)
 {
     uint32_t equations = auvid_uncertain_row(input)->equations;
-    return (equations & PLANAR) | ((equations & TILTED) != 0 ? table_tilted(m) : 0);
+    uint32_t tilted = (equations & TILTED) != 0 ? table_tilted(m) : 0;
+    uint32_t pitch = auvid_metric_order(m, AUVID_PITCH) > 0 ? equations & PITCH : 0;
+    return (equations & PLANAR) | tilted | pitch;
 }
 
 bool auvid_uncertain_of_hull(const auvid_metric_t *m, int input)

@@ -58,7 +58,8 @@ enum {
  *   equations  of which DoF: a sum of names; or of those with thrust
  *              (ACTUATED), quadratic drag (DRAGGED), no constant force as parameter (UNFORCED; in
  *              roll and pitch it is that of the weight), or of forces in a model of roll or pitch
- *              (TILTED): where the model has neither, both are small
+ *              (TILTED): where the model has neither, both are small. With an arm ahead turns of
+ *              pitch look like heave, which turns a vehicle that moves ahead (Munk moment): PITCH
  *   prior      the column's standard deviation: AS_CONFIGURED, or by a function of
  *              auvid_uncertain_table.c; then the cause's value is in the unit of the COLUMN(), or
  *              RELATIVE(), as configured
@@ -95,7 +96,7 @@ enum {
     ROW(AUVID_UNCERTAIN_CURRENT_Y, current, MOTION, PLANAR, AS_CONFIGURED, CURRENT,                \
         "a current sets to the east, with ", "a current sets to the west, with ", "m/s",           \
         UNCERTAIN_WATER)                                                                           \
-    ROW(AUVID_UNCERTAIN_ARM_X, arm_m, MOTION, PLANAR + TILTED, AS_CONFIGURED, MOUNTING,            \
+    ROW(AUVID_UNCERTAIN_ARM_X, arm_m, MOTION, PLANAR + TILTED + PITCH, AS_CONFIGURED, MOUNTING,    \
         "the DVL is further ahead than configured, by ",                                           \
         "the DVL is further astern than configured, by ", "m", UNCERTAIN_ARM)                      \
     ROW(AUVID_UNCERTAIN_ARM_Y, arm_m, MOTION, PLANAR + TILTED, AS_CONFIGURED, MOUNTING,            \

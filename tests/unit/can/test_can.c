@@ -419,6 +419,13 @@ static void test_a_wrapped_time_is_extended_forwards_and_backwards(void)
     TEST_ASSERT_EQUAL_UINT64(t, auvid_can_extend_us(t, 0));
 }
 
+static void test_a_wrapped_time_is_not_extended_to_before_zero(void)
+{
+    TEST_ASSERT_EQUAL_UINT64(2400000000u, auvid_can_extend_us(60000000u, 2400000000u));
+    TEST_ASSERT_EQUAL_UINT64(0, auvid_can_extend_us(60000000u, 0));
+    TEST_ASSERT_EQUAL_UINT64(UINT32_MAX, auvid_can_extend_us(0, UINT32_MAX));
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -448,5 +455,6 @@ int main(void)
     RUN_TEST(test_every_identifier_maps_to_its_message_and_back);
     RUN_TEST(test_wrong_calls_return_their_statuses);
     RUN_TEST(test_a_wrapped_time_is_extended_forwards_and_backwards);
+    RUN_TEST(test_a_wrapped_time_is_not_extended_to_before_zero);
     return UNITY_END();
 }

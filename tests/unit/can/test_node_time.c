@@ -138,21 +138,25 @@ static void test_a_node_with_its_own_clock_sends_the_tick_and_refuses_to_go_back
 
 static void test_samples_of_a_refused_tick_are_counted_as_dropped(void)
 {
-    auvid_can_frame_t frame[AUVID_NODE_FRAMES], depth;
+    static const auvid_can_kind_t kind[] = {AUVID_CAN_DVL_BOTTOM, AUVID_CAN_DVL_WATER,
+                                            AUVID_CAN_DVL_ALTITUDE, AUVID_CAN_DEPTH, AUVID_CAN_GPS};
+    auvid_can_frame_t frame[AUVID_NODE_FRAMES], sample;
     auvid_can_sender_t from;
-    auvid_can_message_t m = {.kind = AUVID_CAN_DEPTH, .as.depth = {.depth = 5}};
     int count = 0;
     uint64_t t_us = 1000000;
     begin(false);
     auvid_can_sender_init(&from, NULL);
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_node_step(&node, &t_us, frame, &count));
-    TEST_ASSERT_EQUAL(AUVID_OK, auvid_can_pack(&from, &m, &depth));
-    TEST_ASSERT_EQUAL(AUVID_OK, auvid_node_take(&node, &depth));
-    TEST_ASSERT_EQUAL(AUVID_ERR_TIME_SAME, auvid_node_step(&node, &t_us, frame, &count));
-    TEST_ASSERT_EQUAL_UINT32(1, node.counters.samples_dropped);
+    for (uint32_t k = 0; k < sizeof kind / sizeof kind[0]; ++k) {
+        auvid_can_message_t m = {.kind = kind[k]};
+        TEST_ASSERT_EQUAL(AUVID_OK, auvid_can_pack(&from, &m, &sample));
+        TEST_ASSERT_EQUAL(AUVID_OK, auvid_node_take(&node, &sample));
+        TEST_ASSERT_EQUAL(AUVID_ERR_TIME_SAME, auvid_node_step(&node, &t_us, frame, &count));
+        TEST_ASSERT_EQUAL_UINT32(k + 1u, node.counters.samples_dropped);
+    }
     t_us = 1020000;
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_node_step(&node, &t_us, frame, &count));
-    TEST_ASSERT_EQUAL_UINT32(1, node.counters.samples_dropped);
+    TEST_ASSERT_EQUAL_UINT32(5, node.counters.samples_dropped);
 }
 
 /* A node is restarted after an hour and 20 minutes, when the 32 bits of the tick frames have

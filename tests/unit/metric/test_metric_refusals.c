@@ -35,6 +35,8 @@ static void test_init_refuses_a_field_out_of_its_range_and_changes_nothing(void)
 {
     REFUSED(AUVID_ERR_RANGE, cfg.tau_max[4] = 0);
     REFUSED(AUVID_ERR_RANGE, cfg.tau_max[0] = -1);
+    REFUSED(AUVID_ERR_RANGE, cfg.tau_max[0] = AUVID_C(0.9e-9));
+    REFUSED(AUVID_ERR_RANGE, cfg.tau_max[0] = AUVID_C(1.1e9));
     REFUSED(AUVID_ERR_RANGE, cfg.excitation_threshold = AUVID_C(-0.01));
     REFUSED(AUVID_ERR_RANGE, cfg.excitation_threshold = AUVID_C(1.01));
     REFUSED(AUVID_ERR_RANGE, cfg.cell_us = 999);

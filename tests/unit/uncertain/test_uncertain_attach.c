@@ -149,6 +149,23 @@ static void test_the_dead_band_is_relative_to_the_largest_force_in_either_direct
     TEST_ASSERT_TRUE(ahead > 0 && ahead == astern);
 }
 
+/* It depends on the thrusters, which set tau_max only when they are attached. */
+static void test_the_first_length_is_that_of_the_thrusters(void)
+{
+    auvid_allocation_config_t short_arms = cfg.thrusters;
+    for (int i = 0; i < short_arms.thrusters; ++i) {
+        short_arms.thruster[i].wrench[AUVID_YAW] *= AUVID_C(0.5);
+    }
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_allocation_init(&chain.allocation, &short_arms));
+    memset(cfg.id.metric.tau_max, 0, sizeof cfg.id.metric.tau_max);
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&chain.id, &cfg.id));
+    TEST_ASSERT_EQUAL(AUVID_OK, attach());
+    const auvid_real_t *max = chain.id.metric.cfg.tau_max;
+    double force = fmax(fmax((double)max[0], (double)max[1]), (double)max[2]);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-6, 2.0 * (double)max[AUVID_YAW] / force, (double)storage.half_m);
+    TEST_ASSERT_TRUE(storage.half_m < AUVID_C(0.6));
+}
+
 static void test_more_columns_than_there_is_room_for_are_refused(void)
 {
     auvid_allocation_config_t many = cfg.thrusters;
@@ -266,6 +283,7 @@ int main(void)
     RUN_TEST(test_a_prior_out_of_range_is_refused);
     RUN_TEST(test_thrusters_that_are_not_initialised_are_refused);
     RUN_TEST(test_the_dead_band_is_relative_to_the_largest_force_in_either_direction);
+    RUN_TEST(test_the_first_length_is_that_of_the_thrusters);
     RUN_TEST(test_more_columns_than_there_is_room_for_are_refused);
 #if AUVID_MAX_THRUSTERS >= 8
     RUN_TEST(test_eight_thrusters_fit);
