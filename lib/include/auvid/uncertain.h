@@ -206,6 +206,10 @@ typedef struct {
     uint32_t differs; /**< bit i: the estimates of parameter i with and without uncertain inputs
                            differ by more than both half-widths */
     auvid_cause_t cause[AUVID_CAUSE_COUNT]; /**< by auvid_cause_class_t */
+    auvid_real_t asymmetry[AUVID_DOF_COUNT]; /**< of the drag: forward it is so much larger than
+                                                  the mean of both directions, relative to that;
+                                                  backward so much smaller */
+    auvid_real_t asymmetry_sigma[AUVID_DOF_COUNT]; /**< its standard deviation; 0: not known */
     uint8_t order[AUVID_CAUSE_COUNT];       /**< the named classes; the first moves masses and drag
                                                  most: the largest share, where those of mounting,
                                                  inflow and current count half */

@@ -106,20 +106,24 @@ static void causes_consider(uncertain_t *u, int j, int k)
         value += u->shared[AUVID_UNCERTAIN_BILINEAR];
         share = causes_loss_norm(u, j, k, &code) / thrust;
     }
-    bool large = share >= AUVID_CAUSE_SHARE;
-    if (best->sigma > AUVID_C(0.0) && !(share > best->share) && (best->named || !large)) {
+    bool large = share >= AUVID_CAUSE_SHARE, each = code == INPUT_ASYMMETRY;
+    if (!each && best->sigma > AUVID_C(0.0) && !(share > best->share) && (best->named || !large)) {
         return;
     }
     auvid_real_t sigma = causes_deviation(u, j, k < e->own ? k : NO_INPUT, shared);
     if (!(thrust > AUVID_C(0.0)) || !auvid_is_finite(share * sigma)) {
         return;
     }
+    auvid_real_t unit = causes_unit(u, code, j);
+    if (each) {
+        u->work.causes.asymmetry[j] = unit * value;
+        u->work.causes.asymmetry_sigma[j] = unit * sigma;
+    }
     bool named = large && auvid_abs(value) - margin > AUVID_CAUSE_SIGMAS * sigma;
     if (named < best->named ||
         (named == best->named && !(share > best->share) && best->sigma > AUVID_C(0.0))) {
         return;
     }
-    auvid_real_t unit = causes_unit(u, code, j);
     *best = (auvid_cause_t){.value = unit * value,
                             .sigma = unit * sigma,
                             .share = share,

@@ -39,6 +39,7 @@ static const auvid_checkpoint_limit_t checkpoint_limit_uncertain[] = {
     FLAG(uncertain, excited, excited),
     BYTE(uncertain, informed, informed, 2),
     FLAG(uncertain, contradicted, given),
+    FINITE(uncertain, causes.asymmetry, causes.asymmetry_sigma),
     BYTE(uncertain, causes.order, causes.order, AUVID_CAUSE_COUNT - 1),
     BYTE(uncertain, causes.named, causes.named, AUVID_CAUSE_COUNT),
     FLAG(uncertain, causes.contradicted, causes.thrust_differs),

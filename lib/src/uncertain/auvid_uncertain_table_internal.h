@@ -112,7 +112,7 @@ enum {
     ROW(INPUT_DELAY, delay_s, THRUST, ACTUATED, AS_CONFIGURED, TIMING, UNCERTAIN_TIMING)           \
     ROW(INPUT_ASYMMETRY, asymmetry, HULL, DRAGGED, RELATIVE(table_asymmetry), ASYMMETRY,           \
         "drag is larger forward, by ", "drag is smaller forward, by ", "%",                        \
-        "the model has one drag for both directions")                                              \
+        "the model's is the mean of both directions")                                              \
     ROW(INPUT_FORCE, force, HULL, UNFORCED, COLUMN(table_force), MOUNTING,                         \
         "a constant force acts, of ", "a constant force acts, of -", "N", UNCERTAIN_MOUNT)         \
     ROW(INPUT_CROSS, cross, HULL, SWAY + YAW, RELATIVE(table_cross), MOUNTING,                     \

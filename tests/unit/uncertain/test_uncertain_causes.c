@@ -66,6 +66,11 @@ static void test_asymmetry_and_current_have_the_right_sign(void)
     TEST_ASSERT_EQUAL(AUVID_CAUSE_ASYMMETRY, causes.order[0]);
     double truth = run.field.hull.asymmetry[cause->dof];
     TEST_ASSERT_DOUBLE_WITHIN(0.4 * fabs(truth), truth, (double)cause->value);
+    for (int j = AUVID_SURGE; j <= AUVID_HEAVE; ++j) { /* each, not only the one that is named */
+        truth = run.field.hull.asymmetry[j];
+        TEST_ASSERT_DOUBLE_WITHIN(0.4 * fabs(truth), truth, (double)causes.asymmetry[j]);
+        TEST_ASSERT_TRUE(causes.asymmetry_sigma[j] > 0);
+    }
     identify_with(FIELD_GIRONA500, "current", 0.1);
     cause = &causes.cause[AUVID_CAUSE_CURRENT];
     TEST_ASSERT_EQUAL(AUVID_CAUSE_CURRENT, causes.order[0]);

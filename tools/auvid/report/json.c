@@ -173,6 +173,25 @@ static void json_drag(FILE *out, const result_t *result)
     fprintf(out, "}");
 }
 
+/* By how much the drag is larger forward than the mean of both directions, relative to that. */
+static void json_asymmetry(FILE *out, const result_t *result)
+{
+    const auvid_causes_t *causes = &result->causes;
+    const char *separator = "";
+    fprintf(out, ",\n  \"drag_asymmetry\": {");
+    for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
+        if (causes->asymmetry_sigma[j] > AUVID_C(0.0)) {
+            fprintf(out, "%s\"%s\": {\"value\": ", separator, force[j]);
+            json_number(out, (double)causes->asymmetry[j]);
+            fprintf(out, ", \"sigma\": ");
+            json_number(out, (double)causes->asymmetry_sigma[j]);
+            fprintf(out, "}");
+            separator = ", ";
+        }
+    }
+    fprintf(out, "}");
+}
+
 /* The names of the degrees of freedom in a mask. */
 static void json_dof_names(FILE *out, const char *key, uint32_t mask)
 {
@@ -477,6 +496,7 @@ void report_json(FILE *out, const result_t *result, const campaign_t *campaign,
     json_parameters(out, result);
     json_missing(out, result);
     json_drag(out, result);
+    json_asymmetry(out, result);
     json_dof_values(out, result);
     json_change_test(out, result);
     json_guard(out, result);

@@ -160,6 +160,20 @@ static void drag_row(const result_t *result, auvid_dof_t j, bool backward)
     putchar('\n');
 }
 
+/* The rows above are those of one curve for both directions. */
+static void print_asymmetry(const result_t *result)
+{
+    for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
+        double part = (double)result->causes.asymmetry[j];
+        double sigma = (double)result->causes.asymmetry_sigma[j];
+        if (sigma > 0.0 && fabs(part) > (double)AUVID_CAUSE_SIGMAS * sigma) {
+            printf("  %-5s  the drag is %.0f %% %s forward and %s backward (+- %.0f %%)\n",
+                   report_dof_name[j], 100.0 * fabs(part), part > 0.0 ? "larger" : "smaller",
+                   part > 0.0 ? "smaller" : "larger", 100.0 * HALF_WIDTH * sigma);
+        }
+    }
+}
+
 static void drag_table(const result_t *result)
 {
     printf("\n  drag force [%s] at fractions of the largest speed seen [m/s, rad/s]\n",
@@ -174,6 +188,7 @@ static void drag_table(const result_t *result)
             drag_row(result, (auvid_dof_t)j, backward != 0);
         }
     }
+    print_asymmetry(result);
 }
 
 /* The degrees of freedom of a mask, a bit each, if there are any. */
