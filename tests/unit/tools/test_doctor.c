@@ -73,6 +73,39 @@ static void test_a_controller_that_holds_an_axis_is_not_accused(void)
     assert_only(DOCTOR_INPUT_SIGN, CSV_WRENCH + 5, "N_Nm has the wrong sign");
 }
 
+/* Beside the steps of the rest of the log, what a column has between them is rounding. */
+static void test_an_input_that_rests_for_most_of_the_log_is_not_accused_there(void)
+{
+    for (int k = 0; k < 2 * ROWS / 3; ++k) {
+        rows[k].value[CSV_WRENCH + 5] *= -1e-6;
+    }
+    assert_clean();
+    scale(CSV_WRENCH + 5, -1.0);
+    assert_only(DOCTOR_INPUT_SIGN, CSV_WRENCH + 5, "N_Nm has the wrong sign");
+}
+
+/* Its righting moment turns the hull; the input hardly acts, and errors of that moment look alike.
+ */
+static void test_a_hull_that_swings_does_not_accuse_a_small_moment(void)
+{
+    double q = 0.0, theta = 0.3;
+    static const int absent[4] = {CSV_ATTITUDE, CSV_NU + 3, CSV_WRENCH + 3, CSV_POSITION + 2};
+    for (int i = 0; i < 4; ++i) {
+        has[absent[i]] = false;
+    }
+    for (int k = 0; k < ROWS; ++k) {
+        double moment = rows[k].value[CSV_WRENCH + 4];
+        q += STEP_S * (-4.0 * sin(theta) - 0.05 * q - 0.002 * moment);
+        theta += STEP_S * q;
+        rows[k].value[CSV_ATTITUDE] = rows[k].value[CSV_NU + 3] = 0.0;
+        rows[k].value[CSV_ATTITUDE + 1] = theta;
+        rows[k].value[CSV_NU + 4] = q;
+    }
+    examine();
+    TEST_ASSERT_EQUAL_MESSAGE(0, count(DOCTOR_ERROR), doctor.finding[0].text);
+    TEST_ASSERT_FALSE(doctor.answers[4]);
+}
+
 static void test_the_coupling_tells_a_reversed_force_from_a_reversed_velocity(void)
 {
     has[CSV_POSITION] = has[CSV_POSITION + 1] = false;
@@ -508,6 +541,8 @@ int main(void)
     RUN_TEST(test_a_reversed_rate_is_told_from_a_reversed_input);
     RUN_TEST(test_a_reversed_moment_is_named);
     RUN_TEST(test_a_controller_that_holds_an_axis_is_not_accused);
+    RUN_TEST(test_an_input_that_rests_for_most_of_the_log_is_not_accused_there);
+    RUN_TEST(test_a_hull_that_swings_does_not_accuse_a_small_moment);
     RUN_TEST(test_the_coupling_tells_a_reversed_force_from_a_reversed_velocity);
     RUN_TEST(test_depth_tells_a_reversed_heave_velocity);
     RUN_TEST(test_without_depth_the_sentence_names_both);

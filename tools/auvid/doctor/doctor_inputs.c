@@ -12,7 +12,6 @@
 #include <string.h>
 
 #include "doctor.h"
-#include "../report/statistics.h"
 
 #define MIN_LLR 20.0 /* more than for the attitude: the disturbance is correlated over seconds */
 #define MIN_EACH 8.0
@@ -29,7 +28,8 @@
 #define FOUND_LATE_S 0.85                /* .. or follows by less */
 #define EARLY_S (DOCTOR_EARLY * DOCTOR_CELL_S)
 #define MIN_COUPLING 5.0 /* standard errors */
-#define QUIET 0.15       /* standard deviation of an input in a block, relative to the median */
+#define QUIET 0.15       /* standard deviation of an input in a block, relative to the whole log */
+#define MIN_SHARE 0.08   /* of the acceleration's variance: other terms are known to a quarter */
 
 enum { INPUT, SPEED, QUADRATIC, COUPLING };
 enum { ACCELERATION = GAIN_TERMS - 1 };
@@ -54,6 +54,14 @@ static bool has_pair(const doctor_t *d, int j)
            d->column[d->inputs + j].changes > 0.0 && d->column[CSV_NU + j].changes > 0.0;
 }
 
+/* Is a sum of squares that an input explains a visible part of the acceleration? What explains less
+ * may be an error of the other terms: an input that follows the pitch of a hull that swings. */
+static bool moves(const doctor_sums_t *s, int j, double explained)
+{
+    double n = fmax(s->count[j], 1.0), sum = s->fixed[j][ACCELERATION - 1][ACCELERATION];
+    return explained > MIN_SHARE * (s->fixed[j][ACCELERATION][ACCELERATION] - sum * sum / n);
+}
+
 /* A controller opposes the motion that it measures: its output is the input reversed, but later
  * than the motion. Then the log shows no sign. */
 static double sign_score(const doctor_t *d, const doctor_sums_t *s, int j, int *which)
@@ -65,7 +73,9 @@ static double sign_score(const doctor_t *d, const doctor_sums_t *s, int j, int *
     double feedback = doctor_reversed(s, j, FEEDBACK_FIRST, FEEDBACK_LAST);
     double against = doctor_reversed(s, j, d->lag[j] > DOCTOR_EARLY ? d->lag[j] - 1 : DOCTOR_EARLY,
                                      d->lag[j] > DOCTOR_EARLY ? d->lag[j] + 1 : DOCTOR_EARLY + 1);
-    return doctor_gain_ratio(s, j, fmin(clean, feedback), against);
+    return moves(s, j, g.without - against)
+               ? doctor_gain_ratio(s, j, fmin(clean, feedback), against)
+               : 0.0;
 }
 
 /* Of all DoF together, because all inputs have one clock. which: lag [cells] + DOCTOR_EARLY. */
@@ -133,17 +143,18 @@ static void clear_input(doctor_sums_t *s, int j)
  * the measured motion, against which that motion seems to accelerate. */
 static void leave_out_quiet_blocks(doctor_t *d)
 {
-    double variance[DOCTOR_BLOCKS], sorted[DOCTOR_BLOCKS];
-    for (int j = 0; j < 6 && d->blocks > 0; ++j) {
+    double variance[DOCTOR_BLOCKS];
+    for (int j = 0; j < 6; ++j) {
+        double mean_variance = 0.0;
         for (int k = 0; k < d->blocks; ++k) {
             const doctor_sums_t *s = &d->block[k].sums;
             const double *own = s->own[j][DOCTOR_EARLY];
             double n = fmax(s->count[j], 1.0), mean = own[ACCELERATION - 1] / n;
-            variance[k] = sorted[k] = own[0] / n - mean * mean;
+            variance[k] = own[0] / n - mean * mean;
+            mean_variance += variance[k] / d->blocks;
         }
-        double usual_variance = statistics_quantile(sorted, (size_t)d->blocks, 0.5);
         for (int k = 0; k < d->blocks; ++k) {
-            if (variance[k] < QUIET * QUIET * usual_variance) {
+            if (variance[k] < QUIET * QUIET * mean_variance) {
                 clear_input(&d->block[k].sums, j);
             }
         }
