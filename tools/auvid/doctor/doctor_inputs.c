@@ -49,7 +49,8 @@ static const char *input_name(const doctor_t *d, int j)
 
 static bool has_pair(const doctor_t *d, int j)
 {
-    bool other_axes = j < 2 && d->in_world; /* see doctor_world.c */
+    /* see doctor_world.c, doctor_mounting.c */
+    bool other_axes = j < 2 && (d->in_world || fabs(d->mounted) > 0.0);
     return !other_axes && d->inputs >= 0 && d->has[d->inputs + j] && d->has[CSV_NU + j] &&
            d->column[d->inputs + j].changes > 0.0 && d->column[CSV_NU + j].changes > 0.0;
 }
@@ -187,6 +188,10 @@ void doctor_inputs_scan(doctor_t *d)
             d->pushed[j].llr = 0.0;
         }
     }
+    doctor_mounting_scan(d);
+    if (fabs(d->mounted) > 0.0) {
+        d->pushed[0].llr = d->pushed[1].llr = 0.0;
+    }
 }
 
 /* Do the couplings v r (surge) and u r (sway) have their signs? In standard errors: above zero yes,
@@ -206,6 +211,12 @@ static double coupling(const doctor_t *d, const doctor_range_t *r, const int col
     return total;
 }
 
+/* Do both its force and the depth of a pitched hull say that u has the wrong sign? */
+static bool depth_reverses_surge(const doctor_t *d)
+{
+    return doctor_depth_reverses_surge(d) && doctor_overlap(&d->pushed[0], &d->sunk);
+}
+
 /* Is the velocity of DoF j wrong (1), its input (-1), or is that not known (0)? */
 static int velocity_is_wrong(const doctor_t *d, int j)
 {
@@ -214,7 +225,7 @@ static int velocity_is_wrong(const doctor_t *d, int j)
     if (j == 2) {
         return d->has[CSV_POSITION + 2] ? (doctor_overlap(r, &d->sunk) ? 1 : 0) : 0;
     }
-    if (j < 2 && doctor_overlap(r, &d->gone[j])) {
+    if ((j < 2 && doctor_overlap(r, &d->gone[j])) || (j == 0 && depth_reverses_surge(d))) {
         return 1;
     }
     if (j < 2 && !(d->turned[2].llr > 0.0) && !(d->pushed[5].llr > 0.0)) {
@@ -235,7 +246,10 @@ static void find_sign(doctor_t *d, int j)
         doctor_add(d, DOCTOR_ERROR, DOCTOR_VELOCITY_SIGN, CSV_NU + j, d->inputs + j, r,
                    "%s has the wrong sign: it accelerates against %s, and %s%s: change its sign",
                    velocity, input,
-                   j == 2 ? "runs against depth" : "its coupling with the turn is reversed", where);
+                   j == 2                              ? "runs against depth"
+                   : j == 0 && depth_reverses_surge(d) ? "runs against the depth in a dive"
+                                                       : "its coupling with the turn is reversed",
+                   where);
     } else if (wrong < 0) {
         doctor_add(d, DOCTOR_ERROR, DOCTOR_INPUT_SIGN, d->inputs + j, CSV_NU + j, r,
                    "%s has the wrong sign: %s accelerates against it%s: %s", input, velocity, where,
@@ -405,7 +419,9 @@ static bool rate_is_wrong(const doctor_t *d, int j)
 void doctor_inputs(doctor_t *d)
 {
     double sign_llr = 0.0;
-    if (d->use != NULL && doctor_thrusters(d)) {
+    doctor_mounting(d);
+    bool sound = !(fabs(d->mounted) > 0.0) && !depth_reverses_surge(d); /* u and v */
+    if (d->use != NULL && sound && doctor_thrusters(d)) {
         return; /* which explains what is wrong in each DoF */
     }
     for (int j = 0; j < 6; ++j) {
@@ -417,7 +433,7 @@ void doctor_inputs(doctor_t *d)
     if (!exchanged && !shifted && !frame && !(sign_llr > 0.0)) {
         take_long_lag(d);
     }
-    if (d->use != NULL && !exchanged && !frame && !(sign_llr > 0.0)) {
+    if (d->use != NULL && sound && !exchanged && !frame && !(sign_llr > 0.0)) {
         doctor_thrusters_hidden(d);
     }
     for (int j = 0; j < 6; ++j) {
