@@ -12,6 +12,7 @@
 #include <string.h>
 
 #include "doctor.h"
+#include "../report/statistics.h"
 
 #define MIN_LLR 20.0 /* more than for the attitude: the disturbance is correlated over seconds */
 #define MIN_EACH 8.0
@@ -28,7 +29,8 @@
 #define FOUND_LATE_S 0.85                /* .. or follows by less */
 #define EARLY_S (DOCTOR_EARLY * DOCTOR_CELL_S)
 #define MIN_COUPLING 5.0 /* standard errors */
-#define QUIET 0.15       /* standard deviation of an input in a block, relative to the whole log */
+#define QUIET 0.15       /* standard deviation of an input in a block, relative to the median, .. */
+#define UNEXCITED 0.15   /* .. and to the whole log */
 #define MIN_SHARE 0.08   /* of the acceleration's variance: other terms are known to a quarter */
 
 enum { INPUT, SPEED, QUADRATIC, COUPLING };
@@ -55,6 +57,13 @@ static bool has_pair(const doctor_t *d, int j)
            d->column[d->inputs + j].changes > 0.0 && d->column[CSV_NU + j].changes > 0.0;
 }
 
+static double input_variance(const doctor_sums_t *s, int j)
+{
+    const double *own = s->own[j][DOCTOR_EARLY];
+    double n = fmax(s->count[j], 1.0), mean = own[ACCELERATION - 1] / n;
+    return own[0] / n - mean * mean;
+}
+
 /* Is a sum of squares that an input explains a visible part of the acceleration? What explains less
  * may be an error of the other terms: an input that follows the pitch of a hull that swings. */
 static bool moves(const doctor_sums_t *s, int j, double explained)
@@ -74,7 +83,8 @@ static double sign_score(const doctor_t *d, const doctor_sums_t *s, int j, int *
     double feedback = doctor_reversed(s, j, FEEDBACK_FIRST, FEEDBACK_LAST);
     double against = doctor_reversed(s, j, d->lag[j] > DOCTOR_EARLY ? d->lag[j] - 1 : DOCTOR_EARLY,
                                      d->lag[j] > DOCTOR_EARLY ? d->lag[j] + 1 : DOCTOR_EARLY + 1);
-    return moves(s, j, g.without - against)
+    bool excited = input_variance(s, j) > UNEXCITED * UNEXCITED * d->input_variance[j];
+    return excited && moves(s, j, g.without - against)
                ? doctor_gain_ratio(s, j, fmin(clean, feedback), against)
                : 0.0;
 }
@@ -144,18 +154,14 @@ static void clear_input(doctor_sums_t *s, int j)
  * the measured motion, against which that motion seems to accelerate. */
 static void leave_out_quiet_blocks(doctor_t *d)
 {
-    double variance[DOCTOR_BLOCKS];
-    for (int j = 0; j < 6; ++j) {
-        double mean_variance = 0.0;
+    double variance[DOCTOR_BLOCKS], sorted[DOCTOR_BLOCKS];
+    for (int j = 0; j < 6 && d->blocks > 0; ++j) {
         for (int k = 0; k < d->blocks; ++k) {
-            const doctor_sums_t *s = &d->block[k].sums;
-            const double *own = s->own[j][DOCTOR_EARLY];
-            double n = fmax(s->count[j], 1.0), mean = own[ACCELERATION - 1] / n;
-            variance[k] = own[0] / n - mean * mean;
-            mean_variance += variance[k] / d->blocks;
+            variance[k] = sorted[k] = input_variance(&d->block[k].sums, j);
         }
+        double usual_variance = statistics_quantile(sorted, (size_t)d->blocks, 0.5);
         for (int k = 0; k < d->blocks; ++k) {
-            if (variance[k] < QUIET * QUIET * mean_variance) {
+            if (variance[k] < QUIET * QUIET * usual_variance) {
                 clear_input(&d->block[k].sums, j);
             }
         }
@@ -183,6 +189,7 @@ void doctor_inputs_scan(doctor_t *d)
             d->time_constant_s[j] = g.drag > 0.0 ? 1.0 / g.drag : 0.0;
         }
         d->lag[j] = doctor_best_lag(d, j);
+        d->input_variance[j] = input_variance(&all, j);
         d->pushed[j] = doctor_scan(d, sign_score, j);
         if (!(d->pushed[j].llr > MIN_LLR)) {
             d->pushed[j].llr = 0.0;
@@ -304,12 +311,16 @@ static bool find_exchange(doctor_t *d)
                : velocities ? DOCTOR_VELOCITY_EXCHANGED
                             : DOCTOR_EITHER_EXCHANGED,
                (velocities ? CSV_NU : d->inputs) + i, (velocities ? CSV_NU : d->inputs) + j, &best,
-               "%s follows %s, and %s follows %s%s: %s exchanged: exchange the columns",
-               csv_name[CSV_NU + i], input_name(d, j), csv_name[CSV_NU + j], input_name(d, i),
-               doctor_where(d, &best, where),
-               inputs       ? "the two inputs are"
-               : velocities ? "the two velocities are"
-                            : "the two inputs, or the two velocities, are");
+               "%s follows %s, and %s follows %s%s: %s", csv_name[CSV_NU + i], input_name(d, j),
+               csv_name[CSV_NU + j], input_name(d, i), doctor_where(d, &best, where),
+               inputs && d->use != NULL
+                   ? "thrusters are reversed or exchanged: compare each with the vehicle file"
+               : inputs     ? "the two inputs are exchanged: exchange the columns"
+               : velocities ? "the two velocities are exchanged: exchange the columns"
+               : d->use != NULL
+                   ? "the two velocities are exchanged, or thrusters are reversed or exchanged: "
+                     "compare each with the vehicle file"
+                   : "the two inputs, or the two velocities, are exchanged: exchange the columns");
     d->pushed[i].llr = d->pushed[j].llr = 0.0;
     return true;
 }

@@ -170,10 +170,12 @@ typedef struct {
     doctor_range_t gone[2];   /* position and velocity, of surge and sway, likewise */
     bool reordered;           /* the quaternion is x, y, z, w */
     bool degrees;             /* angles or rates are in degrees */
-    bool in_world;            /* the velocities are to the north and east */
+    bool in_world;            /* the velocities are to the north and east .. */
+    double world_llr;         /* .. by this ratio */
     double mounted;           /* angle of u and v to starboard, against the forces; 0: none [rad] */
     bool answers[6];          /* a velocity follows its input */
     int lag[6];               /* .. by this, as an index of doctor_sums_t.own */
+    double input_variance[6]; /* over the whole log */
     const log_use_t *use;     /* the inputs are these thrusters; NULL: those of the log */
     double thruster[AUVID_MAX_THRUSTERS], voltage_V; /* last inputs of the thrusters; NaN: none */
     double largest_thrust_N;                         /* of a thruster */

@@ -64,8 +64,9 @@ void doctor_world_scan(doctor_t *d)
     bool inputs = d->inputs >= 0 && d->has[d->inputs] && d->has[d->inputs + 1];
     doctor_sums_t all;
     doctor_sum(d, 0, d->blocks - 1, &all);
-    d->in_world =
-        has && sound && (position_score(&all) > MIN_LLR || (inputs && input_score(&all) > MIN_LLR));
+    d->world_llr =
+        has && sound ? fmax(position_score(&all), inputs ? input_score(&all) : 0.0) : 0.0;
+    d->in_world = d->world_llr > MIN_LLR;
     if (d->in_world) {
         d->sunk.llr = 0.0; /* depth was compared with velocities of the body */
     }
