@@ -15,7 +15,7 @@
  * explanations holds is decided by the ratio of their likelihoods. A sentence names a cause only if
  * these tests determine it; otherwise it names all columns that the contradiction involves.
  *
- * Memory: sizeof(doctor_t), about 0.7 MB, for a log of any length. Cost: some 5 us a row at 50 Hz.
+ * Memory: sizeof(doctor_t), about 0.9 MB, for a log of any length. Cost: some 5 us a row at 50 Hz.
  */
 #ifndef PROGRAM_DOCTOR_H
 #define PROGRAM_DOCTOR_H

@@ -52,7 +52,7 @@ static const char *input_name(const doctor_t *d, int j)
 static bool has_pair(const doctor_t *d, int j)
 {
     /* see doctor_world.c, doctor_mounting.c */
-    bool other_axes = j < 2 && (d->in_world || fabs(d->mounted) > 0.0);
+    bool other_axes = (j < 2 && (d->in_world || fabs(d->mounted) > 0.0)) || (j == 2 && d->in_enu);
     return !other_axes && d->inputs >= 0 && d->has[d->inputs + j] && d->has[CSV_NU + j] &&
            d->column[d->inputs + j].changes > 0.0 && d->column[CSV_NU + j].changes > 0.0;
 }
@@ -137,10 +137,10 @@ static double exchange_score(const doctor_t *d, const doctor_sums_t *s, int pair
 
 static void clear_input(doctor_sums_t *s, int j)
 {
-    if (j < DOCTOR_AXES - DOCTOR_WORLD) {
-        s->count[DOCTOR_WORLD + j] = 0.0;
-        memset(s->fixed[DOCTOR_WORLD + j], 0, sizeof s->fixed[j]);
-        memset(s->own[DOCTOR_WORLD + j], 0, sizeof s->own[j]);
+    for (int k = DOCTOR_WORLD + j; j < 2 && k < DOCTOR_AXES; k += 2) {
+        s->count[k] = 0.0;
+        memset(s->fixed[k], 0, sizeof s->fixed[k]);
+        memset(s->own[k], 0, sizeof s->own[k]);
     }
     s->count[j] = 0.0;
     memset(s->fixed[j], 0, sizeof s->fixed[j]);

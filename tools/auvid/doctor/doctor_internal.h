@@ -24,7 +24,8 @@ enum {
     DOCTOR_MIN_WINDOWS = 30, /* independent ones, for a decision */
     DOCTOR_INTERVALS = 64,   /* classes of row intervals */
     DOCTOR_WORLD = 6,        /* surge and sway if the velocities are in north, east, down .. */
-    DOCTOR_AXES = 8,         /* .. after the six DoF */
+    DOCTOR_ENU = 8,          /* .. or in east, north, up .. */
+    DOCTOR_AXES = 10,        /* .. after the six DoF */
     DOCTOR_READINGS = 4,     /* of the attitude */
     DOCTOR_MOUNT_TERMS = 11  /* X, Y, u, v, |V|u, |V|v, u r, v r, 1; accelerations of u, v */
 };
@@ -93,7 +94,7 @@ typedef struct {
     doctor_pair_t force[3][3];                                /* expected axis, measured axis */
     double depth[6][6];            /* 1, sink from u, v, w, depth rate, sum of sinks */
     doctor_pair_t ground[2][2][2]; /* psi, body axis of position, velocity */
-    doctor_pair_t world[2];        /* rate of north with u, of east with v */
+    doctor_pair_t world[2][2];     /* rates of north, east with u, v; with v, u */
     doctor_pair_t drift;           /* of north and east */
     doctor_pair_t inertial[3];     /* acceleration of the velocity, of the accelerometer */
     doctor_pair_t rest;            /* u and v at rest */
@@ -170,7 +171,8 @@ typedef struct {
     doctor_range_t gone[2];   /* position and velocity, of surge and sway, likewise */
     bool reordered;           /* the quaternion is x, y, z, w */
     bool degrees;             /* angles or rates are in degrees */
-    bool in_world;            /* the velocities are to the north and east .. */
+    bool in_world;            /* the velocities are to the north and east, .. */
+    bool in_enu;              /* .. the first one to the east, the third one upwards, .. */
     double world_llr;         /* .. by this ratio */
     double mounted;           /* angle of u and v to starboard, against the forces; 0: none [rad] */
     bool answers[6];          /* a velocity follows its input */

@@ -159,8 +159,11 @@ static void add_travel(const doctor_t *d, doctor_sums_t *s)
         }
     }
     for (int i = 0; i < 2; ++i) {
-        add_pair(&s->world[i], 0.5 * (now->travel[i] + before->travel[i]),
-                 0.5 * (now->nu[i] + before->nu[i]));
+        for (int k = 0; k < 2; ++k) {
+            int j = k == 0 ? i : 1 - i;
+            add_pair(&s->world[k][i], 0.5 * (now->travel[i] + before->travel[i]),
+                     0.5 * (now->nu[j] + before->nu[j]));
+        }
     }
     add_pair(&s->drift, now->drift[0], now->drift[1]);
     if (now->rests) {

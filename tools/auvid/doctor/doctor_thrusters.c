@@ -375,7 +375,7 @@ bool doctor_thrusters(doctor_t *d)
     if (best.llr < d->world_llr) {
         return false;
     }
-    d->in_world = false; /* which explains less */
+    d->in_world = d->in_enu = false; /* which explains less */
     add_slip(d, &best, &next);
     return true;
 }
