@@ -64,9 +64,7 @@ static double input_variance(const doctor_sums_t *s, int j)
     return own[0] / n - mean * mean;
 }
 
-/* Is a sum of squares that an input explains a visible part of the acceleration? What explains less
- * may be an error of the other terms: an input that follows the pitch of a hull that swings. */
-static bool moves(const doctor_sums_t *s, int j, double explained)
+bool doctor_moves(const doctor_sums_t *s, int j, double explained)
 {
     double n = fmax(s->count[j], 1.0), sum = s->fixed[j][ACCELERATION - 1][ACCELERATION];
     return explained > MIN_SHARE * (s->fixed[j][ACCELERATION][ACCELERATION] - sum * sum / n);
@@ -84,7 +82,7 @@ static double sign_score(const doctor_t *d, const doctor_sums_t *s, int j, int *
     double against = doctor_reversed(s, j, d->lag[j] > DOCTOR_EARLY ? d->lag[j] - 1 : DOCTOR_EARLY,
                                      d->lag[j] > DOCTOR_EARLY ? d->lag[j] + 1 : DOCTOR_EARLY + 1);
     bool excited = input_variance(s, j) > UNEXCITED * UNEXCITED * d->input_variance[j];
-    return excited && moves(s, j, g.without - against)
+    return excited && doctor_moves(s, j, g.without - against)
                ? doctor_gain_ratio(s, j, fmin(clean, feedback), against)
                : 0.0;
 }

@@ -263,6 +263,9 @@ void doctor_velocity(doctor_t *d);
 /* The tests. *_scan writes turned, pushed .., the others add findings. */
 void doctor_attitude_scan(doctor_t *d); /* doctor_attitude.c */
 void doctor_attitude(doctor_t *d);
+/** Is a sum of squares that an input explains a visible part of the acceleration? What explains
+ * less may be an error of other terms: an input that follows the pitch of a hull that swings. */
+bool doctor_moves(const doctor_sums_t *s, int j, double explained);
 void doctor_inputs_scan(doctor_t *d); /* doctor_inputs.c */
 void doctor_inputs(doctor_t *d);
 void doctor_travel_scan(doctor_t *d); /* doctor_travel.c */

@@ -158,7 +158,9 @@ static double score_of(const doctor_t *d, const doctor_sums_t *s, int slip, int 
     doctor_regress(s, j, s->own[j][DOCTOR_EARLY + DOCTOR_USUAL], &told);
     double without = told.b > 0.0 ? told.with : told.without;
     double with = g.b > 0.0 && g.drag > 0.0 ? g.with : g.without;
-    *clear = with < MOST_LEFT * without || told.without - without < MOST_TOLD * (g.without - with);
+    bool better =
+        with < MOST_LEFT * without || told.without - without < MOST_TOLD * (g.without - with);
+    *clear = better && doctor_moves(s, j, g.without - with);
     return doctor_gain_ratio(s, j, without, with);
 }
 
