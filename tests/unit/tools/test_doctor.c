@@ -73,6 +73,39 @@ static void test_a_controller_that_holds_an_axis_is_not_accused(void)
     assert_only(DOCTOR_INPUT_SIGN, CSV_WRENCH + 5, "N_Nm has the wrong sign");
 }
 
+/* Beside the steps of the rest of the log, what a column has between them is rounding. */
+static void test_an_input_that_rests_for_most_of_the_log_is_not_accused_there(void)
+{
+    for (int k = 0; k < 2 * ROWS / 3; ++k) {
+        rows[k].value[CSV_WRENCH + 5] *= -1e-6;
+    }
+    assert_clean();
+    scale(CSV_WRENCH + 5, -1.0);
+    assert_only(DOCTOR_INPUT_SIGN, CSV_WRENCH + 5, "N_Nm has the wrong sign");
+}
+
+/* Its righting moment turns the hull; the input hardly acts, and errors of that moment look alike.
+ */
+static void test_a_hull_that_swings_does_not_accuse_a_small_moment(void)
+{
+    double q = 0.0, theta = 0.3;
+    static const int absent[4] = {CSV_ATTITUDE, CSV_NU + 3, CSV_WRENCH + 3, CSV_POSITION + 2};
+    for (int i = 0; i < 4; ++i) {
+        has[absent[i]] = false;
+    }
+    for (int k = 0; k < ROWS; ++k) {
+        double moment = rows[k].value[CSV_WRENCH + 4];
+        q += STEP_S * (-4.0 * sin(theta) - 0.05 * q - 0.002 * moment);
+        theta += STEP_S * q;
+        rows[k].value[CSV_ATTITUDE] = rows[k].value[CSV_NU + 3] = 0.0;
+        rows[k].value[CSV_ATTITUDE + 1] = theta;
+        rows[k].value[CSV_NU + 4] = q;
+    }
+    examine();
+    TEST_ASSERT_EQUAL_MESSAGE(0, count(DOCTOR_ERROR), doctor.finding[0].text);
+    TEST_ASSERT_FALSE(doctor.answers[4]);
+}
+
 static void test_the_coupling_tells_a_reversed_force_from_a_reversed_velocity(void)
 {
     has[CSV_POSITION] = has[CSV_POSITION + 1] = false;
@@ -87,6 +120,76 @@ static void test_depth_tells_a_reversed_heave_velocity(void)
 {
     scale(CSV_NU + 2, -1.0);
     assert_only(DOCTOR_VELOCITY_SIGN, CSV_NU + 2, "w_mps has the wrong sign");
+}
+
+static void test_depth_tells_a_reversed_surge_velocity_from_a_reversed_pitch(void)
+{
+    has[CSV_POSITION] = has[CSV_POSITION + 1] = false;
+    scale(CSV_NU, -1.0);
+    assert_only(DOCTOR_VELOCITY_SIGN, CSV_NU, "runs against the depth in a dive: change its sign");
+    scale(CSV_NU, -1.0);
+    exchange(CSV_NU, CSV_NU + 1);
+    assert_only(DOCTOR_VELOCITY_EXCHANGED, CSV_NU, "the two velocities are exchanged");
+}
+
+/* Two columns in axes that are turned to starboard. */
+static void turn(int column, double degrees)
+{
+    double c = cos(degrees * PI / 180.0), s = sin(degrees * PI / 180.0);
+    for (int k = 0; k < ROWS; ++k) {
+        double *v = &rows[k].value[column], ahead = v[0];
+        v[0] = c * ahead + s * v[1];
+        v[1] = c * v[1] - s * ahead;
+    }
+}
+
+static void test_a_velocity_sensor_that_is_mounted_backwards_is_named(void)
+{
+    static const char *const cure =
+        "the DVL is mounted backwards: change the signs of u_mps and v_mps";
+    turn(CSV_NU, 180.0);
+    assert_only(DOCTOR_MOUNTING, CSV_NU, "u_mps runs against the position");
+    TEST_ASSERT_NOT_NULL(strstr(doctor.finding[0].text, cure));
+    has[CSV_POSITION] = has[CSV_POSITION + 1] = false;
+    assert_only(DOCTOR_MOUNTING, CSV_NU, "u_mps runs against depth_m");
+    TEST_ASSERT_NOT_NULL(strstr(doctor.finding[0].text, cure));
+    has[CSV_POSITION + 2] = false;
+    assert_only(DOCTOR_MOUNTING, CSV_NU, "or both forces have the wrong sign");
+}
+
+static void test_a_velocity_sensor_that_is_mounted_at_an_angle_is_named(void)
+{
+    static const double angle[5] = {-90, -45, 20, 45, 90};
+    for (int position = 1; position >= 0; --position) {
+        has[CSV_POSITION] = has[CSV_POSITION + 1] = position > 0;
+        for (int i = 0; i < 5; ++i) {
+            turn(CSV_NU, angle[i]);
+            assert_only(DOCTOR_MOUNTING, CSV_NU, "the DVL is mounted at an angle");
+            TEST_ASSERT_DOUBLE_WITHIN(3.0 * PI / 180.0, angle[i] * PI / 180.0, doctor.mounted);
+            turn(CSV_NU, -angle[i]);
+        }
+    }
+    turn(CSV_NU, 10.0); /* may be an error of the forces */
+    examine();
+    TEST_ASSERT_NULL(finding(DOCTOR_MOUNTING));
+}
+
+/* The position tells that the velocities are right; a moment that is reversed, too, that all inputs
+ * are. */
+static void test_forces_that_are_turned_do_not_accuse_the_velocity_sensor(void)
+{
+    turn(CSV_WRENCH, 45.0);
+    examine();
+    TEST_ASSERT_NULL(finding(DOCTOR_MOUNTING));
+    turn(CSV_WRENCH, 135.0);
+    examine();
+    assert_error(DOCTOR_INPUT_SIGN, CSV_WRENCH, "X_N has the wrong sign");
+    TEST_ASSERT_NULL(finding(DOCTOR_MOUNTING));
+    has[CSV_POSITION] = has[CSV_POSITION + 1] = has[CSV_POSITION + 2] = false;
+    scale(CSV_WRENCH + 5, -1.0);
+    examine();
+    TEST_ASSERT_NULL(finding(DOCTOR_MOUNTING));
+    TEST_ASSERT_EQUAL(3, count(DOCTOR_ERROR));
 }
 
 static void test_without_depth_the_sentence_names_both(void)
@@ -508,8 +611,14 @@ int main(void)
     RUN_TEST(test_a_reversed_rate_is_told_from_a_reversed_input);
     RUN_TEST(test_a_reversed_moment_is_named);
     RUN_TEST(test_a_controller_that_holds_an_axis_is_not_accused);
+    RUN_TEST(test_an_input_that_rests_for_most_of_the_log_is_not_accused_there);
+    RUN_TEST(test_a_hull_that_swings_does_not_accuse_a_small_moment);
     RUN_TEST(test_the_coupling_tells_a_reversed_force_from_a_reversed_velocity);
     RUN_TEST(test_depth_tells_a_reversed_heave_velocity);
+    RUN_TEST(test_depth_tells_a_reversed_surge_velocity_from_a_reversed_pitch);
+    RUN_TEST(test_a_velocity_sensor_that_is_mounted_backwards_is_named);
+    RUN_TEST(test_a_velocity_sensor_that_is_mounted_at_an_angle_is_named);
+    RUN_TEST(test_forces_that_are_turned_do_not_accuse_the_velocity_sensor);
     RUN_TEST(test_without_depth_the_sentence_names_both);
     RUN_TEST(test_exchanged_rates_are_named);
     RUN_TEST(test_the_coupling_tells_exchanged_forces_from_exchanged_velocities);

@@ -228,6 +228,72 @@ static const vehicle_t *with_corners(void)
     return &vehicle;
 }
 
+/* The default vehicle with four horizontal thrusters at 45 degrees, and one of heave. */
+static const vehicle_t *with_vectored_thrusters(void)
+{
+    static vehicle_t vehicle;
+    static auvid_allocation_config_t all;
+    static const double side[4] = {-0.7, 0.7, 0.7, -0.7}, turn[4] = {-0.4, 0.4, -0.4, 0.4};
+    vehicle = *vehicle_default();
+    all = *vehicle.allocation;
+    all.thruster[4] = all.thruster[3];
+    for (int i = 0; i < 4; ++i) {
+        all.thruster[i] = vehicle.allocation->thruster[0];
+        all.thruster[i].wrench[AUVID_SURGE] = (auvid_real_t)0.7;
+        all.thruster[i].wrench[AUVID_SWAY] = (auvid_real_t)side[i];
+        all.thruster[i].wrench[AUVID_YAW] = (auvid_real_t)turn[i];
+    }
+    vehicle.allocation = &all;
+    return &vehicle;
+}
+
+static void test_two_reversed_thrusters_are_not_called_exchanged(void)
+{
+    to_thrusters_of(with_vectored_thrusters());
+    for (int one = 0; one < 4; ++one) {
+        for (int other = one + 1; other < 4; ++other) {
+            char words[80];
+            (void)snprintf(words, sizeof words, "thruster_%d_N and thruster_%d_N have the wrong",
+                           one + 1, other + 1);
+            scale(CSV_THRUSTER_N + one, -1.0);
+            scale(CSV_THRUSTER_N + other, -1.0);
+            examine_thrusters();
+            assert_error(DOCTOR_THRUSTER_SIGN, CSV_THRUSTER_N + one, words);
+            TEST_ASSERT_EQUAL(CSV_THRUSTER_N + other, finding(DOCTOR_THRUSTER_SIGN)->other);
+            TEST_ASSERT_EQUAL_MESSAGE(1, count(DOCTOR_ERROR), doctor.finding[1].text);
+            scale(CSV_THRUSTER_N + one, -1.0);
+            scale(CSV_THRUSTER_N + other, -1.0);
+        }
+    }
+}
+
+static void test_one_slip_is_not_called_two_reversed_thrusters(void)
+{
+    to_thrusters_of(with_vectored_thrusters());
+    for (int i = 0; i < 4; ++i) {
+        scale(CSV_THRUSTER_N + i, -1.0);
+        examine_thrusters();
+        TEST_ASSERT_EQUAL(-1, finding(DOCTOR_THRUSTER_SIGN)->other);
+        scale(CSV_THRUSTER_N + i, -1.0);
+        exchange(CSV_THRUSTER_N + i, CSV_THRUSTER_N + (i + 1) % 4);
+        examine_thrusters();
+        TEST_ASSERT_NOT_NULL(finding(DOCTOR_THRUSTER_SWAP));
+        TEST_ASSERT_EQUAL_MESSAGE(1, count(DOCTOR_ERROR), doctor.finding[1].text);
+        exchange(CSV_THRUSTER_N + i, CSV_THRUSTER_N + (i + 1) % 4);
+    }
+}
+
+/* Several thrusters give X and Y: there are no columns of the two to exchange. */
+static void test_exchanged_forces_of_thrusters_have_no_columns(void)
+{
+    has[CSV_POSITION] = has[CSV_POSITION + 1] = false;
+    exchange(CSV_WRENCH, CSV_WRENCH + 1);
+    to_thrusters_of(with_vectored_thrusters());
+    examine_thrusters();
+    assert_error(DOCTOR_INPUT_EXCHANGED, CSV_WRENCH,
+                 "thrusters are reversed or exchanged: compare each with the vehicle file");
+}
+
 /* Those of heave differ in pitch alone, which drag and weight turn, too. */
 static void test_exchanged_thrusters_that_tilt_are_only_a_warning(void)
 {
@@ -392,6 +458,9 @@ int main(void)
     RUN_TEST(test_without_their_vehicle_they_are_not);
     RUN_TEST(test_a_reversed_thruster_is_named);
     RUN_TEST(test_exchanged_thrusters_are_named);
+    RUN_TEST(test_two_reversed_thrusters_are_not_called_exchanged);
+    RUN_TEST(test_one_slip_is_not_called_two_reversed_thrusters);
+    RUN_TEST(test_exchanged_forces_of_thrusters_have_no_columns);
     RUN_TEST(test_exchanged_thrusters_that_tilt_are_only_a_warning);
     RUN_TEST(test_heave_that_pitches_the_vehicle_is_no_reversed_thruster);
     RUN_TEST(test_a_thruster_that_never_runs_is_named);

@@ -185,6 +185,19 @@ static void test_velocities_of_the_world_are_named_by_the_inputs(void)
     assert_only(DOCTOR_WORLD_FRAME, CSV_NU, "turn them into body axes, u ahead and v to starboard");
 }
 
+static void test_velocities_to_the_east_north_and_up_are_named(void)
+{
+    to_world();
+    exchange(CSV_NU, CSV_NU + 1);
+    scale(CSV_NU + 2, -1.0);
+    lose(CSV_SPECIFIC_FORCE, 3);
+    assert_only(DOCTOR_WORLD_FRAME, CSV_NU, "they are the rates of east_m and north_m");
+    lose(CSV_POSITION, 3);
+    assert_only(DOCTOR_WORLD_FRAME, CSV_NU,
+                "u_mps, v_mps and w_mps look like velocities to the east, north and up");
+    TEST_ASSERT_NOT_NULL(strstr(doctor.finding[0].text, "u ahead and v to starboard, w down"));
+}
+
 /* Axes with y to port and z up, and a world with them. */
 static void to_flu(void)
 {
@@ -345,6 +358,7 @@ int main(void)
     RUN_TEST(test_degrees_in_a_pair_or_in_a_single_column_are_named_as_by_fit);
     RUN_TEST(test_velocities_of_the_world_are_named_by_the_position);
     RUN_TEST(test_velocities_of_the_world_are_named_by_the_inputs);
+    RUN_TEST(test_velocities_to_the_east_north_and_up_are_named);
     RUN_TEST(test_a_height_and_a_log_with_z_up_have_one_sentence);
     RUN_TEST(test_heave_with_its_input_and_depth_upwards_may_look_like_a_wrong_pitch);
     RUN_TEST(test_a_position_in_other_axes_is_named);

@@ -249,8 +249,8 @@ void doctor_finish(doctor_t *d)
     if (d->findings == before) {
         doctor_force(d);
     }
-    doctor_world(d);
     doctor_inputs(d);
+    doctor_world(d);
     doctor_travel(d);
     doctor_scale(d);
     doctor_offset(d);

@@ -28,10 +28,11 @@ void doctor_regress(const doctor_sums_t *s, int j, const double products[GAIN_TE
         diagonal[k] = m[k][k];
     }
     for (int k = ACCELERATION - 1; k >= SPEED; --k) {
-        swept[k] = doctor_sweep(m, k, diagonal[k]);
+        swept[k] = doctor_sweep(&m[0][0], GAIN_TERMS, k, diagonal[k]);
     }
     out->without = m[ACCELERATION][ACCELERATION];
-    swept[INPUT] = doctor_sweep(m, INPUT, 1e4 * diagonal[INPUT]); /* 1e-5 of it must be left */
+    /* 1e-5 of the input must be left */
+    swept[INPUT] = doctor_sweep(&m[0][0], GAIN_TERMS, INPUT, 1e4 * diagonal[INPUT]);
     out->with = swept[INPUT] ? m[ACCELERATION][ACCELERATION] : out->without;
     out->b = swept[INPUT] ? m[INPUT][ACCELERATION] : 0.0;
     double variance = fmax(out->with, 0.0) / s->count[j] * (double)DOCTOR_WINDOW;

@@ -29,7 +29,9 @@
 #define FOUND_LATE_S 0.85                /* .. or follows by less */
 #define EARLY_S (DOCTOR_EARLY * DOCTOR_CELL_S)
 #define MIN_COUPLING 5.0 /* standard errors */
-#define QUIET 0.15       /* standard deviation of an input in a block, relative to the median */
+#define QUIET 0.15       /* standard deviation of an input in a block, relative to the median, .. */
+#define UNEXCITED 0.15   /* .. and to the whole log */
+#define MIN_SHARE 0.08   /* of the acceleration's variance: other terms are known to a quarter */
 
 enum { INPUT, SPEED, QUADRATIC, COUPLING };
 enum { ACCELERATION = GAIN_TERMS - 1 };
@@ -49,9 +51,23 @@ static const char *input_name(const doctor_t *d, int j)
 
 static bool has_pair(const doctor_t *d, int j)
 {
-    bool other_axes = j < 2 && d->in_world; /* see doctor_world.c */
+    /* see doctor_world.c, doctor_mounting.c */
+    bool other_axes = (j < 2 && (d->in_world || fabs(d->mounted) > 0.0)) || (j == 2 && d->in_enu);
     return !other_axes && d->inputs >= 0 && d->has[d->inputs + j] && d->has[CSV_NU + j] &&
            d->column[d->inputs + j].changes > 0.0 && d->column[CSV_NU + j].changes > 0.0;
+}
+
+static double input_variance(const doctor_sums_t *s, int j)
+{
+    const double *own = s->own[j][DOCTOR_EARLY];
+    double n = fmax(s->count[j], 1.0), mean = own[ACCELERATION - 1] / n;
+    return own[0] / n - mean * mean;
+}
+
+bool doctor_moves(const doctor_sums_t *s, int j, double explained)
+{
+    double n = fmax(s->count[j], 1.0), sum = s->fixed[j][ACCELERATION - 1][ACCELERATION];
+    return explained > MIN_SHARE * (s->fixed[j][ACCELERATION][ACCELERATION] - sum * sum / n);
 }
 
 /* A controller opposes the motion that it measures: its output is the input reversed, but later
@@ -65,7 +81,10 @@ static double sign_score(const doctor_t *d, const doctor_sums_t *s, int j, int *
     double feedback = doctor_reversed(s, j, FEEDBACK_FIRST, FEEDBACK_LAST);
     double against = doctor_reversed(s, j, d->lag[j] > DOCTOR_EARLY ? d->lag[j] - 1 : DOCTOR_EARLY,
                                      d->lag[j] > DOCTOR_EARLY ? d->lag[j] + 1 : DOCTOR_EARLY + 1);
-    return doctor_gain_ratio(s, j, fmin(clean, feedback), against);
+    bool excited = input_variance(s, j) > UNEXCITED * UNEXCITED * d->input_variance[j];
+    return excited && doctor_moves(s, j, g.without - against)
+               ? doctor_gain_ratio(s, j, fmin(clean, feedback), against)
+               : 0.0;
 }
 
 /* Of all DoF together, because all inputs have one clock. which: lag [cells] + DOCTOR_EARLY. */
@@ -116,10 +135,10 @@ static double exchange_score(const doctor_t *d, const doctor_sums_t *s, int pair
 
 static void clear_input(doctor_sums_t *s, int j)
 {
-    if (j < DOCTOR_AXES - DOCTOR_WORLD) {
-        s->count[DOCTOR_WORLD + j] = 0.0;
-        memset(s->fixed[DOCTOR_WORLD + j], 0, sizeof s->fixed[j]);
-        memset(s->own[DOCTOR_WORLD + j], 0, sizeof s->own[j]);
+    for (int k = DOCTOR_WORLD + j; j < 2 && k < DOCTOR_AXES; k += 2) {
+        s->count[k] = 0.0;
+        memset(s->fixed[k], 0, sizeof s->fixed[k]);
+        memset(s->own[k], 0, sizeof s->own[k]);
     }
     s->count[j] = 0.0;
     memset(s->fixed[j], 0, sizeof s->fixed[j]);
@@ -136,10 +155,7 @@ static void leave_out_quiet_blocks(doctor_t *d)
     double variance[DOCTOR_BLOCKS], sorted[DOCTOR_BLOCKS];
     for (int j = 0; j < 6 && d->blocks > 0; ++j) {
         for (int k = 0; k < d->blocks; ++k) {
-            const doctor_sums_t *s = &d->block[k].sums;
-            const double *own = s->own[j][DOCTOR_EARLY];
-            double n = fmax(s->count[j], 1.0), mean = own[ACCELERATION - 1] / n;
-            variance[k] = sorted[k] = own[0] / n - mean * mean;
+            variance[k] = sorted[k] = input_variance(&d->block[k].sums, j);
         }
         double usual_variance = statistics_quantile(sorted, (size_t)d->blocks, 0.5);
         for (int k = 0; k < d->blocks; ++k) {
@@ -171,10 +187,15 @@ void doctor_inputs_scan(doctor_t *d)
             d->time_constant_s[j] = g.drag > 0.0 ? 1.0 / g.drag : 0.0;
         }
         d->lag[j] = doctor_best_lag(d, j);
+        d->input_variance[j] = input_variance(&all, j);
         d->pushed[j] = doctor_scan(d, sign_score, j);
         if (!(d->pushed[j].llr > MIN_LLR)) {
             d->pushed[j].llr = 0.0;
         }
+    }
+    doctor_mounting_scan(d);
+    if (fabs(d->mounted) > 0.0) {
+        d->pushed[0].llr = d->pushed[1].llr = 0.0;
     }
 }
 
@@ -195,6 +216,12 @@ static double coupling(const doctor_t *d, const doctor_range_t *r, const int col
     return total;
 }
 
+/* Do both its force and the depth of a pitched hull say that u has the wrong sign? */
+static bool depth_reverses_surge(const doctor_t *d)
+{
+    return doctor_depth_reverses_surge(d) && doctor_overlap(&d->pushed[0], &d->sunk);
+}
+
 /* Is the velocity of DoF j wrong (1), its input (-1), or is that not known (0)? */
 static int velocity_is_wrong(const doctor_t *d, int j)
 {
@@ -203,7 +230,7 @@ static int velocity_is_wrong(const doctor_t *d, int j)
     if (j == 2) {
         return d->has[CSV_POSITION + 2] ? (doctor_overlap(r, &d->sunk) ? 1 : 0) : 0;
     }
-    if (j < 2 && doctor_overlap(r, &d->gone[j])) {
+    if ((j < 2 && doctor_overlap(r, &d->gone[j])) || (j == 0 && depth_reverses_surge(d))) {
         return 1;
     }
     if (j < 2 && !(d->turned[2].llr > 0.0) && !(d->pushed[5].llr > 0.0)) {
@@ -224,7 +251,10 @@ static void find_sign(doctor_t *d, int j)
         doctor_add(d, DOCTOR_ERROR, DOCTOR_VELOCITY_SIGN, CSV_NU + j, d->inputs + j, r,
                    "%s has the wrong sign: it accelerates against %s, and %s%s: change its sign",
                    velocity, input,
-                   j == 2 ? "runs against depth" : "its coupling with the turn is reversed", where);
+                   j == 2                              ? "runs against depth"
+                   : j == 0 && depth_reverses_surge(d) ? "runs against the depth in a dive"
+                                                       : "its coupling with the turn is reversed",
+                   where);
     } else if (wrong < 0) {
         doctor_add(d, DOCTOR_ERROR, DOCTOR_INPUT_SIGN, d->inputs + j, CSV_NU + j, r,
                    "%s has the wrong sign: %s accelerates against it%s: %s", input, velocity, where,
@@ -279,12 +309,16 @@ static bool find_exchange(doctor_t *d)
                : velocities ? DOCTOR_VELOCITY_EXCHANGED
                             : DOCTOR_EITHER_EXCHANGED,
                (velocities ? CSV_NU : d->inputs) + i, (velocities ? CSV_NU : d->inputs) + j, &best,
-               "%s follows %s, and %s follows %s%s: %s exchanged: exchange the columns",
-               csv_name[CSV_NU + i], input_name(d, j), csv_name[CSV_NU + j], input_name(d, i),
-               doctor_where(d, &best, where),
-               inputs       ? "the two inputs are"
-               : velocities ? "the two velocities are"
-                            : "the two inputs, or the two velocities, are");
+               "%s follows %s, and %s follows %s%s: %s", csv_name[CSV_NU + i], input_name(d, j),
+               csv_name[CSV_NU + j], input_name(d, i), doctor_where(d, &best, where),
+               inputs && d->use != NULL
+                   ? "thrusters are reversed or exchanged: compare each with the vehicle file"
+               : inputs     ? "the two inputs are exchanged: exchange the columns"
+               : velocities ? "the two velocities are exchanged: exchange the columns"
+               : d->use != NULL
+                   ? "the two velocities are exchanged, or thrusters are reversed or exchanged: "
+                     "compare each with the vehicle file"
+                   : "the two inputs, or the two velocities, are exchanged: exchange the columns");
     d->pushed[i].llr = d->pushed[j].llr = 0.0;
     return true;
 }
@@ -394,7 +428,9 @@ static bool rate_is_wrong(const doctor_t *d, int j)
 void doctor_inputs(doctor_t *d)
 {
     double sign_llr = 0.0;
-    if (d->use != NULL && doctor_thrusters(d)) {
+    doctor_mounting(d);
+    bool sound = !(fabs(d->mounted) > 0.0) && !depth_reverses_surge(d); /* u and v */
+    if (d->use != NULL && sound && doctor_thrusters(d)) {
         return; /* which explains what is wrong in each DoF */
     }
     for (int j = 0; j < 6; ++j) {
@@ -406,7 +442,7 @@ void doctor_inputs(doctor_t *d)
     if (!exchanged && !shifted && !frame && !(sign_llr > 0.0)) {
         take_long_lag(d);
     }
-    if (d->use != NULL && !exchanged && !frame && !(sign_llr > 0.0)) {
+    if (d->use != NULL && sound && !exchanged && !frame && !(sign_llr > 0.0)) {
         doctor_thrusters_hidden(d);
     }
     for (int j = 0; j < 6; ++j) {

@@ -24,8 +24,10 @@ enum {
     DOCTOR_MIN_WINDOWS = 30, /* independent ones, for a decision */
     DOCTOR_INTERVALS = 64,   /* classes of row intervals */
     DOCTOR_WORLD = 6,        /* surge and sway if the velocities are in north, east, down .. */
-    DOCTOR_AXES = 8,         /* .. after the six DoF */
-    DOCTOR_READINGS = 4      /* of the attitude */
+    DOCTOR_ENU = 8,          /* .. or in east, north, up .. */
+    DOCTOR_AXES = 10,        /* .. after the six DoF */
+    DOCTOR_READINGS = 4,     /* of the attitude */
+    DOCTOR_MOUNT_TERMS = 11  /* X, Y, u, v, |V|u, |V|v, u r, v r, 1; accelerations of u, v */
 };
 
 /** Signals of a cell. */
@@ -88,10 +90,11 @@ typedef struct {
     double thrust[6][AUVID_MAX_THRUSTERS][GAIN_TERMS];        /* a thruster, likewise .. */
     double both[6][AUVID_MAX_THRUSTERS][AUVID_MAX_THRUSTERS]; /* .. and times another one */
     double count[DOCTOR_AXES];                                /* of windows */
+    double mount[DOCTOR_MOUNT_TERMS][DOCTOR_MOUNT_TERMS];     /* see doctor_mounting.c */
     doctor_pair_t force[3][3];                                /* expected axis, measured axis */
     double depth[6][6];            /* 1, sink from u, v, w, depth rate, sum of sinks */
     doctor_pair_t ground[2][2][2]; /* psi, body axis of position, velocity */
-    doctor_pair_t world[2];        /* rate of north with u, of east with v */
+    doctor_pair_t world[2][2];     /* rates of north, east with u, v; with v, u */
     doctor_pair_t drift;           /* of north and east */
     doctor_pair_t inertial[3];     /* acceleration of the velocity, of the accelerometer */
     doctor_pair_t rest;            /* u and v at rest */
@@ -136,8 +139,8 @@ typedef struct {
 typedef struct {
     bool has[CSV_COLUMNS];
     const csv_log_t *log; /* knows what resembles a missing column; NULL: no log */
-    int inputs;     /* first column of the inputs: CSV_WRENCH or CSV_COMMAND; -1: none */
-    bool thrusters; /* it has inputs of single thrusters */
+    int inputs;           /* first column of the inputs: CSV_WRENCH or CSV_COMMAND; -1: none */
+    bool thrusters;       /* it has inputs of single thrusters */
     double start_s, last_s;
     double rows, back, back_at_s;         /* rows; rows whose time does not advance */
     double gaps, longest_gap_s, gap_at_s; /* over half a second */
@@ -168,9 +171,13 @@ typedef struct {
     doctor_range_t gone[2];   /* position and velocity, of surge and sway, likewise */
     bool reordered;           /* the quaternion is x, y, z, w */
     bool degrees;             /* angles or rates are in degrees */
-    bool in_world;            /* the velocities are to the north and east */
+    bool in_world;            /* the velocities are to the north and east, .. */
+    bool in_enu;              /* .. the first one to the east, the third one upwards, .. */
+    double world_llr;         /* .. by this ratio */
+    double mounted;           /* angle of u and v to starboard, against the forces; 0: none [rad] */
     bool answers[6];          /* a velocity follows its input */
     int lag[6];               /* .. by this, as an index of doctor_sums_t.own */
+    double input_variance[6]; /* over the whole log */
     const log_use_t *use;     /* the inputs are these thrusters; NULL: those of the log */
     double thruster[AUVID_MAX_THRUSTERS], voltage_V; /* last inputs of the thrusters; NaN: none */
     double largest_thrust_N;                         /* of a thruster */
@@ -245,8 +252,9 @@ bool doctor_is_fast(const doctor_pair_t *p);
 doctor_pair_t doctor_depth(const doctor_sums_t *s);
 /** Correlation. */
 double doctor_correlation(const doctor_pair_t *p);
-/** Sweeps row k of a symmetric matrix (Beaton 1964). Returns false if it depends on others. */
-bool doctor_sweep(double m[GAIN_TERMS][GAIN_TERMS], int k, double before);
+/** Sweeps row k of a symmetric matrix of this size (Beaton 1964). Returns false if it depends on
+ * others. */
+bool doctor_sweep(double *m, int size, int k, double before);
 
 /* doctor_velocity.c */
 void doctor_velocity_add(doctor_t *d, const csv_row_t *row);
@@ -255,10 +263,20 @@ void doctor_velocity(doctor_t *d);
 /* The tests. *_scan writes turned, pushed .., the others add findings. */
 void doctor_attitude_scan(doctor_t *d); /* doctor_attitude.c */
 void doctor_attitude(doctor_t *d);
+/** Is a sum of squares that an input explains a visible part of the acceleration? What explains
+ * less may be an error of other terms: an input that follows the pitch of a hull that swings. */
+bool doctor_moves(const doctor_sums_t *s, int j, double explained);
 void doctor_inputs_scan(doctor_t *d); /* doctor_inputs.c */
 void doctor_inputs(doctor_t *d);
 void doctor_travel_scan(doctor_t *d); /* doctor_travel.c */
 void doctor_travel(doctor_t *d);
+/** Does the position change as if u and v were turned by this angle to starboard (1), as they are
+ * (-1), or is that not known (0)? */
+int doctor_position_turns(const doctor_t *d, double angle);
+/** Does the depth change as if u had the wrong sign? */
+bool doctor_depth_reverses_surge(const doctor_t *d);
+void doctor_mounting_scan(doctor_t *d); /* doctor_mounting.c: after pushed is known */
+void doctor_mounting(doctor_t *d);
 void doctor_offset(doctor_t *d);     /* doctor_offset.c */
 void doctor_world_scan(doctor_t *d); /* doctor_world.c: after leaving out quiet blocks */
 void doctor_world(doctor_t *d);

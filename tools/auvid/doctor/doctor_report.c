@@ -22,6 +22,7 @@ static const char *const code_name[DOCTOR_CODES] = {
     [DOCTOR_RATE_EXCHANGED] = "rate_exchanged",
     [DOCTOR_FRAME] = "frame",
     [DOCTOR_WORLD_FRAME] = "world_frame",
+    [DOCTOR_MOUNTING] = "mounting",
     [DOCTOR_QUATERNION] = "quaternion_order",
     [DOCTOR_ATTITUDE_SHIFT] = "attitude_shift",
     [DOCTOR_ATTITUDE] = "attitude",

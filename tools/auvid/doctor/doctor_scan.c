@@ -66,25 +66,25 @@ double doctor_correlation(const doctor_pair_t *p)
     return aa * bb > 0.0 ? ab / sqrt(aa * bb) : 0.0;
 }
 
-bool doctor_sweep(double m[GAIN_TERMS][GAIN_TERMS], int k, double before)
+bool doctor_sweep(double *m, int size, int k, double before)
 {
-    double pivot = m[k][k];
+    double pivot = m[k * size + k];
     if (!(pivot > 1e-9 * before)) {
         return false;
     }
-    for (int i = 0; i < GAIN_TERMS; ++i) {
-        for (int j = 0; j < GAIN_TERMS; ++j) {
+    for (int i = 0; i < size; ++i) {
+        for (int j = 0; j < size; ++j) {
             if (i != k && j != k) {
-                m[i][j] -= m[i][k] * m[k][j] / pivot;
+                m[i * size + j] -= m[i * size + k] * m[k * size + j] / pivot;
             }
         }
     }
-    for (int i = 0; i < GAIN_TERMS; ++i) {
+    for (int i = 0; i < size; ++i) {
         if (i != k) {
-            m[i][k] /= -pivot;
-            m[k][i] /= pivot; /* of the last column: the coefficient */
+            m[i * size + k] /= -pivot;
+            m[k * size + i] /= pivot; /* of the last column: the coefficient */
         }
     }
-    m[k][k] = 1.0 / pivot;
+    m[k * size + k] = 1.0 / pivot;
     return true;
 }

@@ -113,6 +113,34 @@ static void add_input(const doctor_t *d, doctor_sums_t *s, int j)
     }
 }
 
+/* Surge and sway together. */
+static void add_mounting(const doctor_t *d, doctor_sums_t *s)
+{
+    const doctor_window_t *now = doctor_window_before(d, DOCTOR_EARLY);
+    const double *force = doctor_window_before(d, DOCTOR_EARLY + DOCTOR_USUAL)->input;
+    const double *v = now->nu;
+    double speed = hypot(v[0], v[1]), check = 0.0;
+    const double x[DOCTOR_MOUNT_TERMS] = {force[0],
+                                          force[1],
+                                          v[0],
+                                          v[1],
+                                          speed * v[0],
+                                          speed * v[1],
+                                          v[0] * v[5],
+                                          v[1] * v[5],
+                                          1.0,
+                                          now->acceleration[0],
+                                          now->acceleration[1]};
+    for (int a = 0; a < DOCTOR_MOUNT_TERMS; ++a) {
+        check += x[a];
+    }
+    for (int a = 0; a < DOCTOR_MOUNT_TERMS && isfinite(check); ++a) {
+        for (int b = 0; b < DOCTOR_MOUNT_TERMS; ++b) {
+            s->mount[a][b] += x[a] * x[b];
+        }
+    }
+}
+
 /* A window of one second, because depth is noisy. */
 static void add_travel(const doctor_t *d, doctor_sums_t *s)
 {
@@ -131,8 +159,11 @@ static void add_travel(const doctor_t *d, doctor_sums_t *s)
         }
     }
     for (int i = 0; i < 2; ++i) {
-        add_pair(&s->world[i], 0.5 * (now->travel[i] + before->travel[i]),
-                 0.5 * (now->nu[i] + before->nu[i]));
+        for (int k = 0; k < 2; ++k) {
+            int j = k == 0 ? i : 1 - i;
+            add_pair(&s->world[k][i], 0.5 * (now->travel[i] + before->travel[i]),
+                     0.5 * (now->nu[j] + before->nu[j]));
+        }
     }
     add_pair(&s->drift, now->drift[0], now->drift[1]);
     if (now->rests) {
@@ -193,5 +224,6 @@ void doctor_sums_add(doctor_t *d)
     for (int j = 0; j < DOCTOR_AXES; ++j) {
         add_input(d, s, j);
     }
+    add_mounting(d, s);
     add_travel(d, s);
 }

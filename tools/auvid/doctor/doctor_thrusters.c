@@ -1,9 +1,10 @@
 /*
  * Inputs of single thrusters. Their wrench, by the vehicle's thrust maps and allocation, is
  * compared with the motion as that of a log is (doctor_inputs.c). A thruster with the wrong sign,
- * or two that are exchanged, explain the accelerations of all degrees of freedom together, if they
- * are the cause. Where a slip changes a single degree of freedom, that one is named. Where
- * thrusters act in a fixed ratio, a slip of one may only scale the wrench: then no motion shows it.
+ * or two that are exchanged or both reversed, explain the accelerations of all degrees of freedom
+ * together, if they are the cause. Where a slip changes a single degree of freedom, that one is
+ * named. Where thrusters act in a fixed ratio, a slip of one may only scale the wrench: then no
+ * motion shows it.
  */
 #include <math.h>
 #include <stddef.h>
@@ -23,9 +24,11 @@
 #define NO_WRENCH 1e-3   /* share of the thrusters' own variances that is no wrench */
 
 enum {
-    MEAN = 5,                      /* of GAIN_TERMS */
-    NO_SLIP = AUVID_MAX_THRUSTERS, /* a thruster exchanged with itself */
-    SLIPS = AUVID_MAX_THRUSTERS * (1 + AUVID_MAX_THRUSTERS)
+    MEAN = 5,                        /* of GAIN_TERMS */
+    NO_SLIP = AUVID_MAX_THRUSTERS,   /* a thruster exchanged with itself */
+    EXCHANGES = AUVID_MAX_THRUSTERS, /* first numbers: see slipped */
+    DOUBLES = EXCHANGES + AUVID_MAX_THRUSTERS * AUVID_MAX_THRUSTERS,
+    SLIPS = DOUBLES + AUVID_MAX_THRUSTERS * AUVID_MAX_THRUSTERS
 };
 
 static double effect(const doctor_t *d, int k, int j)
@@ -76,14 +79,22 @@ void doctor_thrusters_row(doctor_t *d, csv_row_t *row, double force_N[AUVID_MAX_
     }
 }
 
-/* A slip of thrusters, by number: thruster n reversed, or those of pair n - AUVID_MAX_THRUSTERS =
- * i AUVID_MAX_THRUSTERS + k exchanged. Wrench per newton told of thruster k in DoF j. */
+/* The thrusters of a slip, by number: thruster n reversed, or those of pair n - EXCHANGES =
+ * i AUVID_MAX_THRUSTERS + k exchanged, or those of n - DOUBLES both reversed. */
+static void concerned(int slip, int *one, int *other)
+{
+    int pair = slip < DOUBLES ? slip - EXCHANGES : slip - DOUBLES;
+    *one = slip < EXCHANGES ? slip : pair / AUVID_MAX_THRUSTERS;
+    *other = slip < EXCHANGES ? slip : pair % AUVID_MAX_THRUSTERS;
+}
+
+/* Wrench per newton told of thruster k in DoF j, with a slip. */
 static double slipped(const doctor_t *d, int slip, int k, int j)
 {
-    int pair = slip - AUVID_MAX_THRUSTERS;
-    int one = pair / AUVID_MAX_THRUSTERS, other = pair % AUVID_MAX_THRUSTERS;
-    if (pair < 0) {
-        return k == slip ? -effect(d, k, j) : effect(d, k, j);
+    int one, other;
+    concerned(slip, &one, &other);
+    if (slip < EXCHANGES || slip >= DOUBLES) {
+        return k == one || k == other ? -effect(d, k, j) : effect(d, k, j);
     }
     return effect(d, k == one ? other : k == other ? one : k, j);
 }
@@ -147,7 +158,9 @@ static double score_of(const doctor_t *d, const doctor_sums_t *s, int slip, int 
     doctor_regress(s, j, s->own[j][DOCTOR_EARLY + DOCTOR_USUAL], &told);
     double without = told.b > 0.0 ? told.with : told.without;
     double with = g.b > 0.0 && g.drag > 0.0 ? g.with : g.without;
-    *clear = with < MOST_LEFT * without || told.without - without < MOST_TOLD * (g.without - with);
+    bool better =
+        with < MOST_LEFT * without || told.without - without < MOST_TOLD * (g.without - with);
+    *clear = better && doctor_moves(s, j, g.without - with);
     return doctor_gain_ratio(s, j, without, with);
 }
 
@@ -195,32 +208,48 @@ static bool are_equal(const doctor_t *d, int one, int other)
 /* Names a slip. */
 static void slip_name(const doctor_t *d, int slip, char text[40])
 {
-    int pair = slip - AUVID_MAX_THRUSTERS;
-    if (pair < 0) {
-        (void)snprintf(text, 40, "%s", csv_name[log_input(d->use, slip)]);
+    int one, other;
+    concerned(slip, &one, &other);
+    if (one == other) {
+        (void)snprintf(text, 40, "%s", csv_name[log_input(d->use, one)]);
     } else {
-        (void)snprintf(text, 40, "%s and %s",
-                       csv_name[log_input(d->use, pair / AUVID_MAX_THRUSTERS)],
-                       csv_name[log_input(d->use, pair % AUVID_MAX_THRUSTERS)]);
+        (void)snprintf(text, 40, "%s and %s", csv_name[log_input(d->use, one)],
+                       csv_name[log_input(d->use, other)]);
     }
+}
+
+/* Do two thrusters act in a DoF together with a further one? Else both reversed are no other slip
+ * than a reversed force or velocity of each DoF. */
+static bool are_some_of_more(const doctor_t *d, int one, int other)
+{
+    bool some = false;
+    for (int j = 0; j < 6; ++j) {
+        bool act = fabs(effect(d, one, j)) > 0.0 || fabs(effect(d, other, j)) > 0.0;
+        for (int k = 0; d->has[CSV_WRENCH + j] && act && k < log_inputs(d->use); ++k) {
+            some = some || (k != one && k != other && fabs(effect(d, k, j)) > 0.0);
+        }
+    }
+    return some;
 }
 
 /* Is this the number of a slip that changes a wrench? */
 static bool is_slip(const doctor_t *d, int slip)
 {
-    int thrusters = log_inputs(d->use), pair = slip - AUVID_MAX_THRUSTERS;
-    int one = pair < 0 ? slip : pair / AUVID_MAX_THRUSTERS;
-    int other = pair < 0 ? slip : pair % AUVID_MAX_THRUSTERS;
-    return one < thrusters && other < thrusters &&
-           (pair < 0 || (one < other && !are_equal(d, one, other)));
+    int thrusters = log_inputs(d->use), one, other;
+    concerned(slip, &one, &other);
+    if (one >= thrusters || other >= thrusters || (slip >= EXCHANGES && one >= other)) {
+        return false;
+    }
+    return slip < EXCHANGES ||
+           (slip < DOUBLES ? !are_equal(d, one, other) : are_some_of_more(d, one, other));
 }
 
-/* Finds the best explanation, and the next one. */
-static void explain(const doctor_t *d, explained_t *best, explained_t *next)
+/* Finds the best explanation by slips first .. last - 1, and the next one. */
+static void explain(const doctor_t *d, int first, int last, explained_t *best, explained_t *next)
 {
     doctor_sums_t all;
     doctor_sum(d, 0, d->blocks - 1, &all);
-    for (int slip = 0; slip < SLIPS; ++slip) {
+    for (int slip = first; slip < last; ++slip) {
         if (!is_slip(d, slip)) {
             continue;
         }
@@ -284,6 +313,52 @@ static void find_idle(doctor_t *d)
     }
 }
 
+/* Two reversed thrusters are less likely than one slip. */
+static void explain_best(const doctor_t *d, explained_t *best, explained_t *next)
+{
+    explained_t pair = {.llr = 0.0}, next_pair = {.llr = 0.0};
+    explain(d, 0, DOUBLES, best, next);
+    explain(d, DOUBLES, SLIPS, &pair, &next_pair);
+    if (pair.llr > MIN_EXCHANGE_LLR && pair.rank > best->rank + MIN_LEAD) {
+        *best = pair;
+        *next = next_pair;
+    }
+}
+
+/* Names the best explanation, and the next one if that is as good. */
+static void add_slip(doctor_t *d, const explained_t *best, const explained_t *next)
+{
+    bool exchanged = best->slip >= EXCHANGES && best->slip < DOUBLES;
+    bool two = best->slip >= DOUBLES;
+    bool alike = (next->slip >= EXCHANGES) == (best->slip >= EXCHANGES);
+    bool both = next->llr > 0.0 && best->rank - next->rank < MIN_LEAD && alike;
+    char name[40], second[40];
+    int column = log_input(d->use, 0), one, other, next_one, unused;
+    concerned(best->slip, &one, &other);
+    concerned(next->slip, &next_one, &unused);
+    slip_name(d, best->slip, name);
+    slip_name(d, next->slip, second);
+    const char *between = !both ? "" : exchanged || two ? ", or " : " or ";
+    bool tilts = exchanged && only_tilts(d, best->slip);
+    doctor_add(
+        d, tilts ? DOCTOR_WARNING : DOCTOR_ERROR,
+        exchanged ? DOCTOR_THRUSTER_SWAP : DOCTOR_THRUSTER_SIGN, column + one,
+        one != other ? column + other
+        : both       ? column + next_one
+                     : -1,
+        NULL,
+        tilts       ? "%s%s%s may be exchanged: roll and pitch follow better if they are exchanged "
+                      "again, unless drag or weight turns the hull; the other axes do not depend "
+                      "on it"
+        : exchanged ? "%s%s%s are exchanged: the motion follows if they are exchanged again: "
+                      "exchange the columns, or the thrusters in the vehicle file"
+        : two       ? "%s%s%s have the wrong sign: the motion follows if both are reversed: "
+                      "change their signs, or their directions in the vehicle file"
+                    : "%s%s%s has the wrong sign: the motion follows if it is reversed: "
+                      "change its sign, or its direction in the vehicle file",
+        name, between, both ? second : "");
+}
+
 bool doctor_thrusters(doctor_t *d)
 {
     explained_t best = {.llr = 0.0}, next = {.llr = 0.0};
@@ -292,36 +367,18 @@ bool doctor_thrusters(doctor_t *d)
         return true;
     }
     find_idle(d);
-    explain(d, &best, &next);
+    explain_best(d, &best, &next);
     for (int j = 0; j < 6; ++j) {
         axes += d->pushed[j].llr;
     }
-    bool exchanged = best.slip >= AUVID_MAX_THRUSTERS;
-    if (!(best.llr > (exchanged ? MIN_EXCHANGE_LLR : MIN_LLR) && best.llr > axes)) {
+    if (!(best.llr > (best.slip < EXCHANGES ? MIN_LLR : MIN_EXCHANGE_LLR) && best.llr > axes)) {
         return false;
     }
-    bool both = next.llr > 0.0 && best.rank - next.rank < MIN_LEAD &&
-                exchanged == (next.slip >= AUVID_MAX_THRUSTERS);
-    char name[40], second[40];
-    int column = log_input(d->use, 0);
-    int one = exchanged ? best.slip / AUVID_MAX_THRUSTERS - 1 : best.slip;
-    int other = exchanged ? best.slip % AUVID_MAX_THRUSTERS : next.slip;
-    slip_name(d, best.slip, name);
-    slip_name(d, next.slip, second);
-    const char *between = !both ? "" : exchanged ? ", or " : " or ";
-    bool tilts = exchanged && only_tilts(d, best.slip);
-    doctor_add(
-        d, tilts ? DOCTOR_WARNING : DOCTOR_ERROR,
-        exchanged ? DOCTOR_THRUSTER_SWAP : DOCTOR_THRUSTER_SIGN, column + one,
-        both || exchanged ? column + other : -1, NULL,
-        tilts       ? "%s%s%s may be exchanged: roll and pitch follow better if they are exchanged "
-                      "again, unless drag or weight turns the hull; the other axes do not depend "
-                      "on it"
-        : exchanged ? "%s%s%s are exchanged: the motion follows if they are exchanged again: "
-                      "exchange the columns, or the thrusters in the vehicle file"
-                    : "%s%s%s has the wrong sign: the motion follows if it is reversed: "
-                      "change its sign, or its direction in the vehicle file",
-        name, between, both ? second : "");
+    if (best.llr < d->world_llr) {
+        return false;
+    }
+    d->in_world = d->in_enu = false; /* which explains less */
+    add_slip(d, &best, &next);
     return true;
 }
 
@@ -378,7 +435,7 @@ void doctor_thrusters_hidden(doctor_t *d)
     int column = -1;
     doctor_sums_t all;
     doctor_sum(d, 0, d->blocks - 1, &all);
-    for (int slip = 0; slip < SLIPS; ++slip) {
+    for (int slip = 0; slip < DOUBLES; ++slip) {
         unsigned dofs = is_slip(d, slip) ? hidden(d, &all, slip) : 0;
         size_t used = strlen(list);
         char name[40];
@@ -387,8 +444,9 @@ void doctor_thrusters_hidden(doctor_t *d)
         }
         slip_name(d, slip, name);
         (void)snprintf(list + used, sizeof list - used, "%s%s %s", used > 0 ? ", " : "", name,
-                       slip < AUVID_MAX_THRUSTERS ? "reversed" : "exchanged");
-        int one = slip < AUVID_MAX_THRUSTERS ? slip : slip / AUVID_MAX_THRUSTERS - 1;
+                       slip < EXCHANGES ? "reversed" : "exchanged");
+        int one, other;
+        concerned(slip, &one, &other);
         column = column < 0 ? log_input(d->use, one) : column;
     }
     if (column >= 0) {

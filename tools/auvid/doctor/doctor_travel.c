@@ -83,6 +83,12 @@ static double ground_score(const doctor_t *d, const doctor_sums_t *s, int axis, 
                : 0.0;
 }
 
+bool doctor_depth_reverses_surge(const doctor_t *d)
+{
+    bool attitude = d->turned[1].llr > 0.0 || d->turned[2].llr > 0.0;
+    return d->sunk.llr > 0.0 && d->sunk.which == PITCH_REVERSED && !attitude;
+}
+
 static bool has_depth(const doctor_t *d)
 {
     return !d->reordered && !d->degrees && !d->in_world && d->has[CSV_POSITION + 2] &&
@@ -94,6 +100,23 @@ static bool has_position(const doctor_t *d)
     return !d->reordered && !d->degrees && !d->in_world && d->has[CSV_POSITION] &&
            d->has[CSV_POSITION + 1] && d->has[CSV_ATTITUDE + 2] && d->has[CSV_NU] &&
            d->has[CSV_NU + 1];
+}
+
+int doctor_position_turns(const doctor_t *d, double angle)
+{
+    doctor_sums_t all;
+    double product[2][2];
+    doctor_sum(d, 0, d->blocks - 1, &all);
+    for (int i = 0; i < 4; ++i) {
+        const doctor_pair_t *p = &all.ground[0][i / 2][i % 2];
+        product[i / 2][i % 2] = p->ab - p->a * p->b / fmax(p->n, 1.0);
+    }
+    bool known = has_position(d) && doctor_is_fast(&all.ground[0][0][0]) &&
+                 doctor_is_fast(&all.ground[0][1][1]);
+    /* The sums of squares of velocities and of rates do not depend on the angle. */
+    double as_told = product[0][0] + product[1][1];
+    double turned = cos(angle) * as_told + sin(angle) * (product[1][0] - product[0][1]);
+    return !known ? 0 : turned > as_told ? 1 : -1;
 }
 
 void doctor_travel_scan(doctor_t *d)
@@ -114,8 +137,10 @@ static void find_depth(doctor_t *d)
 {
     const doctor_range_t *r = &d->sunk;
     char where[48];
-    if (!(r->llr > 0.0) || d->pushed[2].llr > 0.0) {
-        return; /* the latter: see doctor_inputs.c */
+    bool named = fabs(d->mounted) > 0.0 || doctor_overlap(r, &d->pushed[0]) ||
+                 doctor_has_finding(d, DOCTOR_VELOCITY_EXCHANGED, CSV_NU);
+    if (!(r->llr > 0.0) || d->pushed[2].llr > 0.0 || (r->which == PITCH_REVERSED && named)) {
+        return; /* the latter two: see doctor_inputs.c */
     }
     doctor_where(d, r, where);
     if (r->which == PITCH_REVERSED && (d->turned[1].llr > 0.0 || d->turned[2].llr > 0.0)) {
@@ -207,7 +232,8 @@ void doctor_travel(doctor_t *d)
     doctor_sum(d, 0, d->blocks - 1, &all);
     int before = d->findings;
     find_depth(d);
-    if (has_depth(d) && d->findings == before && !(d->sunk.llr > 0.0)) {
+    bool turned = fabs(d->mounted) > 0.0; /* u and v contradict depth and position */
+    if (has_depth(d) && d->findings == before && !(d->sunk.llr > 0.0) && !turned) {
         doctor_pair_t p = depth_pair(&all, depth_sign[AS_TOLD]);
         if (contradicts(&p)) {
             doctor_add(
@@ -218,5 +244,7 @@ void doctor_travel(doctor_t *d)
         }
     }
     find_height(d);
-    find_position(d, &all);
+    if (!turned) {
+        find_position(d, &all);
+    }
 }

@@ -91,18 +91,22 @@ static void specific_force(const doctor_t *d, doctor_window_t *w)
     }
 }
 
-/* Surge and sway if the velocities are in north, east and down. */
-static void turn_velocity(doctor_window_t *w, double body[3])
+/* Surge and sway, as DoF first and first + 1, if the velocities are in the world. */
+static void turn_velocity(doctor_window_t *w, int first, double body[3])
 {
-    const double *rate = w->nu + 3;
+    const double *rate = w->nu + 3, *v = w->nu, *dot = w->acceleration;
+    bool enu = first == DOCTOR_ENU;
+    const double ned[3] = {enu ? v[1] : v[0], enu ? v[0] : v[1], enu ? -v[2] : v[2]};
+    const double ned_dot[3] = {enu ? dot[1] : dot[0], enu ? dot[0] : dot[1],
+                               enu ? -dot[2] : dot[2]};
     double turned[3];
-    doctor_to_body(w->angle, w->nu, body);
-    doctor_to_body(w->angle, w->acceleration, turned);
-    for (int i = 0; i < DOCTOR_AXES - DOCTOR_WORLD; ++i) {
+    doctor_to_body(w->angle, ned, body);
+    doctor_to_body(w->angle, ned_dot, turned);
+    for (int i = 0; i < 2; ++i) {
         int j = (i + 1) % 3, k = (i + 2) % 3;
-        w->nu[DOCTOR_WORLD + i] = body[i];
-        w->acceleration[DOCTOR_WORLD + i] = turned[i] - rate[j] * body[k] + rate[k] * body[j];
-        w->input[DOCTOR_WORLD + i] = w->input[i];
+        w->nu[first + i] = body[i];
+        w->acceleration[first + i] = turned[i] - rate[j] * body[k] + rate[k] * body[j];
+        w->input[first + i] = w->input[i];
     }
 }
 
@@ -120,8 +124,9 @@ static void make_window(const doctor_t *d, doctor_window_t *w)
         w->acceleration[j] = slope(d, CELL_NU + j);
         w->input[j] = average(d, CELL_INPUT + j);
     }
-    double body[3];
-    turn_velocity(w, body);
+    double body[3], enu[3];
+    turn_velocity(w, DOCTOR_WORLD, body);
+    turn_velocity(w, DOCTOR_ENU, enu);
     for (int j = 0; j < DOCTOR_AXES; ++j) {
         w->quadratic[j] = fabs(w->nu[j]) * w->nu[j];
     }
@@ -130,7 +135,8 @@ static void make_window(const doctor_t *d, doctor_window_t *w)
         {v[1] * v[5], v[2] * v[4]},       {v[0] * v[5], v[2] * v[3]},
         {v[0] * v[4], v[1] * v[3]},       {sin(w->angle[0]), v[1] * v[2]},
         {sin(w->angle[1]), v[0] * v[2]},  {v[0] * v[1], v[0] * v[3]},
-        {body[1] * v[5], body[2] * v[4]}, {body[0] * v[5], body[2] * v[3]}};
+        {body[1] * v[5], body[2] * v[4]}, {body[0] * v[5], body[2] * v[3]},
+        {enu[1] * v[5], enu[2] * v[4]},   {enu[0] * v[5], enu[2] * v[3]}};
     memcpy(w->couple, couple, sizeof couple);
     for (int k = 0; k < AUVID_MAX_THRUSTERS; ++k) {
         w->thrust[k] = average(d, CELL_THRUST + k);

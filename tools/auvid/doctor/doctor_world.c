@@ -1,5 +1,6 @@
 /*
- * Velocities to the north and east instead of those of body axes. Turned into body axes by the
+ * Velocities to the north, east and down, or to the east, north and up, instead of those of body
+ * axes. Turned into body axes by the
  * attitude they follow their inputs, and as logged they are the rates of the position.
  */
 #include <math.h>
@@ -30,23 +31,23 @@ static double best_as_logged(const doctor_sums_t *s)
     return fmin(own, crossed);
 }
 
-static double input_score(const doctor_sums_t *s)
+static double input_score(const doctor_sums_t *s, int first)
 {
     double turned = 0.0, unused;
-    for (int j = DOCTOR_WORLD; j < DOCTOR_AXES; ++j) {
+    for (int j = first; j < first + 2; ++j) {
         double clean;
         doctor_gain_t g;
         doctor_usual(s, j, &clean, &unused, &g);
         turned += clean;
     }
-    return doctor_ratio(2.0 * s->count[DOCTOR_WORLD] / DOCTOR_WINDOW, best_as_logged(s), turned);
+    return doctor_ratio(2.0 * s->count[first] / DOCTOR_WINDOW, best_as_logged(s), turned);
 }
 
-static double position_score(const doctor_sums_t *s)
+static double position_score(const doctor_sums_t *s, int first)
 {
     double sum = 0.0;
     for (int i = 0; i < 2; ++i) {
-        const doctor_pair_t *p = &s->world[i];
+        const doctor_pair_t *p = &s->world[first == DOCTOR_ENU][i];
         double discord = doctor_discord(p, 1.0);
         if (!doctor_is_fast(p) || discord > MAX_DISCORD) {
             return 0.0;
@@ -64,8 +65,14 @@ void doctor_world_scan(doctor_t *d)
     bool inputs = d->inputs >= 0 && d->has[d->inputs] && d->has[d->inputs + 1];
     doctor_sums_t all;
     doctor_sum(d, 0, d->blocks - 1, &all);
-    d->in_world =
-        has && sound && (position_score(&all) > MIN_LLR || (inputs && input_score(&all) > MIN_LLR));
+    for (int first = DOCTOR_WORLD; has && sound && first < DOCTOR_AXES; first += 2) {
+        double llr = fmax(position_score(&all, first), inputs ? input_score(&all, first) : 0.0);
+        if (llr > fmax(d->world_llr, MIN_LLR)) {
+            d->world_llr = llr;
+            d->in_world = true;
+            d->in_enu = first == DOCTOR_ENU;
+        }
+    }
     if (d->in_world) {
         d->sunk.llr = 0.0; /* depth was compared with velocities of the body */
     }
@@ -76,12 +83,15 @@ void doctor_world(doctor_t *d)
     doctor_sums_t all;
     doctor_sum(d, 0, d->blocks - 1, &all);
     if (d->in_world && (d->left_out & 3u) == 0) {
+        bool position = position_score(&all, d->in_enu ? DOCTOR_ENU : DOCTOR_WORLD) > MIN_LLR;
         doctor_add(
             d, DOCTOR_ERROR, DOCTOR_WORLD_FRAME, CSV_NU, CSV_NU + 1, NULL,
-            "u_mps and v_mps look like velocities to the north and east: %s: turn them into "
-            "body axes, u ahead and v to starboard",
-            position_score(&all) > MIN_LLR
-                ? "they are the rates of north_m and east_m"
-                : "they follow the forces ahead and to starboard only if psi_rad turns them");
+            "%s: %s: turn them into body axes, u ahead and v to starboard%s",
+            d->in_enu ? "u_mps, v_mps and w_mps look like velocities to the east, north and up"
+                      : "u_mps and v_mps look like velocities to the north and east",
+            !position   ? "they follow the forces ahead and to starboard only if psi_rad turns them"
+            : d->in_enu ? "they are the rates of east_m and north_m"
+                        : "they are the rates of north_m and east_m",
+            d->in_enu ? ", w down" : "");
     }
 }
