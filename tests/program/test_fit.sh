@@ -291,6 +291,20 @@ assert all(abs(200 * P[n]["estimate"] / TRUTH[n] - 1) < (0.02 if n[0] == "m" els
 assert P["m_u"]["unit"] == "cmd s2/m" and P["W-B"]["unit"] == "cmd"'
 check "thrusters of commands" rejects '--thrusters needs forces' \
     fit commands.csv --thrusters girona500
+# a vehicle that is loaded between two logs
+sed 's/^W-B = .*/W-B = -5/; s/^m_u = .*/m_u = 330/; s/^X_uu = .*/X_uu = -250/' \
+    "$ROOT/tools/auvid/vehicles/girona500.ini" >loaded.ini
+"$AUVID" demo --seed 5 --disturbance 1 --sets 8 --csv empty.csv >/dev/null
+"$AUVID" demo --seed 6 --disturbance 1 --sets 8 --vehicle loaded.ini --csv full.csv >/dev/null 2>&1
+check "two states of a vehicle in one fit" exits 0 fit empty.csv full.csv --vehicle girona500
+check "  it says which part is in the estimate" \
+    grep -Eq '^ +the vehicle changed: only what follows t_s [0-9.]+ of full.csv is in the est' out
+check "  in JSON, too" exits 0 fit empty.csv full.csv --vehicle girona500 --json
+check "  with the time in the log" is out '
+c = d["log"]["changed"]
+assert c["used_from_log"] == "full.csv" and 20 < c["used_from_t_s"] < 220'
+check "one state" exits 0 fit empty.csv --vehicle girona500 --json
+check "  has not changed" is out 'assert "changed" not in d["log"]'
 check "training and test log must have the same kind of inputs" rejects 'test.csv:1:1: .*kind' \
     fit commands.csv --validate test.csv
 

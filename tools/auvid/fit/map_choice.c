@@ -2,8 +2,8 @@
  * Which map from commands to forces fits a vehicle: each is identified with on one part of the
  * data, and judged by the error of simulated velocity on another part. This error has the same unit
  * for all maps, that of a force has not. Errors of the same time are compared, and their difference
- * has an interval by bootstrap: over blocks of time of another log, over the parts of the same logs,
- * because all blocks of a part depend on one estimate.
+ * has an interval by bootstrap: over blocks of time of another log; over the parts of the same
+ * logs, because all blocks of a part depend on one estimate.
  */
 #include <math.h>
 #include <stdio.h>

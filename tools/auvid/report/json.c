@@ -353,6 +353,11 @@ static void json_log(FILE *out, const char *key, const report_log_t *log)
     json_number(out, log->velocity_s > 0.0 ? log->velocity_s : NAN);
     fprintf(out, ", \"gaps\": %zu, \"gap_s\": ", log->gaps);
     json_number(out, log->gap_s > 0.0 ? log->gap_s : NAN);
+    if (log->changed_path != NULL) {
+        fprintf(out, ", \"changed\": {\"used_from_log\": ");
+        json_string(out, log->changed_path);
+        fprintf(out, ", \"used_from_t_s\": %.2f}", log->changed_s);
+    }
     fprintf(out, "}");
 }
 

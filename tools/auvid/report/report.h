@@ -35,6 +35,9 @@ typedef struct {
     double velocity_s;     /**< time between velocities: the median */
     size_t gaps;           /**< intervals of more than gap_s */
     double gap_s;
+    const char *changed_path; /**< the vehicle changed: log that has the start of what is in the
+                                   estimate; NULL: it did not */
+    double changed_s;         /**< that start, in the log's time */
 } report_log_t;
 
 /** What is wrong with a log (doctor.h). */
