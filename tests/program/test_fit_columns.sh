@@ -152,6 +152,11 @@ check "  in words" sh -c '"$0" fit signs.csv --plain 2>/dev/null |
 # ---- thrusters ----
 change 'add(["thruster_%d_N" % k for k in range(1, 6)], thrust); drop(*WRENCH)' \
     <train.csv >newtons.csv
+check "thrusters without their vehicle" exits 0 check newtons.csv
+check "  are not checked, which the verdict says" \
+    grep -q '^usable for identification; thruster columns are not checked without --vehicle$' out
+check "thrusters with their vehicle" exits 0 check newtons.csv --vehicle girona500
+check "  are" grep -q '^usable for identification: surge, sway, heave, yaw$' out
 check "forces of thrusters" form 0 thrusters.json 1e-3 newtons.csv --thrusters girona500
 # fins also push sideways, where nothing is controlled
 "$AUVID" demo --vehicle torpedo --lag 0.15 --csv torpedo.csv >/dev/null 2>&1
