@@ -24,7 +24,8 @@ check "a log is identified" exits 0 fit train.csv --plain --json --validate test
 cp out fit.json
 check "its JSON has the documented keys" is fit.json '
 assert list(d) == ["version", "status", "seed", "model", "parameters",
-                   "wrong_inputs", "missing", "not_modelled", "assumed", "drag",
+                   "wrong_inputs", "exact_inputs_differ", "missing", "not_modelled",
+                   "assumed", "drag",
                    "delay_s", "r2_force", "r2_validation", "r2_interval",
                    "change_test", "cell_s", "evaluations", "budget", "log", "held_out_log",
                    "log_findings", "velocity"], list(d)
@@ -108,6 +109,9 @@ assert d["assumed"]["thrust_scale"] > 0.09
 assert abs(d["assumed"]["thrust_scale"] / 0.05 - d["assumed"]["over_priors"] ** 2) < 0.01'
 check "  the text says why" exits 3 fit weaker-1.5.csv --thrusters girona500
 check "    the scale is so uncertain" grep -q 'times as large as their standard deviations' out
+check "  and which values exact inputs would change" grep -q \
+    '^  exact inputs   (--plain) would give other values of N_r,$' out
+check "    apart from what is wrong" sh -c '! sed -n "/wrong inputs/,/^$/p" out | grep exact'
 check "thrusters of no vehicle" refuses "'mine' is not one of" fit train.csv --thrusters mine
 check "--thrusters and --plain" refuses '--thrusters and --plain cannot be combined' \
     fit train.csv --thrusters girona500 --plain

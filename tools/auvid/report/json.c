@@ -196,6 +196,14 @@ static void json_missing(FILE *out, const result_t *result)
         fprintf(out, k == 0 ? "\n    " : ",\n    ");
         json_string(out, text);
     }
+    fprintf(out, "],\n  \"exact_inputs_differ\": [");
+    for (int i = 0; i < result->vehicle->parameters; ++i) {
+        if (report_differs(result) >> i & 1u) {
+            fprintf(out, "%s\"%s\"", separator, result->vehicle->parameter[i].name);
+            separator = ", ";
+        }
+    }
+    separator = "";
     fprintf(out, "],\n  \"missing\": [");
     for (unsigned k = 0; report_missing(result, k, text, sizeof text); ++k) {
         fprintf(out, k == 0 ? "\n    " : ",\n    ");

@@ -318,9 +318,24 @@ bool report_missing(const result_t *result, unsigned which, char *text, size_t s
     return any;
 }
 
+/* Is the first sentence that of all inputs? Then no class is named. */
+static bool all_are_wrong(const auvid_causes_t *causes)
+{
+    return causes->contradicted || causes->thrust_differs;
+}
+
+uint32_t report_differs(const result_t *result)
+{
+    return all_are_wrong(&result->causes) ? 0 : result->causes.differs;
+}
+
 bool report_cause(const result_t *result, unsigned which, char *text, size_t size)
 {
-    return auvid_causes_sentence(&result->causes, result->vehicle, which, text, size) == AUVID_OK;
+    /* the library's last sentence names no cause: see report_differs */
+    unsigned causes = all_are_wrong(&result->causes) ? 1 : result->causes.named;
+    text[0] = '\0';
+    return which < causes &&
+           auvid_causes_sentence(&result->causes, result->vehicle, which, text, size) == AUVID_OK;
 }
 
 const char *report_cause_unit(auvid_guard_cause_t cause)
