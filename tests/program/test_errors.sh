@@ -143,6 +143,9 @@ check "a time that is not finite" rejects 'log.csv:3:1: t_s: .*not a finite' fit
 log "$header" 0,0,0 0.2,0,0 0.1,0,0
 check "time that goes back" rejects \
     "log.csv:4:1: t_s: '0.1' goes back: sort the rows by time, or split the log here$" fit log.csv
+log "$header" 50,0,0 50.1,0,0 0.1,0,0 0.2,0,0
+check "a clock that is set back" rejects \
+    "log.csv:4:1: t_s: '0.1' goes back by more than a second: split the log here$" fit log.csv
 log u_mps,t_s,X_N 0,0,0 0,0.2,0 0,0.2,0
 check "time that stands still" rejects \
     "log.csv:4:3: t_s: '0.2' does not advance: remove repeated rows, or log more digits" fit log.csv

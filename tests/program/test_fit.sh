@@ -295,6 +295,15 @@ assert all(abs(200 * P[n]["estimate"] / TRUTH[n] - 1) < (0.02 if n[0] == "m" els
 assert P["m_u"]["unit"] == "cmd s2/m" and P["W-B"]["unit"] == "cmd"'
 check "thrusters of commands" rejects '--thrusters needs forces' \
     fit commands.csv --thrusters girona500
+# another vehicle, which turns more slowly
+sed 's/^N_r = .*/N_r = -200/; s/^N_rr = .*/N_rr = -900/' \
+    "$ROOT/tools/auvid/vehicles/girona500.ini" >other.ini
+"$AUVID" demo --seed 7 --disturbance 1 --vehicle other.ini --csv other.csv >/dev/null 2>&1
+check "a held-out log of another vehicle" exits 0 fit train.csv --plain --validate other.csv
+check "  is not predicted, which the second line says" test "$(sed -n 2p out)" = \
+    "does not predict the held-out log in yaw (R2 of the velocity below 0)"
+check "one of this vehicle" exits 0 fit train.csv --plain --validate test.csv
+check "  is" sh -c '! grep "does not predict" out'
 # a vehicle that is loaded between two logs
 sed 's/^W-B = .*/W-B = -5/; s/^m_u = .*/m_u = 330/; s/^X_uu = .*/X_uu = -250/' \
     "$ROOT/tools/auvid/vehicles/girona500.ini" >loaded.ini

@@ -85,6 +85,21 @@ static int conclude(const job_t *job, const result_t *result, const auvid_identi
     return sure + drags > 0 ? 0 : EXIT_NOTHING;
 }
 
+/* The degrees of freedom in which the estimate predicts a held-out log worse than its mean does. */
+static void print_unpredicted(const result_t *result)
+{
+    const char *before = "does not predict the held-out log in ";
+    bool any = false;
+    for (int j = 0; j < AUVID_DOF_COUNT && result->has_interval; ++j) {
+        if ((result->validated >> j & 1u) != 0 && result->r2_high[j] < 0.0) {
+            printf("%s%s", before, report_dof_name[j]);
+            before = ", ";
+            any = true;
+        }
+    }
+    fputs(any ? " (R2 of the velocity below 0)\n" : "", stdout);
+}
+
 static const char *input_words(const job_t *job)
 {
     static const char *const words[] = {"forces and moments", "commands (cmd_*)",
@@ -297,6 +312,7 @@ static int run(job_t *job)
     if (options->json) {
         report_json(stdout, &result, NULL, NULL, NULL);
     } else {
+        print_unpredicted(&result);
         print_heading(job, id, &result);
         report_result(&result, NULL);
     }
