@@ -109,6 +109,11 @@ assert d["assumed"]["thrust_scale"] > 0.09
 assert abs(d["assumed"]["thrust_scale"] / 0.05 - d["assumed"]["over_priors"] ** 2) < 0.01'
 check "  the text says why" exits 3 fit weaker-1.5.csv --thrusters girona500
 check "    the scale is so uncertain" grep -q 'times as large as their standard deviations' out
+sed -nE "s/.*(X_uu|m_u) is known .*give --thrust-scale ([0-9.]+)$/\1 \2/p" out >wanted
+check "  and how well the thrust must be known" test -s wanted
+check "    after which the parameter is identified" sh -c "while read -r name scale; do
+    '$AUVID' fit weaker-1.5.csv --thrusters girona500 --thrust-scale \$scale >better
+    grep -E \"^  \$name .*[0-9] *\$\" better || exit 1; done <wanted"
 check "  and which values exact inputs would change" grep -q \
     '^  exact inputs   (--plain) would give other values of N_r,$' out
 check "    apart from what is wrong" sh -c '! sed -n "/wrong inputs/,/^$/p" out | grep exact'
