@@ -180,7 +180,7 @@ done <<'END'
 1 world error +u_mps and v_mps look like velocities to the north and east: .*: turn them into body
 1 quaternion error +qw, qx, qy, qz look like x, y, z, w: .*: name the columns qx, qy, qz, qw
 0 offset warning +u_mps has an offset of \+0\.10[0-9] m/s against the rates of north_m and east_m:
-2 time_back time_back.csv:702:[0-9]+: t_s: '[0-9.]+' goes back: sort the rows
+2 time_back time_back.csv:702:[0-9]+: t_s: '[0-9.]+' goes back by more than a second: split
 END
 
 sed "s/^model = .*/&\ndry_mass_kg = 200/" "$ROOT/tools/auvid/vehicles/girona500.ini" >dry.ini

@@ -5,7 +5,8 @@
 check "demo identifies and exits 0" exits 0 demo --json
 cp out one.json
 check "its JSON has the documented keys" is one.json '
-assert list(d) == ["version", "status", "seed", "model", "parameters", "wrong_inputs", "missing",
+assert list(d) == ["version", "status", "seed", "model", "parameters", "wrong_inputs",
+                   "exact_inputs_differ", "missing",
                    "not_modelled", "assumed", "drag", "delay_s", "r2_force", "r2_validation",
                    "change_test", "guard", "cell_s", "evaluations", "budget",
                    "estimates", "velocity"], list(d)

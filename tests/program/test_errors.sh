@@ -143,6 +143,9 @@ check "a time that is not finite" rejects 'log.csv:3:1: t_s: .*not a finite' fit
 log "$header" 0,0,0 0.2,0,0 0.1,0,0
 check "time that goes back" rejects \
     "log.csv:4:1: t_s: '0.1' goes back: sort the rows by time, or split the log here$" fit log.csv
+log "$header" 50,0,0 50.1,0,0 0.1,0,0 0.2,0,0
+check "a clock that is set back" rejects \
+    "log.csv:4:1: t_s: '0.1' goes back by more than a second: split the log here$" fit log.csv
 log u_mps,t_s,X_N 0,0,0 0,0.2,0 0,0.2,0
 check "time that stands still" rejects \
     "log.csv:4:3: t_s: '0.2' does not advance: remove repeated rows, or log more digits" fit log.csv
@@ -190,6 +193,20 @@ check "forces astern of thrusters that are stronger there" exits 3 \
     fit log.csv --vehicle astern.ini
 log "$v,$throttle" 0,0,0,0,0,0,0,0,0,0 1,1,1,1,1,90,1,1,1,1
 check "newtons in the columns of commands" rejects 'give zero_command and full_command of' \
+    fit log.csv --thrusters girona500
+log "$v,$throttle" 0,0,0,0,0,0,0,0,0,0 1,1,1,1,1,1.2,1,1,1,1
+check "commands beyond the full one" rejects \
+    'is 221 N, but those of girona500 have up to 154 N: correct full_command, or forward_N and' \
+    fit log.csv --thrusters girona500
+check "  are an error of check, too" exits 1 check log.csv --vehicle girona500
+sed 's/^map = .*/map = signed-square\nvoltage_V = 16\nvoltage_exponent = 2/' \
+    "$ROOT/tools/auvid/vehicles/girona500.ini" >full.ini
+check "  but a full battery may give such a force" exits 3 fit log.csv --vehicle full.ini
+log "$v,$throttle" 0,0,0,0,0,0,0,0,0,0 1,1,1,1,1,1.03,1,1,1,1
+check "a full command with noise" exits 3 fit log.csv --thrusters girona500
+log "$v,${throttle//,/_N,}_N" 0,0,0,0,0,0,0,0,0,0 1,1,1,1,1,180,1,1,1,1
+check "newtons beyond the vehicle's" rejects \
+    'is 180 N, but .* up to 154 N: correct forward_N and backward_N in the vehicle file, or' \
     fit log.csv --thrusters girona500
 log "${v%,*},$throttle" 0,0,0,0,0,0,0,0,0 1,1,1,1,1,1,1,1,1
 check "thrusters without a rate" rejects 'no column r_radps in the header, but the thrusters: a' \

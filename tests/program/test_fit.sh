@@ -24,7 +24,8 @@ check "a log is identified" exits 0 fit train.csv --plain --json --validate test
 cp out fit.json
 check "its JSON has the documented keys" is fit.json '
 assert list(d) == ["version", "status", "seed", "model", "parameters",
-                   "wrong_inputs", "missing", "not_modelled", "assumed", "drag",
+                   "wrong_inputs", "exact_inputs_differ", "missing", "not_modelled",
+                   "assumed", "drag",
                    "delay_s", "r2_force", "r2_validation", "r2_interval",
                    "change_test", "cell_s", "evaluations", "budget", "log", "held_out_log",
                    "log_findings", "velocity"], list(d)
@@ -108,6 +109,14 @@ assert d["assumed"]["thrust_scale"] > 0.09
 assert abs(d["assumed"]["thrust_scale"] / 0.05 - d["assumed"]["over_priors"] ** 2) < 0.01'
 check "  the text says why" exits 3 fit weaker-1.5.csv --thrusters girona500
 check "    the scale is so uncertain" grep -q 'times as large as their standard deviations' out
+sed -nE "s/.*(X_uu|m_u) is known .*give --thrust-scale ([0-9.]+)$/\1 \2/p" out >wanted
+check "  and how well the thrust must be known" test -s wanted
+check "    after which the parameter is identified" sh -c "while read -r name scale; do
+    '$AUVID' fit weaker-1.5.csv --thrusters girona500 --thrust-scale \$scale >better
+    grep -E \"^  \$name .*[0-9] *\$\" better || exit 1; done <wanted"
+check "  and which values exact inputs would change" grep -q \
+    '^  exact inputs   (--plain) would give other values of N_r,$' out
+check "    apart from what is wrong" sh -c '! sed -n "/wrong inputs/,/^$/p" out | grep exact'
 check "thrusters of no vehicle" refuses "'mine' is not one of" fit train.csv --thrusters mine
 check "--thrusters and --plain" refuses '--thrusters and --plain cannot be combined' \
     fit train.csv --thrusters girona500 --plain
@@ -291,6 +300,29 @@ assert all(abs(200 * P[n]["estimate"] / TRUTH[n] - 1) < (0.02 if n[0] == "m" els
 assert P["m_u"]["unit"] == "cmd s2/m" and P["W-B"]["unit"] == "cmd"'
 check "thrusters of commands" rejects '--thrusters needs forces' \
     fit commands.csv --thrusters girona500
+# another vehicle, which turns more slowly
+sed 's/^N_r = .*/N_r = -200/; s/^N_rr = .*/N_rr = -900/' \
+    "$ROOT/tools/auvid/vehicles/girona500.ini" >other.ini
+"$AUVID" demo --seed 7 --disturbance 1 --vehicle other.ini --csv other.csv >/dev/null 2>&1
+check "a held-out log of another vehicle" exits 0 fit train.csv --plain --validate other.csv
+check "  is not predicted, which the second line says" test "$(sed -n 2p out)" = \
+    "does not predict the held-out log in yaw (R2 of the velocity below 0)"
+check "one of this vehicle" exits 0 fit train.csv --plain --validate test.csv
+check "  is" sh -c '! grep "does not predict" out'
+# a vehicle that is loaded between two logs
+sed 's/^W-B = .*/W-B = -5/; s/^m_u = .*/m_u = 330/; s/^X_uu = .*/X_uu = -250/' \
+    "$ROOT/tools/auvid/vehicles/girona500.ini" >loaded.ini
+"$AUVID" demo --seed 5 --disturbance 1 --sets 8 --csv empty.csv >/dev/null
+"$AUVID" demo --seed 6 --disturbance 1 --sets 8 --vehicle loaded.ini --csv full.csv >/dev/null 2>&1
+check "two states of a vehicle in one fit" exits 0 fit empty.csv full.csv --vehicle girona500
+check "  it says which part is in the estimate" \
+    grep -Eq '^ +the vehicle changed: only what follows t_s [0-9.]+ of full.csv is in the est' out
+check "  in JSON, too" exits 0 fit empty.csv full.csv --vehicle girona500 --json
+check "  with the time in the log" is out '
+c = d["log"]["changed"]
+assert c["used_from_log"] == "full.csv" and 20 < c["used_from_t_s"] < 220'
+check "one state" exits 0 fit empty.csv --vehicle girona500 --json
+check "  has not changed" is out 'assert "changed" not in d["log"]'
 check "training and test log must have the same kind of inputs" rejects 'test.csv:1:1: .*kind' \
     fit commands.csv --validate test.csv
 

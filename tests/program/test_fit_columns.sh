@@ -152,6 +152,11 @@ check "  in words" sh -c '"$0" fit signs.csv --plain 2>/dev/null |
 # ---- thrusters ----
 change 'add(["thruster_%d_N" % k for k in range(1, 6)], thrust); drop(*WRENCH)' \
     <train.csv >newtons.csv
+check "thrusters without their vehicle" exits 0 check newtons.csv
+check "  are not checked, which the verdict says" \
+    grep -q '^usable for identification; thruster columns are not checked without --vehicle$' out
+check "thrusters with their vehicle" exits 0 check newtons.csv --vehicle girona500
+check "  are" grep -q '^usable for identification: surge, sway, heave, yaw$' out
 check "forces of thrusters" form 0 thrusters.json 1e-3 newtons.csv --thrusters girona500
 # fins also push sideways, where nothing is controlled
 "$AUVID" demo --vehicle torpedo --lag 0.15 --csv torpedo.csv >/dev/null 2>&1
@@ -261,6 +266,26 @@ check "a right one is kept" exits 0 fit throttle.csv --vehicle girona500 --plain
 check "  and better than the other" is out 'm = d["map"]
 assert m["used"] == m["best"] == m["as_told"] == "signed-square", m
 assert m["tried"][1]["interval"][0] > 0, m'
+# the motion of most of this log is unstable, so that an estimate of it diverges in the rest
+change "$commands"'
+for y in r:
+    u = y[C["u_mps"]]
+    if y[0] < 0.8 * r[-1][0]: y[C["X_N"]] -= 142 * u + 125 * u * abs(u)
+add(["thruster_%d" % k for k in range(1, 6)], commands); drop(*WRENCH)' <train.csv >unstable.csv
+check "the error of a simulation that diverges is bounded" exits 0 fit unstable.csv \
+    --vehicle girona500 --plain --map auto --json
+check "  to that of no motion" is out '
+assert all(t["error"] < 1 for t in d["map"]["tried"]), d["map"]'
+# one part of five contradicts the others
+"$AUVID" demo --json --seed 5 --disturbance 1 --sets 9 --csv long.csv >/dev/null
+change "$commands"'
+def mixed(y):
+    middle = 0.4 < y[0] / r[-1][0] < 0.6
+    return [1.2 * f / 153.8 if middle else c for f, c in zip(thrust(y), commands(y))]
+add(["thruster_%d" % k for k in range(1, 6)], mixed); drop(*WRENCH)' <long.csv >mixed.csv
+"$AUVID" fit mixed.csv --vehicle girona500 --plain --map auto >mixed.out 2>&1
+check "no map is called the best if the parts disagree" \
+    grep -q 'map  .*signed-square, as configured: no other map is better beyond doubt' mixed.out
 check "three maps, judged on another log" exits 0 fit throttle.csv --vehicle table.ini --plain \
     --map auto --json --validate throttle.csv
 check "  a table that is nearly right" is out 'm = d["map"]; e = [t["error"] for t in m["tried"]]

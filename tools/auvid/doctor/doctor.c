@@ -218,11 +218,12 @@ static void judge(doctor_t *d)
             (void)snprintf(axes + used, sizeof axes - used, "%s%s", used > 0 ? ", " : "", name[j]);
         }
     }
-    bool unchecked = d->inputs < 0 && d->thrusters;
-    d->usable = errors == 0 && (unchecked || axes[0] != '\0');
+    bool unchecked = d->thrusters && d->use == NULL, no_inputs = d->inputs < 0 && d->thrusters;
+    d->usable = errors == 0 && (no_inputs || axes[0] != '\0');
     if (d->usable) {
-        (void)snprintf(d->verdict, sizeof d->verdict, "usable for identification: %s",
-                       unchecked ? "inputs not checked" : axes);
+        (void)snprintf(d->verdict, sizeof d->verdict, "usable for identification%s%s%s",
+                       no_inputs ? "" : ": ", no_inputs ? "" : axes,
+                       unchecked ? "; thruster columns are not checked without --vehicle" : "");
     } else if (errors > 0) {
         (void)snprintf(d->verdict, sizeof d->verdict,
                        "not usable for identification: %d error%s to correct", errors,

@@ -85,6 +85,21 @@ static int conclude(const job_t *job, const result_t *result, const auvid_identi
     return sure + drags > 0 ? 0 : EXIT_NOTHING;
 }
 
+/* The degrees of freedom in which the estimate predicts a held-out log worse than its mean does. */
+static void print_unpredicted(const result_t *result)
+{
+    const char *before = "does not predict the held-out log in ";
+    bool any = false;
+    for (int j = 0; j < AUVID_DOF_COUNT && result->has_interval; ++j) {
+        if ((result->validated >> j & 1u) != 0 && result->r2_high[j] < 0.0) {
+            printf("%s%s", before, report_dof_name[j]);
+            before = ", ";
+            any = true;
+        }
+    }
+    fputs(any ? " (R2 of the velocity below 0)\n" : "", stdout);
+}
+
 static const char *input_words(const job_t *job)
 {
     static const char *const words[] = {"forces and moments", "commands (cmd_*)",
@@ -149,6 +164,11 @@ static void print_heading(const job_t *job, const auvid_identifier_t *id, const 
     if (job->logs_left_out > 0) {
         printf("           left out, because of errors: %d more\n", job->logs_left_out);
     }
+    if (result->log.changed_path != NULL) {
+        printf("           the vehicle changed: only what follows t_s %.1f of %s is in the "
+               "estimate\n",
+               result->log.changed_s, result->log.changed_path);
+    }
     print_inputs(job, id);
     printf("  metric   %s, %u set%s of at most %.0f s\n",
            job->options->literal ? "literal smoothing of the paper: smoothed states, raw wrench"
@@ -179,7 +199,7 @@ static void warn_too_long(const job_t *job, const auvid_identifier_t *id)
 }
 
 /* What the report says of the logs. */
-static void gather_logs(const job_t *job, result_t *result)
+static void gather_logs(const job_t *job, const replay_inputs_t *inputs, result_t *result)
 {
     const survey_t *survey = &job->survey;
     const csv_log_t *test = &job->test_log.csv;
@@ -191,6 +211,14 @@ static void gather_logs(const job_t *job, result_t *result)
                                  .velocity_s = 1e-6 * survey_velocity_us(survey),
                                  .gaps = survey->gaps,
                                  .gap_s = survey->gap_s};
+    for (int i = 0; i < job->train.logs && inputs->changed_us > 0; ++i) {
+        const log_t *log = &job->log[i];
+        if (log->start_us <= inputs->changed_us) { /* the last one that began before */
+            result->log.changed_path = log->csv.path;
+            result->log.changed_s =
+                log->csv.first_s + 1e-6 * (double)(inputs->changed_us - log->start_us);
+        }
+    }
     if (job->options->validate != NULL) {
         result->held_out = (report_log_t){.path = &job->options->validate,
                                           .paths = 1,
@@ -231,10 +259,11 @@ static void find_remedy(job_t *job, const auvid_identifier_t *id)
     (void)snprintf(job->remedy, sizeof job->remedy, "%s", words);
 }
 
-static void gather(const job_t *job, const auvid_identifier_t *id, result_t *result)
+static void gather(const job_t *job, const fitted_t *fitted, result_t *result)
 {
+    const auvid_identifier_t *id = &fitted->id;
     report_gather(result, id, job->options->seed);
-    gather_logs(job, result);
+    gather_logs(job, &fitted->inputs, result);
     result->in_commands = fit_in_commands(job);
     result->has_loop_option = true;
     result->left_out = job->left_out;
@@ -266,7 +295,7 @@ static int run(job_t *job)
     }
     const auvid_identifier_t *id = &fitted->id;
     find_remedy(job, id);
-    gather(job, id, &result);
+    gather(job, fitted, &result);
     warn_too_long(job, id);
     if (job->known_force) { /* before the model gets the forces of the held-out log */
         report_calibrate(&result, &fitted->calibrated);
@@ -283,6 +312,7 @@ static int run(job_t *job)
     if (options->json) {
         report_json(stdout, &result, NULL, NULL, NULL);
     } else {
+        print_unpredicted(&result);
         print_heading(job, id, &result);
         report_result(&result, NULL);
     }

@@ -304,6 +304,7 @@ static fitted_t *search(job_t *job, const auvid_vehicle_t *vehicle, const auvid_
             status = literal ? literal_work(&fitted->id, AUVID_DEFAULT_BUDGET)
                              : auvid_identifier_work(&fitted->id, AUVID_DEFAULT_BUDGET);
         } while (status == AUVID_PENDING);
+        replay_note_change(&fitted->inputs, &fitted->id, job->survey.end_us);
         job->cell_us = fitted->id.recorder.cell_us;
     } while (fitted->id.metric.result.doublings > 0);
     return fitted;

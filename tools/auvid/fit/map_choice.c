@@ -2,7 +2,8 @@
  * Which map from commands to forces fits a vehicle: each is identified with on one part of the
  * data, and judged by the error of simulated velocity on another part. This error has the same unit
  * for all maps, that of a force has not. Errors of the same time are compared, and their difference
- * has an interval by bootstrap over blocks of time.
+ * has an interval by bootstrap: over blocks of time of another log; over the parts of the same
+ * logs, because all blocks of a part depend on one estimate.
  */
 #include <math.h>
 #include <stdio.h>
@@ -119,6 +120,13 @@ static int judge(job_t *job, candidate_t *c)
     return status;
 }
 
+/* Squared error of a block: at most that of predicting no motion. A simulation that diverges once
+ * would outweigh all other blocks. */
+static double bounded_error(const heldout_sums_t *block)
+{
+    return block->ee < block->yy ? block->ee : block->yy; /* so is NaN */
+}
+
 /* Computes the error of each block, relative to the variance of the velocity, mean of the DoF. */
 static bool scale_errors(candidate_t *c, uint32_t dofs)
 {
@@ -138,7 +146,7 @@ static bool scale_errors(candidate_t *c, uint32_t dofs)
         }
         axes += 1.0;
         for (size_t i = 0; i < b->used; ++i) {
-            c->relative[i] += b->block[i][j].ee / about_mean;
+            c->relative[i] += bounded_error(&b->block[i][j]) / about_mean;
         }
     }
     for (size_t i = 0; i < b->used && c->relative != NULL; ++i) {
@@ -147,10 +155,12 @@ static bool scale_errors(candidate_t *c, uint32_t dofs)
     return c->relative != NULL;
 }
 
-/* Difference of the errors from those of the first map, and its interval. */
-static void compare(const candidate_t *first, const candidate_t *c, size_t blocks, uint64_t seed,
-                    report_map_t *map)
+/* Difference of the errors from those of the first map, and its interval. Parts are of equal time,
+ * so each has as many blocks. */
+static void compare(const candidate_t *first, const candidate_t *c, const report_maps_t *maps,
+                    uint64_t seed, report_map_t *map)
 {
+    size_t blocks = maps->blocks, parts = maps->other_log ? blocks : PARTS;
     double drawn[RESAMPLES];
     sim_rng_t rng;
     sim_rng_seed(&rng, seed, 0);
@@ -160,9 +170,12 @@ static void compare(const candidate_t *first, const candidate_t *c, size_t block
     }
     for (int k = 0; k < RESAMPLES; ++k) {
         drawn[k] = 0.0;
-        for (size_t i = 0; i < blocks; ++i) {
-            size_t at = (size_t)(sim_rng_uniform(&rng) * (double)blocks);
-            drawn[k] += c->relative[at] - first->relative[at];
+        for (size_t i = 0; i < parts; ++i) {
+            size_t part = (size_t)(sim_rng_uniform(&rng) * (double)parts);
+            size_t end = (part + 1) * blocks / parts;
+            for (size_t at = part * blocks / parts; at < end; ++at) {
+                drawn[k] += c->relative[at] - first->relative[at];
+            }
         }
     }
     map->low = statistics_quantile(drawn, RESAMPLES, 0.025);
@@ -188,7 +201,7 @@ static int compare_all(const job_t *job, candidate_t candidate[REPORT_MAPS], rep
             return report_error("fit: not enough memory");
         }
         if (map->judged) {
-            compare(first, &candidate[i], maps->blocks, job->options->seed, map);
+            compare(first, &candidate[i], maps, job->options->seed, map);
         }
         bool better = map->judged &&
                       !(maps->map[maps->best].judged && maps->map[maps->best].error <= map->error);
@@ -239,6 +252,16 @@ int fit_choose_map(job_t *job)
 
 /* ---- words ---- */
 
+/* Are all others worse than the first map beyond doubt? */
+static bool is_best(const report_maps_t *maps)
+{
+    bool best = maps->best == 0;
+    for (int i = 1; i < maps->count; ++i) {
+        best = best && (!maps->map[i].judged || maps->map[i].low > 0.0);
+    }
+    return best;
+}
+
 static void print_reason(const report_maps_t *maps)
 {
     const char *own = maps->map[0].name, *best = maps->map[maps->best].name;
@@ -250,9 +273,11 @@ static void print_reason(const report_maps_t *maps)
     } else if (maps->blocks < MIN_BLOCKS) {
         printf("%s, as configured: the log is too short to compare maps", own);
     } else if (maps->best > 0) {
-        printf("%s, as configured: %s is better, but not beyond doubt", own, best);
+        printf("%s, as configured: %s has a smaller error, but not beyond doubt", own, best);
     } else {
-        printf("%s, as configured, and the best", own);
+        printf(is_best(maps) ? "%s, as configured, and the best"
+                             : "%s, as configured: no other map is better beyond doubt",
+               own);
     }
 }
 

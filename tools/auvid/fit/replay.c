@@ -104,6 +104,20 @@ typedef struct {
     auvid_identifier_t *id;
 } feed_t;
 
+void replay_note_change(replay_inputs_t *inputs, const auvid_identifier_t *id, uint64_t t_us)
+{
+    const auvid_change_test_t *test = &id->change_test;
+    if (id->metric.sets.recorded != inputs->sets) {
+        inputs->sets = id->metric.sets.recorded;
+        inputs->set_us[0] = inputs->set_us[1];
+        inputs->set_us[1] = t_us;
+    }
+    if (test->changed != 0 && test->set != inputs->changed_set) {
+        inputs->changed_set = test->set;
+        inputs->changed_us = inputs->set_us[0];
+    }
+}
+
 /* Feeds the samples of a row. */
 static void feed(void *context, const log_sample_t *now)
 {
@@ -116,6 +130,7 @@ static void feed(void *context, const log_sample_t *now)
     }
     while (f->works && auvid_identifier_work(id, AUVID_DEFAULT_BUDGET) == AUVID_PENDING) {
     }
+    replay_note_change(f->inputs, id, now->t_us);
     if (now->has_reference) {
         (void)auvid_instruments_reference(&f->inputs->instruments, now->t_us, now->reference);
     }
@@ -134,6 +149,8 @@ static void feed(void *context, const log_sample_t *now)
 int replay_identify(const log_set_t *logs, const log_use_t *use, replay_inputs_t *inputs,
                     bool works, auvid_identifier_t *id)
 {
+    inputs->set_us[0] = inputs->set_us[1] = inputs->changed_us = 0;
+    inputs->sets = inputs->changed_set = 0;
     int status = each_sample(logs, use, feed, &(feed_t){use, inputs, works, id});
     (void)auvid_identifier_close(id);
     return status;

@@ -16,6 +16,10 @@ typedef struct {
     auvid_allocation_t allocation;
     auvid_uncertain_t uncertain;
     auvid_instruments_t instruments;
+    uint64_t set_us[2];   /* end of the set before the newest, and of the newest */
+    uint32_t sets;        /* completed so far */
+    uint32_t changed_set; /* the one that showed the last change; 0: none did */
+    uint64_t changed_us;  /**< its start: what precedes is not in the estimate; 0: all is */
 } replay_inputs_t;
 
 /** Attaches uncertain inputs if the thrusters are known, and instruments if there is a reference:
@@ -27,6 +31,10 @@ auvid_status_t replay_attach(const log_use_t *use, replay_inputs_t *inputs, auvi
  * @return 0, or EXIT_REFUSED after one line on stderr */
 int replay_identify(const log_set_t *logs, const log_use_t *use, replay_inputs_t *inputs,
                     bool works, auvid_identifier_t *id);
+
+/** Notes a change of the vehicle that the identifier has found. Call it after work.
+ * @param t_us of the newest sample */
+void replay_note_change(replay_inputs_t *inputs, const auvid_identifier_t *id, uint64_t t_us);
 
 /** Takes a cell of the record. after_gap: a gap precedes it. */
 typedef void replay_take_t(void *context, const auvid_sample_t *cell, bool after_gap);

@@ -11,6 +11,7 @@
 
 #define LARGEST 1e6      /* largest value: its square must fit a float */
 #define LARGEST_TIME 1e9 /* largest time since the first row [s] */
+#define SET_BACK_S 1.0   /* rows in disorder are closer together [s] */
 #define NORM_ERROR 0.05  /* largest error of a quaternion's norm */
 
 int csv_open(csv_log_t *log, const char *path)
@@ -110,9 +111,12 @@ static int take_time(csv_log_t *log, const char *field, double t)
 {
     const char *trouble = NULL;
     if (log->rows > 0 && t <= log->last_s) {
-        trouble = t < log->last_s ? "goes back: sort the rows by time, or split the log here"
-                                  : "does not advance: remove repeated rows, or log more "
-                                    "digits of the time";
+        /* after a clock that was set, or a second recording, sorting would mix the rows of both */
+        trouble = t < log->last_s - SET_BACK_S ? "goes back by more than a second: split the log "
+                                                 "here"
+                  : t < log->last_s ? "goes back: sort the rows by time, or split the log here"
+                                    : "does not advance: remove repeated rows, or log more "
+                                      "digits of the time";
     } else if (log->rows > 0 && t - log->first_s > LARGEST_TIME) {
         trouble = "is more than 1e9 s after the first row, as if it were not in seconds";
     }

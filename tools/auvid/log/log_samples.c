@@ -6,8 +6,12 @@
 
 /* The attitude is not propagated for longer [s]. */
 #define PROPAGATION_S 1.0
-/* Relative to a thruster's largest force. Beyond, the forces are in another unit, or commands. */
-#define MOST_THRUST 2.0
+/* Relative to a thruster's largest force: room for the noise of a command at its limit. */
+#define MOST_THRUST 1.1
+/* Room for a full battery, and for a measured speed: water that flows in speeds a propeller up. */
+#define MOST_VARYING_THRUST 2.0
+/* Beyond these the forces are in another unit, or commands. */
+#define OTHER_UNIT 2.0
 #define LEAST_THRUST 0.02
 /* A velocity counts as repeated before this part of the usual time between two new ones. */
 #define HELD_PART 0.75
@@ -80,28 +84,50 @@ void log_wrench(const log_use_t *use, const double *input, double voltage_V,
     }
 }
 
+/* May a thruster exceed its largest force: does it depend on more than the command? */
+static bool thrust_varies(const log_use_t *use)
+{
+    bool varies = false;
+    for (int i = 0; i < use->vehicle->maps && use->kind == INPUT_THRUSTER_COMMAND; ++i) {
+        const thrust_map_t *map = &use->vehicle->map[i];
+        varies = varies || map->kind == THRUST_MAP_RPM || map->voltage_exponent > 0.0;
+    }
+    return varies;
+}
+
+static const char *thrust_remedy(const log_use_t *use, double relative)
+{
+    if (use->kind == INPUT_THRUST) {
+        return relative > OTHER_UNIT || relative < 1.0
+                   ? "are the columns thruster_1_N .. in newtons?"
+                   : "correct forward_N and backward_N in the vehicle file, or the columns "
+                     "thruster_1_N ..";
+    }
+    return relative < 1.0
+               ? "the thrusters hardly run, or their commands are not those of the vehicle file"
+           : relative > OTHER_UNIT
+               ? "give zero_command and full_command of the commands in the vehicle file (of pulse "
+                 "widths 1500 and 1900), or name forces thruster_1_N .."
+               : "correct full_command, or forward_N and backward_N, in the vehicle file";
+}
+
 int log_thrust_judge(const log_use_t *use, double largest_N, char *text, size_t size)
 {
     const auvid_allocation_config_t *cfg = &use->allocation.cfg;
-    double capacity = 0.0;
+    double capacity = 0.0, most = thrust_varies(use) ? MOST_VARYING_THRUST : MOST_THRUST;
     for (int k = 0; k < cfg->thrusters; ++k) {
         const auvid_thruster_t *t = &cfg->thruster[k];
         capacity = fmax(capacity, (double)fmaxf(t->max_N, -t->min_N));
     }
-    int wrong = largest_N > MOST_THRUST * capacity                       ? 1
+    int wrong = largest_N > most * capacity                              ? 1
                 : largest_N > 0.0 && largest_N < LEAST_THRUST * capacity ? -1
                                                                          : 0;
     if (wrong != 0) {
-        (void)snprintf(
-            text, size,
-            "the largest force of a thruster is %.3g N, but those of %s have up to %.3g "
-            "N: %s",
-            largest_N, use->vehicle->word, capacity,
-            use->kind == INPUT_THRUST ? "are the columns thruster_1_N .. in newtons?"
-            : wrong < 0
-                ? "the thrusters hardly run, or their commands are not those of the vehicle file"
-                : "give zero_command and full_command of the commands in the vehicle "
-                  "file (of pulse widths 1500 and 1900), or name forces thruster_1_N ..");
+        (void)snprintf(text, size,
+                       "the largest force of a thruster is %.3g N, but those of %s have up to %.3g "
+                       "N: %s",
+                       largest_N, use->vehicle->word, capacity,
+                       thrust_remedy(use, largest_N / capacity));
     }
     return wrong;
 }

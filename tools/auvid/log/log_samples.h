@@ -112,7 +112,8 @@ void log_wrench(const log_use_t *use, const double *input, double voltage_V,
 enum { LOG_THRUST_TEXT = 400 };
 
 /** Is the largest force of the log's thrusters of the size that the vehicle's have? Returns 0; or 1
- * if it is too large, -1 if it is too small, and writes a sentence with the remedy. */
+ * if it is too large, -1 if it is too small, and writes a sentence with the remedy. Too large is
+ * above 110 %; above 200 % where a measured speed or a voltage determines the force. */
 int log_thrust_judge(const log_use_t *use, double largest_N, char *text, size_t size);
 
 /** Starts at the first row. Returns 0, or EXIT_REFUSED after one line on stderr. */

@@ -215,6 +215,14 @@ static void json_missing(FILE *out, const result_t *result)
         fprintf(out, k == 0 ? "\n    " : ",\n    ");
         json_string(out, text);
     }
+    fprintf(out, "],\n  \"exact_inputs_differ\": [");
+    for (int i = 0; i < result->vehicle->parameters; ++i) {
+        if (report_differs(result) >> i & 1u) {
+            fprintf(out, "%s\"%s\"", separator, result->vehicle->parameter[i].name);
+            separator = ", ";
+        }
+    }
+    separator = "";
     fprintf(out, "],\n  \"missing\": [");
     for (unsigned k = 0; report_missing(result, k, text, sizeof text); ++k) {
         fprintf(out, k == 0 ? "\n    " : ",\n    ");
@@ -372,6 +380,11 @@ static void json_log(FILE *out, const char *key, const report_log_t *log)
     json_number(out, log->velocity_s > 0.0 ? log->velocity_s : NAN);
     fprintf(out, ", \"gaps\": %zu, \"gap_s\": ", log->gaps);
     json_number(out, log->gap_s > 0.0 ? log->gap_s : NAN);
+    if (log->changed_path != NULL) {
+        fprintf(out, ", \"changed\": {\"used_from_log\": ");
+        json_string(out, log->changed_path);
+        fprintf(out, ", \"used_from_t_s\": %.2f}", log->changed_s);
+    }
     fprintf(out, "}");
 }
 

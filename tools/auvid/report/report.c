@@ -294,6 +294,22 @@ static void add_loop_option(const result_t *result, char *text, size_t size)
     }
 }
 
+/* What would be configured, where a better thrust scale is asked for: auvid enlarges it by the
+ * square of over_priors. */
+static void add_scale_option(const result_t *result, char *text, size_t size)
+{
+    static const char before[] = "calibrate thrust to ";
+    const char *asked = strstr(text, before);
+    if (asked != NULL && result->over_priors > 0.0) {
+        double wanted = 0.01 * strtod(asked + sizeof before - 1, NULL);
+        double scale = wanted / (result->over_priors * result->over_priors);
+        size_t used = strlen(text);
+        (void)snprintf(text + used, size - used,
+                       " (1 sigma), or measure it and give --thrust-scale %g",
+                       1e-4 * floor(1e4 * scale));
+    }
+}
+
 bool report_missing(const result_t *result, unsigned which, char *text, size_t size)
 {
     const auvid_estimate_t *e = &result->estimate;
@@ -314,13 +330,29 @@ bool report_missing(const result_t *result, unsigned which, char *text, size_t s
                                         which, text, size) == AUVID_OK;
     if (any && result->has_loop_option) {
         add_loop_option(result, text, size);
+        add_scale_option(result, text, size);
     }
     return any;
 }
 
+/* Is the first sentence that of all inputs? Then no class is named. */
+static bool all_are_wrong(const auvid_causes_t *causes)
+{
+    return causes->contradicted || causes->thrust_differs;
+}
+
+uint32_t report_differs(const result_t *result)
+{
+    return all_are_wrong(&result->causes) ? 0 : result->causes.differs;
+}
+
 bool report_cause(const result_t *result, unsigned which, char *text, size_t size)
 {
-    return auvid_causes_sentence(&result->causes, result->vehicle, which, text, size) == AUVID_OK;
+    /* the library's last sentence names no cause: see report_differs */
+    unsigned causes = all_are_wrong(&result->causes) ? 1 : result->causes.named;
+    text[0] = '\0';
+    return which < causes &&
+           auvid_causes_sentence(&result->causes, result->vehicle, which, text, size) == AUVID_OK;
 }
 
 const char *report_cause_unit(auvid_guard_cause_t cause)

@@ -35,6 +35,9 @@ typedef struct {
     double velocity_s;     /**< time between velocities: the median */
     size_t gaps;           /**< intervals of more than gap_s */
     double gap_s;
+    const char *changed_path; /**< the vehicle changed: log that has the start of what is in the
+                                   estimate; NULL: it did not */
+    double changed_s;         /**< that start, in the log's time */
 } report_log_t;
 
 /** What is wrong with a log (doctor.h). */
@@ -178,6 +181,10 @@ void report_note(const result_t *result, int i, char *text, size_t size);
 
 /** Writes sentence number `which` on what is wrong with the inputs. Returns false after them. */
 bool report_cause(const result_t *result, unsigned which, char *text, size_t size);
+
+/** The parameters, a bit each, whose estimates with exact inputs would differ by more than both
+ * half-widths. */
+uint32_t report_differs(const result_t *result);
 
 /** Writes sentence number `which` on what is missing. Returns false after the last one. */
 bool report_missing(const result_t *result, unsigned which, char *text, size_t size);

@@ -208,6 +208,22 @@ static void print_axes(const char *title, uint32_t mask)
     printf("\n");
 }
 
+/* The estimates that inputs taken as exact would change. */
+static void print_differs(const result_t *result)
+{
+    const char *before = "\n  exact inputs   (--plain) would give other values of ";
+    for (int i = 0; i < result->vehicle->parameters; ++i) {
+        if (report_differs(result) >> i & 1u) {
+            printf("%s%s", before, result->vehicle->parameter[i].name);
+            before = ", ";
+        }
+    }
+    if (report_differs(result) != 0) {
+        puts(",\n                 by more than both half-widths: use the values above, which allow "
+             "for errors\n                 of thrust and sensors");
+    }
+}
+
 /* What is wrong with the inputs, what is missing for a complete estimate, what to do about it, and
  * what no motion shows. */
 static void missing_list(const result_t *result)
@@ -217,6 +233,7 @@ static void missing_list(const result_t *result)
     for (unsigned k = 0; report_cause(result, k, text, sizeof text); ++k) {
         printf("%s    %s\n", k == 0 ? "\n  wrong inputs\n" : "", text);
     }
+    print_differs(result);
     for (unsigned k = 0; report_missing(result, k, text, sizeof text); ++k) {
         printf("%s    %s\n", k == 0 ? "\n  missing\n" : "", text);
     }
