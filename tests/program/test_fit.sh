@@ -25,7 +25,7 @@ cp out fit.json
 check "its JSON has the documented keys" is fit.json '
 assert list(d) == ["version", "status", "seed", "model", "parameters",
                    "wrong_inputs", "exact_inputs_differ", "missing", "not_modelled",
-                   "assumed", "drag",
+                   "assumed", "drag", "drag_asymmetry",
                    "delay_s", "r2_force", "r2_validation", "r2_interval",
                    "change_test", "cell_s", "evaluations", "budget", "log", "held_out_log",
                    "log_findings", "velocity"], list(d)
