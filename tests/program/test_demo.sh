@@ -7,7 +7,8 @@ cp out one.json
 check "its JSON has the documented keys" is one.json '
 assert list(d) == ["version", "status", "seed", "model", "parameters", "wrong_inputs",
                    "exact_inputs_differ", "missing",
-                   "not_modelled", "assumed", "drag", "drag_asymmetry", "delay_s", "r2_force", "r2_validation",
+                   "not_modelled", "assumed", "drag", "drag_asymmetry", "delay_s",
+                   "r2_force", "r2_validation",
                    "change_test", "guard", "cell_s", "evaluations", "budget",
                    "estimates", "velocity"], list(d)
 assert d["version"] == "0.1.0" and d["status"] == "ok" and d["seed"] == 1
