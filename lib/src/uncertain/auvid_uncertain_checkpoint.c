@@ -26,6 +26,7 @@ static const auvid_checkpoint_limit_t checkpoint_limit_uncertain[] = {
     BYTE(uncertain, work.pass, work.pass, 3),
     FLAG(uncertain, work.solving, work.solving),
     FINITE(uncertain, work.joint, work.weight),
+    FINITE(uncertain, work.causes.asymmetry, work.causes.asymmetry_sigma),
     BYTE(uncertain, work.part.drag_at, work.part.sag_at, UNCERTAIN_MAX_ORDER),
     BYTE(uncertain, work.part.mass_at, work.part.mass_at, UNCERTAIN_MAX_ORDER - 1),
     FINITE(uncertain, work.part.factor, work.part.scale),
