@@ -139,8 +139,8 @@ typedef struct {
 typedef struct {
     bool has[CSV_COLUMNS];
     const csv_log_t *log; /* knows what resembles a missing column; NULL: no log */
-    int inputs;           /* first column of the inputs: CSV_WRENCH or CSV_COMMAND; -1: none */
-    bool thrusters;       /* it has inputs of single thrusters */
+    int inputs;     /* first column of the inputs: CSV_WRENCH or CSV_COMMAND; -1: none */
+    bool thrusters; /* it has inputs of single thrusters */
     double start_s, last_s;
     double rows, back, back_at_s;         /* rows; rows whose time does not advance */
     double gaps, longest_gap_s, gap_at_s; /* over half a second */

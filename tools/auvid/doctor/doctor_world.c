@@ -1,7 +1,7 @@
 /*
  * Velocities to the north, east and down, or to the east, north and up, instead of those of body
- * axes. Turned into body axes by the
- * attitude they follow their inputs, and as logged they are the rates of the position.
+ * axes. Turned into body axes by the attitude they follow their inputs, and as logged they are the
+ * rates of the position.
  */
 #include <math.h>
 #include <stddef.h>
