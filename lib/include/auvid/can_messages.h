@@ -16,7 +16,7 @@ extern "C" {
 #endif
 
 /** Version of the frames. Every heartbeat carries it. */
-#define AUVID_CAN_PROTOCOL 8u
+#define AUVID_CAN_PROTOCOL 9u
 /** Default first identifiers of the two blocks (auvid_can_ids_t). */
 #define AUVID_CAN_FAST_BASE 0x040u
 #define AUVID_CAN_SLOW_BASE 0x400u
@@ -220,15 +220,17 @@ enum {
     AUVID_CAN_INPUT_MOUNTING_ARM_AHEAD = 9,
     AUVID_CAN_INPUT_MOUNTING_ARM_STARBOARD = 10,
     AUVID_CAN_INPUT_MOUNTING_ARM_DOWN = 11,
-    AUVID_CAN_INPUT_TIMING_DVL = 12,
-    AUVID_CAN_INPUT_TIMING_DELAY = 13,
-    AUVID_CAN_INPUT_ASYMMETRY = 14,
-    AUVID_CAN_INPUT_MOUNTING_FORCE = 15,
-    AUVID_CAN_INPUT_MOUNTING_CROSS = 16,
-    AUVID_CAN_INPUT_MOUNTING_LIFT = 17,
-    AUVID_CAN_INPUT_MOUNTING_GRAVITY_ASTERN = 18,
-    AUVID_CAN_INPUT_MOUNTING_GRAVITY_PORT = 19,
-    AUVID_CAN_INPUT_INFLOW_CROSS_FLOW = 20
+    AUVID_CAN_INPUT_MOUNTING_DVL_PITCH = 12,
+    AUVID_CAN_INPUT_MOUNTING_DVL_YAW = 13,
+    AUVID_CAN_INPUT_TIMING_DVL = 14,
+    AUVID_CAN_INPUT_TIMING_DELAY = 15,
+    AUVID_CAN_INPUT_ASYMMETRY = 16,
+    AUVID_CAN_INPUT_MOUNTING_FORCE = 17,
+    AUVID_CAN_INPUT_MOUNTING_CROSS = 18,
+    AUVID_CAN_INPUT_MOUNTING_LIFT = 19,
+    AUVID_CAN_INPUT_MOUNTING_GRAVITY_ASTERN = 20,
+    AUVID_CAN_INPUT_MOUNTING_GRAVITY_PORT = 21,
+    AUVID_CAN_INPUT_INFLOW_CROSS_FLOW = 22
 };
 
 /** Values of `dof`. */
@@ -628,7 +630,8 @@ typedef struct {
      * curve_exponent: above 1; inflow and inflow_bilinear: part per m/s, of both laws
      * together; sag: part in 240 s; timing: s later; current: m/s; asymmetry: part forward;
      * mounting_force: N or Nm; mounting_cross, mounting_lift and inflow_cross_flow: part of
-     * drag; mounting_arm and mounting_gravity: m. NaN: not available; float32 */
+     * drag; mounting_arm and mounting_gravity: m; mounting_dvl: rad. NaN: not available;
+     * float32 */
     auvid_real_t value;
 } auvid_can_wrong_input_t;
 

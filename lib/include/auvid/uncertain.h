@@ -96,6 +96,8 @@ typedef enum {
     AUVID_UNCERTAIN_ARM_X,     /**< the DVL is further ahead than configured [m] */
     AUVID_UNCERTAIN_ARM_Y,     /**< the DVL is further to starboard than configured [m] */
     AUVID_UNCERTAIN_ARM_Z,     /**< the DVL is further down than configured [m] */
+    AUVID_UNCERTAIN_DVL_PITCH, /**< the DVL is turned further bow up than configured [rad] */
+    AUVID_UNCERTAIN_DVL_YAW,   /**< the DVL is turned further to starboard than configured [rad] */
     AUVID_UNCERTAIN_DVL_LATE,  /**< the DVL is later than the attitude [s] */
     AUVID_UNCERTAIN_GAIN,      /**< the first thruster is stronger by this part */
     AUVID_UNCERTAIN_SHARED = AUVID_UNCERTAIN_GAIN + AUVID_MAX_THRUSTERS
@@ -120,6 +122,8 @@ typedef struct {
                                 pitch it is gravity_m */
     auvid_real_t arm_m;      /**< lever arm of the DVL, ahead and aside, and in a model of roll or
                                 pitch its height [m], 0..1; default 0.05 */
+    auvid_real_t mount_rad;  /**< pitch and yaw of the DVL in the vehicle, in a model of roll or
+                                pitch only [rad], 0..1; default 0.015 */
     auvid_real_t dvl_late_s; /**< delay of the DVL against the attitude [s], 0..1; default 0.05 */
     auvid_real_t gravity_m;  /**< centre of gravity ahead and aside [m], 0..1; default 0.01 */
     auvid_real_t cross_flow; /**< part of the quadratic drag that follows the whole speed instead

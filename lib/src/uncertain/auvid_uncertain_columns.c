@@ -248,13 +248,13 @@ static void uncertain_cross(const auvid_real_t *a, const auvid_real_t *b, auvid_
     c[2] = a[0] * b[1] - a[1] * b[0];
 }
 
-/* Change of velocity and acceleration, per unit of current or lever arm. */
+/* Change of velocity and acceleration, per unit of current, lever arm or mounting angle. */
 typedef struct {
     auvid_real_t velocity[3], rate[3];
 } uncertain_shift_t;
 
 /* Inputs from the current on that have one. */
-enum { SHIFTS = AUVID_UNCERTAIN_ARM_Z - AUVID_UNCERTAIN_CURRENT_X + 1 };
+enum { SHIFTS = AUVID_UNCERTAIN_DVL_YAW - AUVID_UNCERTAIN_CURRENT_X + 1 };
 
 static void uncertain_shifts(const auvid_sample_t *cell, auvid_real_t r[3][3],
                              uncertain_shift_t shift[SHIFTS])
@@ -267,6 +267,11 @@ static void uncertain_shifts(const auvid_sample_t *cell, auvid_real_t r[3][3],
         const auvid_real_t arm[3] = {k == 0, k == 1, k == 2};
         uncertain_cross(cell->nu + AUVID_ROLL, arm, shift->velocity);
         uncertain_cross(cell->nu_dot + AUVID_ROLL, arm, shift->rate);
+    }
+    for (int k = 1; k < 3; ++k, ++shift) {
+        const auvid_real_t axis[3] = {0, k == 1, k == 2};
+        uncertain_cross(cell->nu, axis, shift->velocity);
+        uncertain_cross(cell->nu_dot, axis, shift->rate);
     }
 }
 
@@ -330,7 +335,7 @@ static void uncertain_motion_columns(auvid_uncertain_t *u, const auvid_metric_t 
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
         uncertain_move_parameters(u, m, j, &y, &y_water);
     }
-    for (int n = AUVID_UNCERTAIN_CURRENT_X; n <= (int)AUVID_UNCERTAIN_ARM_Z; ++n) {
+    for (int n = AUVID_UNCERTAIN_CURRENT_X; n <= (int)AUVID_UNCERTAIN_DVL_YAW; ++n) {
         uint32_t dofs = auvid_uncertain_moved(m, n);
         if (dofs == 0 || !(auvid_uncertain_configured(u, n) > AUVID_C(0.0))) {
             continue;
@@ -431,7 +436,7 @@ void auvid_uncertain_channels(auvid_uncertain_t *u, const auvid_metric_t *m,
         uncertain_move(&water, &water, &shift[k], u->shared[AUVID_UNCERTAIN_CURRENT_X + k]);
     }
     uncertain_thrust_columns(u, &water, sum);
-    if (u->cfg.current + u->cfg.arm_m + u->cfg.dvl_late_s > AUVID_C(0.0)) {
+    if (auvid_uncertain_moves(u) || u->cfg.dvl_late_s > AUVID_C(0.0)) {
         uncertain_motion_columns(u, m, cell, &water, shift, sum);
     }
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {

@@ -455,8 +455,8 @@ int auvid_uncertain_eliminated(const auvid_uncertain_t *u, int j)
     return auvid_uncertain_tilts(j) ? u->equation[j].inputs : u->equation[j].own;
 }
 
-/* Is column k of a parameter of roll or pitch in another equation, or the other way round? Its
- * value is that of the last pass, or its ratio to the mass. */
+/* Is column k of a parameter of roll or pitch in another equation, or the other way round, or of an
+ * equation that is not solved? Its value is that of the last pass, or its ratio to the mass. */
 static bool uncertain_is_known(const uncertain_t *u, const auvid_metric_t *m, int j, int k)
 {
     const auvid_uncertain_equation_t *e = &u->equation[j];
@@ -464,8 +464,9 @@ static bool uncertain_is_known(const uncertain_t *u, const auvid_metric_t *m, in
         return false;
     }
     int parameter = auvid_metric_row_parameters(m, j)[k - e->inputs];
-    return auvid_uncertain_tilts(j) !=
-           auvid_uncertain_tilts((int)m->cfg.vehicle->parameter[parameter].dof);
+    int of = (int)m->cfg.vehicle->parameter[parameter].dof;
+    return auvid_uncertain_tilts(j) != auvid_uncertain_tilts(of) ||
+           (of != j && auvid_uncertain_is_left_out(m, of));
 }
 
 /* The side of column k. */

@@ -98,13 +98,26 @@ void auvid_uncertain_keep_own(auvid_uncertain_t *u, const auvid_metric_t *m, int
 /** Rotate row i of the DoF's factor, of no column that is eliminated, into the joint factor. */
 void auvid_uncertain_transfer(auvid_uncertain_t *u, const auvid_metric_t *m, int j, int i);
 
-/** Channels of DoF j's equation: inputs, thrust, and what current and lever arm change in the
+/** Is DoF j roll or pitch without a moment? Its equation says how its terms compare, and nothing of
+ * their scale: noise of the angle would only make the righting moment smaller, and with it all that
+ * is coupled. */
+static inline bool auvid_uncertain_is_left_out(const auvid_metric_t *m, int j)
+{
+    return auvid_uncertain_tilts(j) && !auvid_metric_is_excited(m, j);
+}
+
+/** Is the motion through the water another one than the measured, by these inputs? */
+static inline bool auvid_uncertain_moves(const auvid_uncertain_t *u)
+{
+    return u->cfg.current + u->cfg.arm_m + u->cfg.mount_rad > AUVID_C(0.0);
+}
+
+/** Channels of DoF j's equation: inputs, thrust, and what current and mounting change in the
  * columns of its parameters. */
 static inline int auvid_uncertain_channels_of(const auvid_uncertain_t *u, int j)
 {
     const auvid_uncertain_equation_t *e = &u->equation[j];
-    bool moves =
-        (AUVID_UNCERTAIN_PLANAR >> j & 1u) != 0 && u->cfg.current + u->cfg.arm_m > AUVID_C(0.0);
+    bool moves = (AUVID_UNCERTAIN_PLANAR >> j & 1u) != 0 && auvid_uncertain_moves(u);
     return e->order == 0 || moves ? e->order : e->inputs + 1;
 }
 

@@ -195,10 +195,11 @@ static void uncertain_find_covariance(uncertain_t *u, const auvid_metric_t *m, i
 
 /* ---- the steps ---- */
 
-/* The next DoF that has rows, from j on. */
+/* The next DoF whose equation is solved, from j on. */
 static uint8_t uncertain_next_dof(const uncertain_t *u, int j)
 {
-    while (j < AUVID_DOF_COUNT && !auvid_uncertain_has_rows(u, j)) {
+    while (j < AUVID_DOF_COUNT && (!auvid_uncertain_has_rows(u, j) ||
+                                   auvid_uncertain_is_left_out(&u->id->metric, j))) {
         ++j;
     }
     return (uint8_t)j;
@@ -238,7 +239,7 @@ static uint32_t uncertain_rotation(int n)
  * vehicle stay: a controller moves it so little that each set counts. */
 static bool uncertain_fades(const uncertain_t *u, int j, int i)
 {
-    bool moves = u->cfg.current + u->cfg.arm_m + u->cfg.dvl_late_s > AUVID_C(0.0);
+    bool moves = auvid_uncertain_moves(u) || u->cfg.dvl_late_s > AUVID_C(0.0);
     return u->excited && moves && u->informed < 2 && i == u->equation[j].inputs - 1;
 }
 

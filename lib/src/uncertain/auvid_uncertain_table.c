@@ -25,9 +25,12 @@ enum {
     PLANAR = AUVID_UNCERTAIN_PLANAR,
     ACTUATED = 1 << AUVID_DOF_COUNT,
     DRAGGED = ACTUATED << 1,
-    UNFORCED = ACTUATED << 2,
-    TILTED = ACTUATED << 3
+    UNFORCED = ACTUATED << 2
 };
+
+/* Those of a model of roll or pitch. */
+#define TILTED_SHIFT (AUVID_DOF_COUNT + 3)
+#define TILTED(equations) ((equations) << TILTED_SHIFT)
 
 static bool table_acts(const auvid_uncertain_t *u, int thruster, int j)
 {
@@ -47,11 +50,10 @@ static int table_parameter(const auvid_metric_t *m, auvid_parameter_kind_t kind,
     return -1;
 }
 
-/* Equations of the forces, a bit each, if the model has one of roll or pitch; else 0. */
-static uint32_t table_tilted(const auvid_metric_t *m)
+/* Has the model an equation of roll or pitch? */
+static bool table_tilts(const auvid_metric_t *m)
 {
-    bool tilts = auvid_metric_order(m, AUVID_ROLL) > 0 || auvid_metric_order(m, AUVID_PITCH) > 0;
-    return tilts ? 1u << AUVID_SURGE | 1u << AUVID_SWAY | 1u << AUVID_HEAVE : 0;
+    return auvid_metric_order(m, AUVID_ROLL) > 0 || auvid_metric_order(m, AUVID_PITCH) > 0;
 }
 
 static int table_properties(const auvid_uncertain_t *u, const auvid_metric_t *m, int j)
@@ -60,7 +62,7 @@ static int table_properties(const auvid_uncertain_t *u, const auvid_metric_t *m,
     is |= table_parameter(m, AUVID_PARAMETER_QUADRATIC_DRAG, j) >= 0 ? DRAGGED : 0;
     bool unforced = table_parameter(m, AUVID_PARAMETER_FORCE, j) < 0 && !auvid_uncertain_tilts(j);
     is |= unforced ? UNFORCED : 0;
-    is |= (table_tilted(m) >> j & 1u) != 0 ? TILTED : 0;
+    is |= table_tilts(m) ? TILTED(1 << j) : 0;
     for (int i = 0; i < u->allocation->cfg.thrusters; ++i) {
         is |= table_acts(u, i, j) ? ACTUATED : 0;
     }
@@ -80,15 +82,13 @@ bool auvid_uncertain_has(const auvid_uncertain_t *u, const auvid_metric_t *m, in
 uint32_t auvid_uncertain_moved(const auvid_metric_t *m, int input)
 {
     uint32_t equations = auvid_uncertain_row(input)->equations;
-    uint32_t tilted = (equations & TILTED) != 0 ? table_tilted(m) : 0;
-    uint32_t pitch = auvid_metric_order(m, AUVID_PITCH) > 0 ? equations & PITCH : 0;
-    return (equations & PLANAR) | tilted | pitch;
+    return (equations & PLANAR) | (table_tilts(m) ? equations >> TILTED_SHIFT : 0);
 }
 
 bool auvid_uncertain_of_hull(const auvid_metric_t *m, int input)
 {
     int from = auvid_uncertain_row(input)->from;
-    return from == INPUT_FROM_HULL || (from == INPUT_FROM_WEIGHT && table_tilted(m) == 0);
+    return from == INPUT_FROM_HULL || (from == INPUT_FROM_WEIGHT && !table_tilts(m));
 }
 
 /* ---- priors ---- */

@@ -46,6 +46,7 @@ enum {
         "measure it under way, or check the drag's law"
 #define UNCERTAIN_WATER "use the DVL's water lock, or look for a cable"
 #define UNCERTAIN_ARM "measure its lever arm"
+#define UNCERTAIN_ANGLE "measure its mounting angle"
 #define UNCERTAIN_MOUNT "check lever arms and mounting of DVL and IMU"
 #define UNCERTAIN_TRIM "check the trim and the IMU's mounting"
 
@@ -57,9 +58,10 @@ enum {
  *   from       INPUT_FROM_<from>
  *   equations  of which DoF: a sum of names; or of those with thrust
  *              (ACTUATED), quadratic drag (DRAGGED), no constant force as parameter (UNFORCED; in
- *              roll and pitch it is that of the weight), or of forces in a model of roll or pitch
+ *              roll and pitch it is that of the weight), or in a model of roll or pitch only
  *              (TILTED): where the model has neither, both are small. With an arm ahead turns of
- *              pitch look like heave, which turns a vehicle that moves ahead (Munk moment): PITCH
+ *              pitch look like heave, and with a DVL at an angle speed does, which turns a vehicle
+ *              that moves ahead (Munk moment)
  *   prior      the column's standard deviation: AS_CONFIGURED, or by a function of
  *              auvid_uncertain_table.c; then the cause's value is in the unit of the COLUMN(), or
  *              RELATIVE(), as configured
@@ -96,15 +98,22 @@ enum {
     ROW(AUVID_UNCERTAIN_CURRENT_Y, current, MOTION, PLANAR, AS_CONFIGURED, CURRENT,                \
         "a current sets to the east, with ", "a current sets to the west, with ", "m/s",           \
         UNCERTAIN_WATER)                                                                           \
-    ROW(AUVID_UNCERTAIN_ARM_X, arm_m, MOTION, PLANAR + TILTED + PITCH, AS_CONFIGURED, MOUNTING,    \
+    ROW(AUVID_UNCERTAIN_ARM_X, arm_m, MOTION, PLANAR + TILTED(HEAVE + PITCH), AS_CONFIGURED,       \
+        MOUNTING,                                                                                  \
         "the DVL is further ahead than configured, by ",                                           \
         "the DVL is further astern than configured, by ", "m", UNCERTAIN_ARM)                      \
-    ROW(AUVID_UNCERTAIN_ARM_Y, arm_m, MOTION, PLANAR + TILTED, AS_CONFIGURED, MOUNTING,            \
+    ROW(AUVID_UNCERTAIN_ARM_Y, arm_m, MOTION, PLANAR + TILTED(HEAVE), AS_CONFIGURED, MOUNTING,     \
         "the DVL is further to starboard than configured, by ",                                    \
         "the DVL is further to port than configured, by ", "m", UNCERTAIN_ARM)                     \
-    ROW(AUVID_UNCERTAIN_ARM_Z, arm_m, MOTION, TILTED, AS_CONFIGURED, MOUNTING,                     \
-        "the DVL is further down than configured, by ",                                            \
+    ROW(AUVID_UNCERTAIN_ARM_Z, arm_m, MOTION, TILTED(SURGE + SWAY + HEAVE), AS_CONFIGURED,         \
+        MOUNTING, "the DVL is further down than configured, by ",                                  \
         "the DVL is further up than configured, by ", "m", UNCERTAIN_ARM)                          \
+    ROW(AUVID_UNCERTAIN_DVL_PITCH, mount_rad, MOTION, TILTED(HEAVE + PITCH), AS_CONFIGURED,        \
+        MOUNTING, "the DVL is turned further bow up than configured, by ",                         \
+        "the DVL is turned further bow down than configured, by ", "rad", UNCERTAIN_ANGLE)         \
+    ROW(AUVID_UNCERTAIN_DVL_YAW, mount_rad, MOTION, TILTED(SWAY + YAW), AS_CONFIGURED, MOUNTING,   \
+        "the DVL is turned further to starboard than configured, by ",                             \
+        "the DVL is turned further to port than configured, by ", "rad", UNCERTAIN_ANGLE)          \
     ROW(AUVID_UNCERTAIN_DVL_LATE, dvl_late_s, THRUST, PLANAR + HEAVE, AS_CONFIGURED, TIMING,       \
         "the DVL is later than the attitude, by ", "the attitude is later than the DVL, by ", "s", \
         "check their time stamps")                                                                 \
@@ -167,7 +176,7 @@ auvid_real_t auvid_uncertain_half_length(const auvid_uncertain_t *u, const auvid
 auvid_real_t auvid_uncertain_sigma(const auvid_uncertain_t *u, const auvid_metric_t *m, int input,
                                    int j);
 
-/** Returns the equations that a current or lever arm changes, a bit each. */
+/** Returns the equations that a current, lever arm or mounting angle changes, a bit each. */
 uint32_t auvid_uncertain_moved(const auvid_metric_t *m, int input);
 
 /** Returns a thruster's largest force in either direction [N]. */

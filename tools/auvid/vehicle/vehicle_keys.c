@@ -161,6 +161,7 @@ static const vehicle_key_t of_uncertain[] = {
     REAL(cross, uncertain, 0, 1),
     REAL(force, uncertain, 0, 1),
     REAL(arm_m, uncertain, 0, 1),
+    REAL(mount_rad, uncertain, 0, 1),
     REAL(dvl_late_s, uncertain, 0, 1),
     REAL(gravity_m, uncertain, 0, 1),
     REAL(cross_flow, uncertain, 0, 1),
