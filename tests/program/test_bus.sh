@@ -70,7 +70,7 @@ check "  in the frames" python3 -c '
 import re, struct
 frames = [bytes.fromhex(data) for data in re.findall(" 414#(\w+)", open("lag.log").read())]
 sizes = [struct.unpack("<f", data[4:])[0] for data in frames
-         if int.from_bytes(data, "little") >> 17 & 31 == 13]
+         if int.from_bytes(data, "little") >> 17 & 31 == 15]
 assert 0.15 < sizes[-1] < 0.25, sizes'
 check "  a replay of the log finds the same" exits 0 replay lag.log --json
 check "  in the same words" is out "assert d['wrong_inputs'][0] == \"$late\", d['wrong_inputs']"

@@ -293,7 +293,7 @@ int main(int count, char **word)
     return 0;
 }
 END
-wide=(-std=c11 -O1 -DAUVID_MAX_PARAMETERS=32 -DAUVID_MAX_UNCERTAIN=132 -I"$ROOT/lib/include" -I.)
+wide=(-std=c11 -O1 -DAUVID_MAX_PARAMETERS=32 -DAUVID_MAX_UNCERTAIN=136 -I"$ROOT/lib/include" -I.)
 objects=("$ROOT"/build/wide/lib/src/*/*.o)
 of_tools=("$ROOT"/build/wide/tools/auvid/vehicle/*.o
     "$ROOT"/build/wide/tools/auvid/base/{ini,report_error}.o)
@@ -309,7 +309,7 @@ configured() { # NAME FILE
     [ "$(wc -l <"$1.header")" -gt 100 ] && cmp "$1.header" "$1.program"
 }
 cp mounted.ini inputs.ini
-printf '\n[uncertain]\narm_m = 0.2\ndvl_late_s = 0.03\n' >>inputs.ini
+printf '\n[uncertain]\narm_m = 0.2\nmount_rad = 0.02\ndvl_late_s = 0.03\n' >>inputs.ini
 for name in minnow:inputs.ini minnow:heavy.ini bluerov2:bluerov2 surface:surface; do
     check "$name: the header gives the same bits" configured "${name%%:*}" "${name#*:}"
 done

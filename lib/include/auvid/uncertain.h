@@ -23,7 +23,8 @@
  * The equations of roll and pitch determine parameters of these two only, with inputs of their own:
  * their moments are small differences of forces, and most often an autopilot's. What is wrong with
  * them bends no mass or drag of other DoF, unless a parameter of theirs that is in other equations,
- * too, is free (couplings, x_G, y_G).
+ * too, is free (couplings, x_G, y_G). If no moment acts in one of the two, its own parameters are
+ * not estimated.
  *
  * The common scale of the thrust is not observable. It stays in auvid_uncertainty_t. A known force
  * shows it (auvid_calibrated_t in estimate.h).
@@ -37,10 +38,10 @@
  * taken as less certain by its square: then few parameters are identifiable. From 2 on none
  * is (AUVID_NOTE_UNCHECKED).
  *
- * The columns of current, lever arm and late DVL are formed with the last estimate, those of the
- * parameters with its current and lever arm. Rows of an excitation from before the first one have
- * none, and count a sixteenth once there is one; those from before the second one count less where
- * there is a current.
+ * The columns of current, lever arm, mounting angle and late DVL are formed with the last estimate,
+ * those of the parameters with its current, arm and angle. Rows of an excitation from before the
+ * first one have none, and count a sixteenth once there is one; those from before the second one
+ * count less where there is a current.
  *
  * A passive vehicle adds rows until the first excitation; from then on only the excitation does. In
  * closed loop nothing is identifiable from passive rows (AUVID_NOTE_FEEDBACK), unless it is that of

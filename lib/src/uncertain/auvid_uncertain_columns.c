@@ -16,16 +16,16 @@
  *
  * The difference of the lag is taken up to its last estimate b, where the column is exact.
  *
- * Current and lever arm: the motion through the water is not the measured one. With c the current
- * in the body and a the arm,
+ * Current, lever arm and mounting angle: the motion through the water is not the measured one. With
+ * c the current in the body, a the arm and d the small angles by which the DVL is turned,
  *
- *     nu -> nu - c - omega x a,   nu' -> nu' + omega x c - omega' x a.
+ *     nu -> nu - c - omega x a + d x nu,   nu' -> nu' + omega x c - omega' x a + d x nu'.
  *
- * The rows are linearised about the last estimates b of c and a: the parameters' columns Y are
- * those of the motion through the water, and a column C of c or a is the derivative of the wrench
- * that the last estimate predicts there. Y pi + C (c - b) = z becomes Y pi + C c = z + C b. About
- * zero, current and arm would pass for linear drag, as the mean of |v + c| (v + c) is larger than
- * v |v|; with columns of the first, wrong drag they would still do so many sets later.
+ * The rows are linearised about the last estimates b of c, a and d: the parameters' columns Y are
+ * those of the motion through the water, and a column C of one of them is the derivative of the
+ * wrench that the last estimate predicts there. Y pi + C (c - b) = z becomes Y pi + C c = z + C b.
+ * About zero, current and arm would pass for linear drag, as the mean of |v + c| (v + c) is larger
+ * than v |v|; with columns of the first, wrong drag they would still do so many sets later.
  *
  * Drag differs forward and backward: the column is the size of the drag, with the linear and the
  * quadratic part of the last solution. One of the square alone would leave what linear drag adds to

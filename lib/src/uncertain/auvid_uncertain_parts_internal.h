@@ -98,9 +98,8 @@ void auvid_uncertain_keep_own(auvid_uncertain_t *u, const auvid_metric_t *m, int
 /** Rotate row i of the DoF's factor, of no column that is eliminated, into the joint factor. */
 void auvid_uncertain_transfer(auvid_uncertain_t *u, const auvid_metric_t *m, int j, int i);
 
-/** Is DoF j roll or pitch without a moment? Its equation says how its terms compare, and nothing of
- * their scale: noise of the angle would only make the righting moment smaller, and with it all that
- * is coupled. */
+/** Is DoF j roll or pitch without a moment? Its equation is left out, see auvid_uncertain_solve.c.
+ */
 static inline bool auvid_uncertain_is_left_out(const auvid_metric_t *m, int j)
 {
     return auvid_uncertain_tilts(j) && !auvid_metric_is_excited(m, j);

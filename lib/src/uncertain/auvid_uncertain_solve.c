@@ -67,6 +67,11 @@
  * scale would be that of the last pass, whatever the priors say, and drift: without noise masses of
  * a torpedo became 12 % too small (means of 15 logs, auvid-validate worlds --perfect; now 2 %).
  *
+ * An equation of roll or pitch without a moment is left out, and parameters of its DoF in others
+ * are those of the last pass. It says how its terms compare, and nothing of their scale: noise of
+ * the angle would only make the righting moment smaller, which pitch has in common with roll, and
+ * with it all that is coupled (I_y by 31 %, simulated torpedo, tests/vehicles/test_torpedo.c).
+ *
  * Covariance: 1.9 P + 0.05 sum_j d_j d_j', P the inverse of the joint normal matrix. d_j is the
  * derivative of the solution by lambda_j: P X_j' times the change of X~_j's columns,
  * e'e / s^2 = rows / 2.6.
@@ -198,8 +203,8 @@ static void uncertain_find_covariance(uncertain_t *u, const auvid_metric_t *m, i
 /* The next DoF whose equation is solved, from j on. */
 static uint8_t uncertain_next_dof(const uncertain_t *u, int j)
 {
-    while (j < AUVID_DOF_COUNT && (!auvid_uncertain_has_rows(u, j) ||
-                                   auvid_uncertain_is_left_out(&u->id->metric, j))) {
+    while (j < AUVID_DOF_COUNT &&
+           (!auvid_uncertain_has_rows(u, j) || auvid_uncertain_is_left_out(&u->id->metric, j))) {
         ++j;
     }
     return (uint8_t)j;

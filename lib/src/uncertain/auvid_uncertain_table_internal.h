@@ -99,8 +99,7 @@ enum {
         "a current sets to the east, with ", "a current sets to the west, with ", "m/s",           \
         UNCERTAIN_WATER)                                                                           \
     ROW(AUVID_UNCERTAIN_ARM_X, arm_m, MOTION, PLANAR + TILTED(HEAVE + PITCH), AS_CONFIGURED,       \
-        MOUNTING,                                                                                  \
-        "the DVL is further ahead than configured, by ",                                           \
+        MOUNTING, "the DVL is further ahead than configured, by ",                                 \
         "the DVL is further astern than configured, by ", "m", UNCERTAIN_ARM)                      \
     ROW(AUVID_UNCERTAIN_ARM_Y, arm_m, MOTION, PLANAR + TILTED(HEAVE), AS_CONFIGURED, MOUNTING,     \
         "the DVL is further to starboard than configured, by ",                                    \

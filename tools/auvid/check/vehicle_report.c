@@ -154,7 +154,11 @@ static void print_assumed(const vehicle_t *v)
     printf(
         "    hull: asymmetry of drag %.3g %%, centre of gravity %.3g m; water: current %.3g m/s\n",
         100.0 * (double)u->asymmetry, (double)u->gravity_m, (double)u->current);
-    printf("    DVL: lever arm %.3g m, %.3g s late\n", (double)u->arm_m, (double)u->dvl_late_s);
+    printf("    DVL: lever arm %.3g m, ", (double)u->arm_m);
+    if ((v->model->columns[AUVID_ROLL] | v->model->columns[AUVID_PITCH]) != 0) {
+        printf("turned %.3g rad, ", (double)u->mount_rad);
+    }
+    printf("%.3g s late\n", (double)u->dvl_late_s);
     print_limits(&v->guard);
 }
 
