@@ -149,10 +149,11 @@ static void tick(void)
 static void restart(void)
 {
     save();
-    for (int turns = 0; !save_next_page(); ++turns) {
-        if (turns > 1000) {
-            fault("the checkpoint does not end");
-        }
+    auvid_status_t status;
+    while ((status = save_next_page()) == AUVID_PENDING) {
+    }
+    if (status < 0) {
+        fault("the checkpoint does not end");
     }
     memset(&id, 0, sizeof id);
     control_init();

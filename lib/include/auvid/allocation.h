@@ -57,7 +57,8 @@ typedef struct {
     uint8_t priority;
 } auvid_allocation_config_t;
 
-/** The allocation. Written by auvid_allocation_init, read-only for all other functions. */
+/** The allocation. Written by auvid_allocation_init, read-only for all other functions; all zero
+ * (not initialised) it is AUVID_ERR_STATE for them. */
 typedef struct {
     auvid_allocation_config_t cfg;                              /**< copy */
     auvid_real_t inverse[AUVID_MAX_THRUSTERS][AUVID_DOF_COUNT]; /**< T+ of the controlled rows */
@@ -123,7 +124,7 @@ auvid_status_t auvid_allocation_init(auvid_allocation_t *a, const auvid_allocati
  *               a->actuated is dropped and marked in result->dropped.
  * @param result written whole; all zero on an error.
  * @return AUVID_OK; AUVID_SATURATED if the wrench was scaled or a component was dropped: use
- *         result->wrench; AUVID_ERR_NULL; AUVID_ERR_NOT_FINITE; AUVID_ERR_RANGE.
+ *         result->wrench; AUVID_ERR_NULL; AUVID_ERR_STATE; AUVID_ERR_NOT_FINITE; AUVID_ERR_RANGE.
  */
 auvid_status_t auvid_allocation_solve(const auvid_allocation_t *a,
                                       const auvid_real_t wrench[AUVID_DOF_COUNT],
@@ -134,7 +135,8 @@ auvid_status_t auvid_allocation_solve(const auvid_allocation_t *a,
  * Compute the wrench of given thruster forces, tau = T f.
  * @param force_N one per thruster [N]; may exceed the limits (measured forces).
  * @param wrench  6, written [N, Nm]; must not overlap force_N.
- * @return AUVID_OK; AUVID_ERR_NULL; AUVID_ERR_NOT_FINITE. On an error nothing is written.
+ * @return AUVID_OK; AUVID_ERR_NULL; AUVID_ERR_STATE; AUVID_ERR_NOT_FINITE. On an error nothing is
+ *         written.
  */
 auvid_status_t auvid_allocation_wrench(const auvid_allocation_t *a, const auvid_real_t *force_N,
                                        auvid_real_t wrench[AUVID_DOF_COUNT]);
@@ -144,7 +146,8 @@ auvid_status_t auvid_allocation_wrench(const auvid_allocation_t *a, const auvid_
  * Compute the commands of the thrusters for given forces, the inverse of auvid_allocation_force.
  * @param force_N one per thruster [N].
  * @param command written, one per thruster; may be the same array as force_N.
- * @return AUVID_OK; AUVID_ERR_NULL; AUVID_ERR_NOT_FINITE. On an error nothing is written.
+ * @return AUVID_OK; AUVID_ERR_NULL; AUVID_ERR_STATE; AUVID_ERR_NOT_FINITE. On an error nothing is
+ *         written.
  */
 auvid_status_t auvid_allocation_command(const auvid_allocation_t *a, const auvid_real_t *force_N,
                                         auvid_real_t *command);
@@ -155,8 +158,8 @@ auvid_status_t auvid_allocation_command(const auvid_allocation_t *a, const auvid
  * applied.
  * @param command one per thruster.
  * @param force_N written, one per thruster [N]; may be the same array as command.
- * @return AUVID_OK; AUVID_ERR_NULL; AUVID_ERR_NOT_FINITE if a command or its force is not finite.
- *         On an error nothing is written.
+ * @return AUVID_OK; AUVID_ERR_NULL; AUVID_ERR_STATE; AUVID_ERR_NOT_FINITE if a command or its force
+ *         is not finite. On an error nothing is written.
  */
 auvid_status_t auvid_allocation_force(const auvid_allocation_t *a, const auvid_real_t *command,
                                       auvid_real_t *force_N);
@@ -167,8 +170,8 @@ auvid_status_t auvid_allocation_force(const auvid_allocation_t *a, const auvid_r
  * @param dof      0..5.
  * @param negative written [N or Nm], <= 0; 0 if the DoF is not actuated.
  * @param positive written [N or Nm], >= 0; 0 if the DoF is not actuated.
- * @return AUVID_OK; AUVID_ERR_NULL; AUVID_ERR_RANGE if dof is outside its range. On an error
- *         nothing is written.
+ * @return AUVID_OK; AUVID_ERR_NULL; AUVID_ERR_STATE; AUVID_ERR_RANGE if dof is outside its range.
+ *         On an error nothing is written.
  */
 auvid_status_t auvid_allocation_capacity(const auvid_allocation_t *a, auvid_dof_t dof,
                                          auvid_real_t *negative, auvid_real_t *positive);
@@ -182,7 +185,7 @@ auvid_status_t auvid_allocation_capacity(const auvid_allocation_t *a, auvid_dof_
  * @param hold 6: constant wrench (hover thrust) [N, Nm], or NULL for none.
  * @param fit written whole if AUVID_OK or AUVID_ERR_CAPACITY; NULL: not wanted.
  * @return AUVID_OK; AUVID_ERR_CAPACITY if they cannot, or if a DoF with peak > 0 is not actuated;
- *         AUVID_ERR_NULL; AUVID_ERR_NOT_FINITE; AUVID_ERR_RANGE if a peak is < 0.
+ *         AUVID_ERR_NULL; AUVID_ERR_STATE; AUVID_ERR_NOT_FINITE; AUVID_ERR_RANGE if a peak is < 0.
  */
 auvid_status_t auvid_allocation_check(const auvid_allocation_t *a,
                                       const auvid_real_t peak[AUVID_DOF_COUNT],

@@ -20,7 +20,7 @@
  *                                                     in each of the following:
  *     uint32_t bytes = sizeof page;
  *     auvid_status_t status = auvid_checkpoint_next(&saving, page, &bytes);
- *     flash_write(page, bytes);                       until it is AUVID_OK
+ *     flash_write(page, bytes);                       while it is AUVID_PENDING; < 0: begin again
  *
  * Also copy what is attached: the acting half (actuation.h), the storage of adaptive excitation, of
  * the change test, of the prior, of the prediction, of uncertain inputs and of instruments. Set
@@ -80,8 +80,9 @@ auvid_status_t auvid_checkpoint_begin(auvid_checkpoint_t *cursor, const auvid_id
  * @param chunk [*bytes] written
  * @param bytes in: size of chunk; out: number of bytes written, less than the size only at the end
  * @return AUVID_PENDING (more to come); AUVID_OK (that was the last chunk); AUVID_ERR_NULL;
- * AUVID_ERR_STATE (not begun, or the identifier has stepped since then: *bytes is 0, and the bytes
- * written so far are useless). */
+ * AUVID_ERR_STATE (not begun, or the time of the identifier has advanced since then: *bytes is 0,
+ * and the bytes written so far are useless). A call of auvid_identifier_work or
+ * auvid_identifier_applied in between is not noticed: the checkpoint is then a mixture. */
 auvid_status_t auvid_checkpoint_next(auvid_checkpoint_t *cursor, uint8_t *chunk, uint32_t *bytes);
 
 #define auvid_checkpoint_restore AUVID_SIZED(auvid_checkpoint_restore)
@@ -101,7 +102,7 @@ auvid_status_t auvid_checkpoint_next(auvid_checkpoint_t *cursor, uint8_t *chunk,
  * checked against its range, and related numbers against each other. An accepted checkpoint keeps
  * the identifier within its memory and its budgets. Nothing can prove that its data were measured.
  *
- * Time must advance: a step before the saved `t_us` is rejected.
+ * Time must advance: a step before the saved id->t_us is rejected.
  * @param checkpoint [bytes]
  * @return AUVID_OK; AUVID_ERR_NULL; AUVID_ERR_STATE (not initialised, or only one of the two has an
  * acting half, adaptive excitation, uncertain inputs, instruments, a change test, or memory for a

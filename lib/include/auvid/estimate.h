@@ -296,7 +296,8 @@ auvid_status_t auvid_confidence_note(const auvid_confidence_t *confidence,
  * auvid_causes_sentence (uncertain.h), which names causes. If at least
  * AUVID_CONFIDENCE_LOST_PERCENT of the rows of a DoF were lost to gaps, the last sentence gives the
  * largest share and its DoF. Cost: O(n).
- * @param confidence of an estimate, or NULL if there is none yet
+ * @param confidence of an estimate, or NULL if there is none yet: then each DoF is called not
+ * excited, also where nothing is recorded (look at auvid_output_t.events)
  * @param vehicle its model
  * @param free bit i: parameter i was to be identified (0: all)
  * @param which 0, 1, ... : sentence number

@@ -122,9 +122,10 @@ typedef struct {
                                       bottom lock, too */
     uint32_t run_max_s;          /**< longest time since excite [s]; default 1800 */
     uint32_t imu_stale_us;       /**< longest time without an IMU sample [us]; default 200000 */
-    uint32_t velocity_stale_us;  /**< the same for a measured velocity [us]; default 1000000. After
-                                      the same time without a horizontal velocity over ground,
-                                      speed and distance are unknown: a breach of these limits */
+    uint32_t velocity_stale_us;  /**< the same for a measured velocity [us]; default 1000000, too
+                                      short for a DVL at 1 Hz. After the same time without a
+                                      horizontal velocity over ground, speed and distance are
+                                      unknown: a breach of these limits */
     uint32_t depth_stale_us;     /**< the same for an accepted depth [us]; default 1000000 */
     uint32_t altitude_stale_us;  /**< the same for an altitude [us]; default 1000000 */
     uint32_t applied_stale_us;   /**< the same for the applied wrench [us]; default 1000000 */

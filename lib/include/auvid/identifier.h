@@ -55,7 +55,7 @@ extern "C" {
 #define AUVID_CELLS_PER_STEP 2
 
 /** A work budget for a Cortex-M4 at a 50 Hz tick: a result three seconds after a set (Girona500,
- * one set or eight), seven with uncertain inputs. */
+ * one set or eight), seven with uncertain inputs, eight with eight thrusters. */
 #define AUVID_DEFAULT_BUDGET 150u
 
 /** The DVL lock that supplies the velocity of the dynamics, which is that through the water. */
@@ -330,7 +330,7 @@ typedef struct auvid_identifier {
     struct auvid_actuation *actuation; /**< the acting half (actuation.h); NULL: passive */
     auvid_identifier_attached_t attached;
     /* state: from here on, see checkpoint.h */
-    uint64_t t_us;                   /* last tick */
+    uint64_t t_us;                   /**< last tick, or last sample of motion */
     auvid_guard_seen_t applied;      /* last wrench recorded */
     auvid_estimate_t estimate;       /* the last result: read auvid_identifier_estimate */
     auvid_change_test_t change_test; /**< of the newest set */
@@ -409,7 +409,8 @@ auvid_status_t auvid_identifier_step(auvid_identifier_t *id, const auvid_input_t
 
 #define auvid_identifier_motion AUVID_SIZED(auvid_identifier_motion)
 /** Record motion from another source (the user's own navigation, a log) instead of sensors through
- * step. Takes every complete cell of the record, up to AUVID_RECORDER_CELLS.
+ * step. Takes every complete cell of the record, up to AUVID_RECORDER_CELLS. A time far ahead is
+ * not noticed: until it has come, samples are AUVID_ERR_TIME_BACK.
  * @param attitude [3] rad, psi unwrapped
  * @param nu [6] m/s, rad/s
  * @return AUVID_OK; AUVID_ERR_NULL; AUVID_ERR_STATE (not initialised); AUVID_ERR_NOT_FINITE;
@@ -437,8 +438,8 @@ auvid_status_t auvid_identifier_attitude(auvid_identifier_t *id, uint64_t t_us,
 auvid_status_t auvid_identifier_velocity(auvid_identifier_t *id, uint64_t t_us,
                                          const auvid_real_t *velocity, unsigned measured);
 
-/** A wrench further ahead of the last step than this is refused [us]: recorded, it would end the
- * record until its time has come. */
+/** A wrench further ahead of the last step, or of the last sample of motion, than this is refused
+ * [us]: recorded, it would end the record until its time has come. */
 #define AUVID_INPUT_AHEAD_US 1000000u
 
 #define auvid_identifier_applied AUVID_SIZED(auvid_identifier_applied)
@@ -449,7 +450,7 @@ auvid_status_t auvid_identifier_velocity(auvid_identifier_t *id, uint64_t t_us,
  * @param wrench [AUVID_DOF_COUNT] sum of all sources [N, Nm]
  * @param command [AUVID_MAX_COMMANDS] as in auvid_input_t; NULL: none
  * @return as auvid_identifier_motion; AUVID_ERR_STALE (more than AUVID_INPUT_AHEAD_US ahead of the
- * last step). No event is set: check the status */
+ * last step or sample of motion). No event is set: check the status */
 auvid_status_t auvid_identifier_applied(auvid_identifier_t *id, uint64_t t_us,
                                         const auvid_real_t *wrench, const auvid_real_t *command);
 

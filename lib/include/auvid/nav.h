@@ -472,7 +472,7 @@ typedef struct {
     uint32_t cell_us;     /**< cell length [us]; 1000..1000000, default 100000 */
     uint32_t gap_us;      /**< longest time between samples of a stream [us]; >= cell_us,
                                  <= 1e9. Default 0: auvid_recorder_gap() of velocity_us, 1 s for a
-                                 DVL at 5 Hz */
+                                 DVL at 5 Hz, 1.5 s for one at 1 Hz */
     uint32_t velocity_us; /**< period of the velocity samples [us], or AUVID_VELOCITY_OBSERVED;
                                  only gap_us depends on it. Default 0; in the identifier the
                                  metric's */

@@ -244,7 +244,7 @@ auvid_status_t auvid_vehicle_selftest(const auvid_vehicle_t *vehicle, const auvi
  *
  * The metric calls the regressor once for each cell. Cost: two calls of the wrapped regressor and n
  * means for each degree of freedom, 2.3k instructions of a Cortex-M4F for BlueROV2; 0.7 KiB of
- * stack with 22 parameters. Memory: sizeof(auvid_averaged_t), 88 bytes on a Cortex-M. The model is
+ * stack with 22 parameters. Memory: sizeof(auvid_averaged_t), 108 bytes on a Cortex-M. The model is
  * not part of the paper. Unused code is not linked.
  *
  * It must not move while `vehicle`, which points back to it, is in use.
@@ -337,8 +337,8 @@ typedef struct {
  *
  * Cost of the regressor: with Girona500's 27 terms, 960 instructions of a Cortex-M4F; the
  * hand-written one takes 210. It is called once for each cell. 200 bytes of stack, 400 for the
- * acceleration. Memory: sizeof(auvid_terms_t), 96 bytes on a Cortex-M; in flash 6 bytes for a term,
- * and 1.8 KiB of code. Unused code is not linked.
+ * acceleration. Memory: sizeof(auvid_terms_t), 112 bytes on a Cortex-M; in flash 6 bytes for a
+ * term, and 1.8 KiB of code. Unused code is not linked.
  */
 typedef struct {
     auvid_vehicle_t vehicle; /**< model for identifier, metric and validation */

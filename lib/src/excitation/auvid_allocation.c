@@ -305,6 +305,9 @@ auvid_status_t auvid_allocation_solve(const auvid_allocation_t *a, const auvid_r
     if (a == NULL || wrench == NULL) {
         return AUVID_ERR_NULL;
     }
+    if (a->cfg.thrusters == 0) {
+        return AUVID_ERR_STATE;
+    }
     auvid_status_t status = auvid_all_within(wrench, DOFS, LARGEST_WRENCH);
     if (status != AUVID_OK) {
         return status;
@@ -343,6 +346,9 @@ auvid_status_t auvid_allocation_wrench(const auvid_allocation_t *a, const auvid_
     if (a == NULL || force_N == NULL || wrench == NULL) {
         return AUVID_ERR_NULL;
     }
+    if (a->cfg.thrusters == 0) {
+        return AUVID_ERR_STATE;
+    }
     if (!auvid_all_finite(force_N, a->cfg.thrusters)) {
         return AUVID_ERR_NOT_FINITE;
     }
@@ -374,6 +380,9 @@ auvid_status_t auvid_allocation_command(const auvid_allocation_t *a, const auvid
     if (a == NULL || force_N == NULL || command == NULL) {
         return AUVID_ERR_NULL;
     }
+    if (a->cfg.thrusters == 0) {
+        return AUVID_ERR_STATE;
+    }
     if (!auvid_all_finite(force_N, a->cfg.thrusters)) {
         return AUVID_ERR_NOT_FINITE;
     }
@@ -400,6 +409,9 @@ auvid_status_t auvid_allocation_force(const auvid_allocation_t *a, const auvid_r
     if (a == NULL || command == NULL || force_N == NULL) {
         return AUVID_ERR_NULL;
     }
+    if (a->cfg.thrusters == 0) {
+        return AUVID_ERR_STATE;
+    }
     for (int j = 0; j < a->cfg.thrusters; ++j) {
         if (!auvid_is_finite(allocation_force_of(&a->cfg.thruster[j], command[j]))) {
             return AUVID_ERR_NOT_FINITE;
@@ -419,6 +431,9 @@ auvid_status_t auvid_allocation_capacity(const auvid_allocation_t *a, auvid_dof_
     auvid_real_t limit[2] = {AUVID_LARGEST, AUVID_LARGEST}; /* negative, positive */
     if (a == NULL || negative == NULL || positive == NULL) {
         return AUVID_ERR_NULL;
+    }
+    if (a->cfg.thrusters == 0) {
+        return AUVID_ERR_STATE;
     }
     if ((unsigned)dof >= DOFS) {
         return AUVID_ERR_RANGE;
@@ -473,6 +488,9 @@ auvid_status_t auvid_allocation_check(const auvid_allocation_t *a, const auvid_r
     auvid_allocation_fit_t found = {AUVID_C(1.0), -1};
     if (a == NULL || peak == NULL) {
         return AUVID_ERR_NULL;
+    }
+    if (a->cfg.thrusters == 0) {
+        return AUVID_ERR_STATE;
     }
     if (!auvid_all_finite(peak, DOFS) || (hold != NULL && !auvid_all_finite(hold, DOFS))) {
         return AUVID_ERR_NOT_FINITE;

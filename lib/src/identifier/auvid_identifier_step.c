@@ -323,7 +323,8 @@ auvid_status_t auvid_identifier_applied(auvid_identifier_t *id, uint64_t t_us,
     if (!identifier_is_ready(id)) {
         return AUVID_ERR_STATE;
     }
-    if (id->started && t_us > id->t_us && t_us - id->t_us > AUVID_INPUT_AHEAD_US) {
+    bool known = id->started || id->t_us > 0; /* the time */
+    if (known && t_us > id->t_us && t_us - id->t_us > AUVID_INPUT_AHEAD_US) {
         return AUVID_ERR_STALE;
     }
     return identifier_record_input(id, t_us, wrench, command);

@@ -46,10 +46,11 @@ void auvid_recorder_defaults(auvid_recorder_config_t *cfg)
 
 uint32_t auvid_recorder_gap(uint32_t velocity_us)
 {
-    if (velocity_us >= 200000) {
-        return 1000000;
+    if (velocity_us <= 200000) {
+        return velocity_us > 100000 ? 5u * velocity_us : 500000;
     }
-    return velocity_us > 100000 ? 5u * velocity_us : 500000;
+    bool slow = velocity_us > 666666 && velocity_us <= MAX_PERIOD_US;
+    return slow ? velocity_us + velocity_us / 2u : 1000000;
 }
 
 static uint32_t recorder_gap_us(const auvid_recorder_config_t *cfg, uint32_t velocity_us)

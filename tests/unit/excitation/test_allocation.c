@@ -491,6 +491,20 @@ static void test_vectors_that_are_not_finite_or_null_are_refused(void)
     auvid_allocation_defaults(NULL);
 }
 
+static void test_thrusters_that_were_refused_give_no_zero_wrench(void)
+{
+    auvid_real_t v[AUVID_MAX_THRUSTERS] = {1}, to[AUVID_MAX_THRUSTERS] = {7};
+    memset(&a, 0, sizeof a);
+    TEST_ASSERT_EQUAL_INT(AUVID_ERR_STATE, auvid_allocation_solve(&a, v, &out));
+    assert_wrench(0, 0, 0, 0, 0, 0);
+    TEST_ASSERT_EQUAL_INT(AUVID_ERR_STATE, auvid_allocation_wrench(&a, v, to));
+    TEST_ASSERT_EQUAL_INT(AUVID_ERR_STATE, auvid_allocation_command(&a, v, to));
+    TEST_ASSERT_EQUAL_INT(AUVID_ERR_STATE, auvid_allocation_force(&a, v, to));
+    TEST_ASSERT_EQUAL_INT(AUVID_ERR_STATE, auvid_allocation_check(&a, v, NULL, NULL));
+    TEST_ASSERT_EQUAL_INT(AUVID_ERR_STATE, auvid_allocation_capacity(&a, AUVID_YAW, to, to));
+    TEST_ASSERT_EQUAL_DOUBLE(7.0, (double)to[0]);
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -523,5 +537,6 @@ int main(void)
     RUN_TEST(test_solve_refuses_wrong_input_with_no_force);
     RUN_TEST(test_init_refuses_a_bad_configuration_and_names_why);
     RUN_TEST(test_vectors_that_are_not_finite_or_null_are_refused);
+    RUN_TEST(test_thrusters_that_were_refused_give_no_zero_wrench);
     return UNITY_END();
 }

@@ -48,6 +48,22 @@ static void test_motion_and_wrench_of_a_wrong_time_or_value_are_refused(void)
     TEST_ASSERT_EQUAL_MEMORY(&before, &chain.id, sizeof before);
 }
 
+/* One wrong stamp would end the record until its time comes. */
+static void test_a_wrench_far_ahead_of_the_motion_is_refused(void)
+{
+    static auvid_identifier_t before;
+    const auvid_real_t attitude[3] = {0, 0, 0}, nu[AUVID_DOF_COUNT] = {0};
+    const uint64_t latest_us = 1000 + AUVID_INPUT_AHEAD_US;
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&chain.id, &cfg.id));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_applied(&chain.id, 500, nu, NULL));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_motion(&chain.id, 1000, attitude, nu));
+    before = chain.id;
+    TEST_ASSERT_EQUAL(AUVID_ERR_STALE,
+                      auvid_identifier_applied(&chain.id, latest_us + 1, nu, NULL));
+    TEST_ASSERT_EQUAL_MEMORY(&before, &chain.id, sizeof before);
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_applied(&chain.id, latest_us, nu, NULL));
+}
+
 /* With steps in between, one of the two may be further ahead than the other. */
 static void test_motion_is_refused_as_a_whole_if_one_half_is(void)
 {
@@ -181,6 +197,7 @@ int main(void)
 {
     UNITY_BEGIN();
     RUN_TEST(test_motion_and_wrench_of_a_wrong_time_or_value_are_refused);
+    RUN_TEST(test_a_wrench_far_ahead_of_the_motion_is_refused);
     RUN_TEST(test_motion_is_refused_as_a_whole_if_one_half_is);
     RUN_TEST(test_attitude_and_velocity_apart_record_the_bits_of_motion);
     RUN_TEST(test_without_the_filter_motion_is_recorded_and_sensors_are_dropped);

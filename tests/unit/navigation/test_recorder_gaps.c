@@ -252,13 +252,16 @@ static void test_a_velocity_first_sampled_late_counts_from_the_beginning(void)
     }
 }
 
-static void test_default_gap_is_five_velocity_samples_between_half_a_second_and_one(void)
+static void test_default_gap_is_five_velocity_samples_or_one_and_a_half_slow_ones(void)
 {
     TEST_ASSERT_EQUAL_UINT32(500000, auvid_recorder_gap(0));
     TEST_ASSERT_EQUAL_UINT32(500000, auvid_recorder_gap(100000));
     TEST_ASSERT_EQUAL_UINT32(750000, auvid_recorder_gap(150000));
     TEST_ASSERT_EQUAL_UINT32(1000000, auvid_recorder_gap(200000));
-    TEST_ASSERT_EQUAL_UINT32(1000000, auvid_recorder_gap(1000000));
+    TEST_ASSERT_EQUAL_UINT32(1000000, auvid_recorder_gap(666666));
+    TEST_ASSERT_EQUAL_UINT32(1200000, auvid_recorder_gap(800000));
+    TEST_ASSERT_EQUAL_UINT32(1500000, auvid_recorder_gap(1000000));
+    TEST_ASSERT_EQUAL_UINT32(1000000, auvid_recorder_gap(AUVID_VELOCITY_OBSERVED));
     TEST_ASSERT_EQUAL_UINT32(500000, recorder.gap_us);
 }
 
@@ -322,6 +325,17 @@ static void test_the_period_of_a_slow_velocity_is_observed_without_a_gap(void)
     pop_all();
     TEST_ASSERT_EQUAL_UINT32(1000000, recorder.velocity_us);
     TEST_ASSERT_EQUAL_INT(0, gaps);
+}
+
+/* No sensor with 1 Hz is that punctual. */
+static void test_a_velocity_that_comes_about_once_a_second_breaks_no_record(void)
+{
+    static const int late[] = {1000, 1040, 980, 1060, 1020, 1000, 1040,
+                               1020, 1100, 960, 1040, 1200, 1020, 0};
+    observe(late, 13);
+    TEST_ASSERT_EQUAL_UINT32(1500000, recorder.gap_us);
+    TEST_ASSERT_GREATER_THAN_INT(30, popped); /* of 61 cells since the period is known, the last ones wait */
+    TEST_ASSERT_LESS_THAN_INT(2, gaps); /* before */
 }
 
 /* Slower than any gap that the default bridges: nothing is recorded, and each sample is a gap. */
@@ -400,10 +414,11 @@ int main(void)
     RUN_TEST(test_a_velocity_is_interpolated_over_samples_that_do_not_measure_it);
     RUN_TEST(test_a_record_begins_with_one_velocity);
     RUN_TEST(test_a_velocity_first_sampled_late_counts_from_the_beginning);
-    RUN_TEST(test_default_gap_is_five_velocity_samples_between_half_a_second_and_one);
+    RUN_TEST(test_default_gap_is_five_velocity_samples_or_one_and_a_half_slow_ones);
     RUN_TEST(test_the_period_of_the_velocity_is_the_median_of_the_first_seven_intervals);
     RUN_TEST(test_cells_wait_until_the_period_of_the_velocity_is_known);
     RUN_TEST(test_the_period_of_a_slow_velocity_is_observed_without_a_gap);
+    RUN_TEST(test_a_velocity_that_comes_about_once_a_second_breaks_no_record);
     RUN_TEST(test_a_velocity_that_is_too_slow_to_be_observed_is_a_gap);
     RUN_TEST(test_cells_that_are_not_popped_are_lost_and_reported_as_a_gap);
     RUN_TEST(test_record_after_a_gap_is_independent_of_the_previous_one);

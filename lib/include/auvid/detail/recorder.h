@@ -107,9 +107,10 @@ typedef struct {
  * @param cfg written whole; NULL is a no-op. */
 void auvid_recorder_defaults(auvid_recorder_config_t *cfg);
 
-/** Default of gap_us: five sample intervals, at least 0.5 s and at most 1 s.
- * @param velocity_us period of the velocity samples [us].
- * @return 500000..1000000 [us]. */
+/** Default of gap_us: five sample intervals, at least 0.5 s and at most 1 s, but at least 1.5
+ * intervals: a DVL with 1 Hz is not that punctual.
+ * @param velocity_us period of the velocity samples [us]; above 1000000: not known.
+ * @return 500000..1500000 [us]. */
 uint32_t auvid_recorder_gap(uint32_t velocity_us);
 
 #define auvid_recorder_init AUVID_SIZED(auvid_recorder_init)
