@@ -50,7 +50,7 @@ typedef struct {
     uint64_t send_busy;    /* frames lost to BUS_BUSY */
     uint64_t send_failed;  /* frames lost to any other failure */
     uint64_t received;     /* frames returned to the caller, including error frames */
-    uint64_t dropped;      /* frames that found the receive buffer full */
+    uint64_t dropped;      /* frames that found the receive buffer full: the newest are lost */
     uint64_t malformed;    /* reads that returned no classic CAN frame */
     uint64_t error_frames; /* error frames; of these: */
     uint64_t bus_offs;     /*   the controller left the bus */

@@ -1,9 +1,12 @@
 /* Logs of `candump -L`. The format: sprint_canframe() and log2asc of can-utils. */
+#define _GNU_SOURCE
 #include "bus_candump.h"
 
 #include <errno.h>
+#include <fcntl.h>
 #include <linux/can.h>
 #include <string.h>
+#include <unistd.h>
 
 enum { LINE = 256 }; /* the longest valid line, that of a CAN FD frame, has 190 characters */
 
@@ -254,6 +257,7 @@ static int candump_close(bus_t *bus)
 static int open_log(bus_candump_t *self, const char *path, const char *interface, bool writing)
 {
     bus_t *bus = &self->bus;
+    int fd;
 
     memset(self, 0, sizeof *self);
     bus->fd = -1;
@@ -272,8 +276,23 @@ static int open_log(bus_candump_t *self, const char *path, const char *interface
         }
         memcpy(self->interface, interface, strlen(interface));
     }
-    self->file = fopen(path, writing ? "we" : "re");
+    /* A pipe that nobody reads must not stop the program. */
+    fd =
+        open(path,
+             writing ? O_WRONLY | O_CREAT | O_TRUNC | O_NONBLOCK | O_CLOEXEC : O_RDONLY | O_CLOEXEC,
+             0666);
+    self->file = fd < 0 ? NULL : fdopen(fd, writing ? "w" : "r");
     if (self->file == NULL) {
+        const int error = errno;
+
+        if (fd >= 0) {
+            (void)close(fd);
+        }
+        errno = error;
+        if (writing && errno == ENXIO) {
+            return bus_fail(bus, BUS_BROKEN, "cannot write %s: start the reader of the pipe first",
+                            path);
+        }
         return bus_fail(bus, BUS_BROKEN, "cannot %s %s: %s", writing ? "create" : "open", path,
                         strerror(errno));
     }
@@ -295,4 +314,11 @@ int bus_candump_create(bus_candump_t *self, const char *path, const char *interf
         (void)setvbuf(self->file, NULL, _IOLBF, BUFSIZ);
     }
     return status;
+}
+
+void bus_candump_wait(bus_candump_t *self)
+{
+    const int fd = fileno(self->file), flags = fcntl(fd, F_GETFL);
+
+    (void)fcntl(fd, F_SETFL, flags & ~O_NONBLOCK);
 }

@@ -37,9 +37,13 @@ int bus_candump_open(bus_candump_t *self, const char *path, const char *interfac
  * Creates a log, or empties an existing one. send() writes the frame with its t_us plus
  * `offset_us`: 0, or wall clock minus bus clock, so that the log shows the time of day. Each line
  * is written at once, so after a crash the log is complete up to its last line. Returns BUS_OK;
- * BUS_REFUSED (interface name); BUS_BROKEN. send() and close() report a full disk.
+ * BUS_REFUSED (interface name); BUS_BROKEN. send() and close() report a full disk, and a pipe that
+ * nobody reads, or not fast enough.
  */
 int bus_candump_create(bus_candump_t *self, const char *path, const char *interface,
                        uint64_t offset_us);
+
+/* From now on send() waits for the reader of a pipe: for a program that keeps no time. */
+void bus_candump_wait(bus_candump_t *self);
 
 #endif

@@ -37,6 +37,7 @@ enum {
     MAX_RATE_INVERSE = 1000, /* the rate is adjusted by at most one part in this */
     MAX_READING_US = 2000,   /* the program was interrupted between two readings further apart */
     MAX_READINGS = 10,       /* maximum number of attempts to read both without interruption */
+    MAX_WAIT_US = 60000000,  /* no frame waits longer for its receiver */
 };
 
 static uint64_t to_us(const struct timespec *t)
@@ -73,17 +74,17 @@ static uint64_t read_clocks(bus_socketcan_t *self)
  * The kernel does not tell whether a queued frame was stamped before or after a step of the wall
  * clock. With the right offset its time is not later than now. With the wrong one it is off by the
  * step: either earlier than the right time, or in the future. So the right one is the later of the
- * two that is not in the future.
+ * two that is not in the future, if the step is longer than a frame waits. After a shorter one the
+ * earlier counts: a frame that seems too old ends the thrust of a receiver, one that seems too new
+ * would keep it.
  */
 static uint64_t stamp_to_us(bus_socketcan_t *self, const struct timespec *stamp, uint64_t now_us)
 {
     const int64_t wall_us = (int64_t)to_us(stamp), now = (int64_t)now_us;
     const int64_t a = wall_us - self->offset_us, b = wall_us - self->previous_offset_us;
-    int64_t t = a > b ? a : b;
+    const int64_t earlier = a < b ? a : b, later = a < b ? b : a;
+    int64_t t = later > now || later - earlier < MAX_WAIT_US ? earlier : later;
 
-    if (t > now) {
-        t = a > b ? b : a;
-    }
     if (t > now) {
         t = now;
     }
@@ -314,12 +315,16 @@ static int socketcan_receive(bus_t *bus, bus_frame_t *frames, int capacity)
     bus_socketcan_t *self = (bus_socketcan_t *)bus;
     int taken = 0, read = 0, asked = 0, status = BUS_OK;
 
+    if (self->broken) { /* found after the frames of the last call */
+        return BUS_BROKEN;
+    }
     do {
         asked = capacity - taken < BATCH ? capacity - taken : BATCH;
         taken += receive_batch(self, &frames[taken], asked, &read);
     } while (taken < capacity && (read == asked || (read < 0 && errno == EINTR)));
     if (read < 0 && errno != EAGAIN && errno != EINTR) {
         status = record_errno(self, errno, "receiving");
+        self->broken = status == BUS_BROKEN;
     } else if (read < asked) {
         /* The queue is empty: later frames are stamped with this offset or a later one. */
         self->previous_offset_us = self->offset_us;

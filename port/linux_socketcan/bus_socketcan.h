@@ -3,7 +3,8 @@
  *
  * - Frames carry the kernel's time of arrival. The kernel stamps with the wall clock. The stamps
  *   are converted to CLOCK_MONOTONIC, the clock of now_us and of the tick, and survive a step of
- *   the wall clock. They never run backwards and are never later than now.
+ *   the wall clock. They never run backwards and are never later than now. Where a step shorter
+ *   than a minute leaves two times for a frame that waited, it is the earlier one.
  * - Error frames are enabled, counted and returned (BUS_FRAME_ERROR).
  * - An interface that is down gives BUS_DOWN and is counted. The same bus continues when it is up
  *   again, even after the interface was unplugged and came back under its name.
@@ -31,6 +32,7 @@ typedef struct {
     bus_t bus;     /* first: a bus_t * is a bus_socketcan_t * */
     char name[16]; /* of the interface */
     bool bound;    /* bound to an interface that still exists */
+    bool broken;   /* a receive failed for good */
     bus_filter_t filters[BUS_FILTERS];
     int filter_count;
     uint32_t overrun;           /* the kernel's counter of drops; wraps */

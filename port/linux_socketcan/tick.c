@@ -171,9 +171,14 @@ int tick_wait(tick_t *tick, int timeout_ms)
 void tick_close(tick_t *tick)
 {
     const int fds[3] = {tick->timer_fd, tick->signal_fd, tick->epoll_fd};
+    struct signalfd_siginfo info;
     sigset_t unblocked;
     int i;
 
+    /* Further stop signals: unblocked, they would end the program before its report is written. */
+    while (tick->signal_fd >= 0 &&
+           read(tick->signal_fd, &info, sizeof info) == (ssize_t)sizeof info) {
+    }
     for (i = 0; i < 3; i++) {
         if (fds[i] >= 0) {
             (void)close(fds[i]);

@@ -5,9 +5,10 @@
  * The main loop of a node calls tick_wait() and acts on the result. Ticks are counted on
  * CLOCK_MONOTONIC from the first tick. So neither the duration of the work nor a step of the wall
  * clock shifts them. Missed ticks are counted, but not repeated. SIGINT, SIGTERM, SIGHUP, SIGPIPE
- * and SIGXFSZ arrive only as TICK_STOP: no handler runs, and they interrupt no call. Writing to a
- * pipe without a reader, or to a file that may not grow, fails with EPIPE or EFBIG. A SIGHUP that
- * was ignored before (nohup) remains ignored.
+ * and SIGXFSZ arrive only as TICK_STOP: no handler runs, and they interrupt no call. So no call may
+ * block. Writing to a pipe without a reader, or to a file that may not grow, fails with EPIPE or
+ * EFBIG. A SIGHUP that was ignored before (nohup) remains ignored. Signals that come after the
+ * first one are dropped.
  *
  * Use one tick per program, because it owns these signals. There are no threads.
  */

@@ -1,10 +1,12 @@
 /* Writing and reading logs of candump -L. */
 #include "fake_system.h"
 
+#include <fcntl.h>
 #include <linux/can/error.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include "bus_candump.h"
@@ -132,6 +134,27 @@ static void test_a_line_has_the_format_of_candump(void **state)
     assert_non_null(fgets(text, sizeof text, file));
     assert_string_equal(text, "(0000000002.000000) can0 00001ABC#\n");
     (void)fclose(file);
+}
+
+/* A program that waited for the reader could not stop its thrusters. */
+static void test_a_log_into_a_pipe_never_waits_for_its_reader(void **state)
+{
+    const bus_frame_t frame = {.id = 0x123, .length = 8};
+    int reader, i, status = BUS_OK;
+
+    (void)state;
+    assert_int_equal(remove(path), 0);
+    assert_int_equal(mkfifo(path, 0600), 0);
+    assert_int_equal(bus_candump_create(&candump, path, "can0", 0), BUS_BROKEN); /* there is none */
+    reader = open(path, O_RDONLY | O_NONBLOCK);
+    assert_true(reader >= 0);
+    assert_int_equal(bus_candump_create(&candump, path, "can0", 0), BUS_OK);
+    for (i = 0; i < 100000 && status == BUS_OK; i++) {
+        status = bus->send(bus, &frame);
+    }
+    assert_int_equal(status, BUS_BROKEN); /* full */
+    (void)bus->close(bus);
+    (void)close(reader);
 }
 
 static void test_lines_of_other_versions_are_read(void **state)
@@ -323,6 +346,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         TEST(test_written_frames_are_read_back),
         TEST(test_a_line_has_the_format_of_candump),
+        TEST(test_a_log_into_a_pipe_never_waits_for_its_reader),
         TEST(test_lines_of_other_versions_are_read),
         TEST(test_invalid_lines_are_refused_with_their_number),
         TEST(test_a_truncated_log_is_read_up_to_its_last_complete_line),

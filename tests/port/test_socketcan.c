@@ -312,6 +312,20 @@ static void test_receive_reports_an_unexpected_error(void **state)
     assert_non_null(strstr(bus->text, "Input/output error"));
 }
 
+static void test_an_error_behind_frames_is_reported_by_the_next_call(void **state)
+{
+    uint32_t i;
+
+    (void)state;
+    for (i = 0; i < 32; i++) { /* a whole batch */
+        fake_arrives(0x123, (uint8_t)i);
+    }
+    fake_arrives_error(EIO);
+    assert_int_equal(receive(), 32);
+    assert_int_equal(receive(), BUS_BROKEN);
+    assert_non_null(strstr(bus->text, "Input/output error"));
+}
+
 static void test_an_interrupted_receive_is_repeated(void **state)
 {
     (void)state;
@@ -476,10 +490,30 @@ static void test_stamps_survive_a_wall_clock_set_back(void **state)
     check_step(-900000000);
 }
 
-static void test_stamps_survive_a_small_step_of_the_wall_clock(void **state)
+/* It seems older than it is, by the step at most, as long as another one waits. */
+static void test_after_a_small_step_of_the_wall_clock_no_frame_seems_newer_than_it_is(void **state)
 {
+    static const int64_t step_us[] = {50000, -50000, -200000};
+    int i;
+
     (void)state;
-    check_step(50000);
+    for (i = 0; i < 3; i++) {
+        const uint64_t before_us = fake.monotonic_us + 100000;
+
+        pass(100000);
+        fake_arrives(0x123, 1)->wall_us = fake.wall_us;
+        pass(250000); /* longer than the step: both offsets give a time in the past */
+        fake.wall_us += (uint64_t)step_us[i];
+        fake_arrives(0x123, 2)->wall_us = fake.wall_us;
+        pass(3000);
+        assert_int_equal(receive(), 2);
+        assert_in_range(frames[0].t_us, before_us - 50000, before_us);
+        assert_in_range(frames[1].t_us, before_us + 50000, before_us + 250000);
+        fake_arrives(0x123, 3)->wall_us = fake.wall_us;
+        pass(1000);
+        assert_int_equal(receive(), 1);
+        assert_int_equal(frames[0].t_us, fake.monotonic_us - 1000);
+    }
 }
 
 static void test_a_gradual_adjustment_of_the_wall_clock_is_no_step(void **state)
@@ -551,6 +585,7 @@ int main(void)
         OPENED(test_queued_frames_do_not_count_as_link_up),
         OPENED(test_an_interface_that_was_unplugged_is_bound_again),
         OPENED(test_receive_reports_an_unexpected_error),
+        OPENED(test_an_error_behind_frames_is_reported_by_the_next_call),
         OPENED(test_an_interrupted_receive_is_repeated),
         OPENED(test_receive_returns_many_frames_in_batches_and_in_order),
         OPENED(test_receive_never_returns_more_than_requested),
@@ -562,7 +597,7 @@ int main(void)
         OPENED(test_a_frame_without_a_timestamp_arrived_now),
         OPENED(test_stamps_survive_a_wall_clock_set_forward),
         OPENED(test_stamps_survive_a_wall_clock_set_back),
-        OPENED(test_stamps_survive_a_small_step_of_the_wall_clock),
+        OPENED(test_after_a_small_step_of_the_wall_clock_no_frame_seems_newer_than_it_is),
         OPENED(test_a_gradual_adjustment_of_the_wall_clock_is_no_step),
         OPENED(test_an_interruption_between_the_clock_readings_is_no_step),
         OPENED(test_stamps_never_run_backwards_nor_into_the_future),

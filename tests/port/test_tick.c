@@ -119,6 +119,17 @@ static void test_five_signals_request_a_stop(void **state)
     assert_int_equal(tick_wait(&tick, 0), 0);
 }
 
+/* Unblocked by close, the second one would end the program. */
+static void test_a_second_signal_does_not_end_the_program(void **state)
+{
+    (void)state;
+    assert_int_equal(tick_open(&tick, 0), 0);
+    assert_int_equal(raise(SIGTERM), 0);
+    assert_int_equal(raise(SIGINT), 0);
+    assert_int_equal(tick_wait(&tick, -1), TICK_STOP);
+    tick_close(&tick);
+}
+
 static void test_writing_to_a_pipe_without_a_reader_fails_and_requests_a_stop(void **state)
 {
     int ends[2];
@@ -218,6 +229,7 @@ int main(void)
         TEST(test_a_step_of_the_wall_clock_shifts_no_tick),
         TEST(test_frames_wake_a_program_without_a_timer),
         TEST(test_five_signals_request_a_stop),
+        TEST(test_a_second_signal_does_not_end_the_program),
         TEST(test_writing_to_a_pipe_without_a_reader_fails_and_requests_a_stop),
         TEST(test_an_ignored_hang_up_remains_ignored),
         TEST(test_close_restores_the_signals),

@@ -162,6 +162,22 @@ check "a log that is a directory" refuses 'cannot create \.: Is a directory' \
 AUVID=./as_nobody check "a log in a directory of another's" \
     refuses 'cannot create locked/x.log: Permission denied' \
     node --bus memory --sets 1 --log locked/x.log
+# Its reader ends after the first estimate: the report is written all the same.
+half_read() {
+    local status=0
+    mkfifo half
+    head -n 24000 half >half.log &
+    sleep 0.5
+    (trap '' PIPE; exec "$AUVID" node --bus memory --excite --sets 2 --log half) >half.out \
+        2>half.err || status=$?
+    [ "$status" = 2 ] && grep -q 'Broken pipe' half.err && grep -q '^  m_u  *kg  *2' half.out
+}
+check "a log that fails does not take the result away" half_read
+mkfifo unread
+check "a log into a pipe that nobody reads" refuses 'start the reader' \
+    node --bus memory --sets 1 --log unread
+check "a closed stdout is no log" sh -c '! "$0" node --bus memory --sets 1 --log c.log --json \
+    >&- 2>c.err && grep -q "standard output" c.err && ! grep -q "{" c.log' "$AUVID"
 check "a log that is full" refuses '/dev/full' node --bus memory --sets 1 --log /dev/full
 check "no log" refuses 'replay: no FILE.log given' replay
 check "a log that is not there" refuses 'none.log: No such file' replay none.log

@@ -94,7 +94,7 @@ disturbed() {
     tc qdisc del dev vx1 root
     sleep 1
     kill -STOP "$node"
-    sleep 0.3
+    sleep 0.1 # of 0.25 s, after which an excitation does not go on
     kill -CONT "$node"
     sleep 1
     if [ "$VCAN_INSIDE" = machine ]; then
@@ -138,6 +138,21 @@ lasting() {
     gateway
     grep -Eq ' sent, [1-9][0-9]{3,} lost;' node.out
     grep -q 'guard  aborted' node.out
+}
+
+# The bus takes no frame of the node when it aborts: the command of zero follows later.
+busy() {
+    begin 1
+    tc qdisc add dev vx1 root netem delay 1s limit 4
+    sleep 0.2
+    cansend vcan1 040#AC10000000000000
+    sleep 0.3
+    tc qdisc del dev vx1 root
+    sleep 0.5
+    end
+    grep -q 'guard  aborted' node.out
+    grep -E ' 04[23]#' bus.log | tail -n 2 | tee last
+    [ "$(grep -Ec ' 04[23]#..0.0{12}$' last)" = 2 ]
 }
 
 gateway() {
@@ -185,6 +200,7 @@ for end in vx0 vx1 vcan1; do ip link set "$end" up; done
 gateway
 check "a node killed at random moments leaves no thrust" killed
 check "it identifies despite bus-off, link down, full queue, stop, set clock, lost sensor" disturbed
+check "a command of zero that the bus does not take is sent again" busy
 check "an overflow and a lost sensor are reported" lasting
 check "commands stay on time in a flood of forged frames" flooded
 check "a node that receives forged commands aborts" flooded_to_the_node

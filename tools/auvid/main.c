@@ -2,6 +2,10 @@
  * auvid: identifies the dynamics of an underwater vehicle that is simulated (demo), recorded (fit)
  * or on a CAN bus (node, vehicle, replay: only with the Linux port).
  */
+#ifdef __linux__
+#define _POSIX_C_SOURCE 200809L
+#include <fcntl.h>
+#endif
 #include <stdbool.h>
 #include <stdio.h>
 #include <string.h>
@@ -155,7 +159,7 @@ static const char node_help[] =
     "  --clock bus|own    follow the tick frames of the bus (default), or send them\n"
     "  --closed-loop, --open-loop AXIS,AXIS,..   as for fit\n"
     "  --sets K           end after K identified sets; default 8\n"
-    "  --log FILE         write every frame in the format of candump -L\n"
+    "  --log FILE         write every frame received or sent in the format of candump -L\n"
     "  --save FILE        write a prior record of the final estimate, for --prior\n"
     "  --prior FILE       start with this prior record; a message says if it cannot be used\n"
     "  --lock-step        tell the simulated vehicle when the work of each tick is done\n"
@@ -289,10 +293,24 @@ static int on_bus(const char *command, int count, char **argument)
     return -1;
 }
 
+/* A file that is opened later must not take the number of a closed stdin, stdout or stderr. What is
+ * written there fails, as before. */
+static void fill_closed_descriptors(void)
+{
+#ifdef __linux__
+    for (int fd = 0; fd < 3; ++fd) {
+        if (fcntl(fd, F_GETFD) < 0) {
+            (void)open("/dev/null", fd == 0 ? O_WRONLY : O_RDONLY);
+        }
+    }
+#endif
+}
+
 int main(int count, char **argument)
 {
     options_t options;
     const char *command = count > 1 ? argument[1] : "";
+    fill_closed_descriptors();
     for (int i = 1; i < count; ++i) {
         if (strcmp(argument[i], "--help") == 0 || strcmp(argument[i], "-h") == 0) {
             return print_help(is_command(command) ? command : NULL);

@@ -131,7 +131,9 @@ typedef struct {
     uint32_t applied_stale_us;   /**< the same for the applied wrench [us]; default 1000000 */
     uint32_t saturation_us;      /**< longest uninterrupted saturation [us]; default 1000000 */
     uint32_t max_tick_us;        /**< longest tick [us]; default 250000: after a stall the control
-                                      loop must not resume the excitation */
+                                      loop must not resume the excitation. By the time of the
+                                      ticks: of those that wait in a queue the caller must judge
+                                      (auvid_node_halt) */
     uint32_t heartbeat_timeout_us; /**< dead man's switch: longest time without
                                         auvid_guard_heartbeat() [us]; default 0: off (the only field
                                         where zero switches off) */

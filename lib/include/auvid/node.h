@@ -233,14 +233,20 @@ auvid_status_t auvid_node_report(auvid_node_t *node, uint32_t load, auvid_can_fr
 auvid_status_t auvid_causes_take(auvid_causes_t *causes, const auvid_can_message_t *message);
 
 #define auvid_node_halt AUVID_SIZED(auvid_node_halt)
-/** Packs a command of zero for every thruster. Send it when the program ends or loses its tick.
+/** Packs a command of zero for every thruster. Send it when the program ends, when no tick comes,
+ * and before a step with a tick that waited: after a stall ticks stand in a queue, 20 ms apart by
+ * their own time, and neither the guard nor the node sees that they are old. An abort may stand
+ * behind them. If the bus does not take a frame, send it again: the node commands nothing more.
  * There is no frame (count 0) unless the last step commanded thrust. A guard that is armed,
  * exciting or settling aborts; any other state of the guard remains. A pending arm frame is
  * cancelled.
+ * @param cause of the abort: AUVID_GUARD_OPERATOR at the end, AUVID_GUARD_TICK for a late tick; as
+ * AUVID_GUARD_OPERATOR if it is none
  * @param frame [AUVID_NODE_COMMANDS] written: frames to send at once
  * @param count written: number of frames
  * @return AUVID_OK; AUVID_ERR_NULL; AUVID_ERR_STATE. */
-auvid_status_t auvid_node_halt(auvid_node_t *node, auvid_can_frame_t *frame, int *count);
+auvid_status_t auvid_node_halt(auvid_node_t *node, auvid_guard_cause_t cause,
+                               auvid_can_frame_t *frame, int *count);
 
 #ifdef __cplusplus
 }

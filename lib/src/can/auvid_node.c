@@ -17,6 +17,9 @@
 /* If the clock of the tick advances by more than this [us], it was set. Time then advances by this
  * much only, and the record has a gap. */
 #define CLOCK_STEP_US 1000000u
+/* Ticks are at least so far apart [us]. The 32 bits of their time wrap in 71 min: only the sequence
+ * shows that so many were missed. */
+#define LEAST_TICK_US 1000u
 
 /* A tick numbered less than this behind the last one is late, or a copy. */
 #define LATE_TICKS 16u
@@ -207,7 +210,8 @@ static auvid_status_t node_take_tick(auvid_node_t *node, const auvid_can_tick_t 
     } else {
         uint64_t bus_us = auvid_can_extend_us(node->bus_us, tick->time);
         uint32_t passed = (tick->sequence - node->sequence) & 0xFFFFFu;
-        if (bus_us <= node->bus_us || bus_us - node->bus_us > CLOCK_STEP_US) {
+        if (bus_us <= node->bus_us || bus_us - node->bus_us > CLOCK_STEP_US ||
+            passed > CLOCK_STEP_US / LEAST_TICK_US) {
             ++node->counters.clock_steps;
             node->tick_us += CLOCK_STEP_US;
         } else {

@@ -26,12 +26,15 @@ void auvid_node_send(auvid_node_t *node, const auvid_can_message_t *message,
 
 /* Aborts the excitation and cancels a pending arm frame. DISARMED and DONE remain: they have
  * no thrust. */
-static void node_abort_thrust(auvid_node_t *node)
+static void node_abort_thrust(auvid_node_t *node, auvid_guard_cause_t cause)
 {
     auvid_guard_state_t state = auvid_node_guard_state(node);
     node->arming = false;
     if (state != AUVID_GUARD_DISARMED && state != AUVID_GUARD_DONE) {
-        (void)auvid_identifier_abort(&node->id);
+        auvid_guard_t *guard = &node->id.actuation->guard;
+        (void)auvid_guard_abort_for(guard, node->id.t_us, cause);
+        (void)auvid_guard_abort(guard, node->id.t_us); /* whatever the cause */
+        node->id.events |= state == AUVID_GUARD_ABORTED ? 0u : AUVID_EVENT_ABORTED;
     }
 }
 
@@ -43,7 +46,7 @@ void auvid_node_order(auvid_node_t *node, uint32_t action, bool fresh)
     } else if (action == AUVID_CAN_ACTION_DISARM && fresh) {
         (void)auvid_identifier_disarm(&node->id);
     } else if (action == AUVID_CAN_ACTION_DISARM) {
-        node_abort_thrust(node);
+        node_abort_thrust(node, AUVID_GUARD_OPERATOR);
     }
 }
 
@@ -256,7 +259,8 @@ auvid_status_t auvid_node_work(auvid_node_t *node, uint32_t budget)
     return auvid_identifier_work(&node->id, budget);
 }
 
-auvid_status_t auvid_node_halt(auvid_node_t *node, auvid_can_frame_t *frame, int *count)
+auvid_status_t auvid_node_halt(auvid_node_t *node, auvid_guard_cause_t cause,
+                               auvid_can_frame_t *frame, int *count)
 {
     if (count != NULL) {
         *count = 0;
@@ -267,7 +271,7 @@ auvid_status_t auvid_node_halt(auvid_node_t *node, auvid_can_frame_t *frame, int
     if (!node->ready) {
         return AUVID_ERR_STATE;
     }
-    node_abort_thrust(node);
+    node_abort_thrust(node, cause);
     if (node->commanding) {
         node_send_command(node, NULL, frame, count);
         node->commanding = false;

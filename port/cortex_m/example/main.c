@@ -99,7 +99,7 @@ static void control_silence(void)
     auvid_can_frame_t frame[AUVID_NODE_COMMANDS];
     int count;
     if (node.started) {
-        (void)auvid_node_halt(&node, frame, &count);
+        (void)auvid_node_halt(&node, AUVID_GUARD_TICK, frame, &count);
         send(frame, count);
     }
     driver_feed_watchdog();

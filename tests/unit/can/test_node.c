@@ -306,16 +306,16 @@ static void test_halt_commands_zero_once_and_only_after_a_command(void)
     int count = -1;
     begin(true);
     go(20);
-    TEST_ASSERT_EQUAL(AUVID_OK, auvid_node_halt(&node, frame, &count));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_node_halt(&node, AUVID_GUARD_OPERATOR, frame, &count));
     TEST_ASSERT_EQUAL(0, count);
     setUp();
     begin(true);
     go(500);
-    TEST_ASSERT_EQUAL(AUVID_OK, auvid_node_halt(&node, frame, &count));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_node_halt(&node, AUVID_GUARD_OPERATOR, frame, &count));
     TEST_ASSERT_EQUAL(2, count);
     deliver(frame, count);
     TEST_ASSERT_TRUE(run.largest == 0.0);
-    TEST_ASSERT_EQUAL(AUVID_OK, auvid_node_halt(&node, frame, &count));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_node_halt(&node, AUVID_GUARD_OPERATOR, frame, &count));
     TEST_ASSERT_EQUAL(0, count);
 }
 
@@ -361,7 +361,7 @@ static void test_null_and_not_initialised_are_refused(void)
     TEST_ASSERT_EQUAL(AUVID_ERR_STATE, auvid_node_take(&node, frame));
     TEST_ASSERT_EQUAL(AUVID_ERR_STATE, auvid_node_step(&node, NULL, frame, &count));
     TEST_ASSERT_EQUAL(AUVID_ERR_STATE, auvid_node_report(&node, 0, frame, &count));
-    TEST_ASSERT_EQUAL(AUVID_ERR_STATE, auvid_node_halt(&node, frame, &count));
+    TEST_ASSERT_EQUAL(AUVID_ERR_STATE, auvid_node_halt(&node, AUVID_GUARD_OPERATOR, frame, &count));
     TEST_ASSERT_EQUAL(0, count);
     TEST_ASSERT_EQUAL(AUVID_ERR_NULL, auvid_node_take(NULL, frame));
     TEST_ASSERT_EQUAL(AUVID_ERR_NULL, auvid_node_step(&node, NULL, NULL, &count));

@@ -309,6 +309,21 @@ static void test_a_clock_that_advances_more_than_a_second_was_set(void)
     }
 }
 
+/* The bus is silent for 71 min 35 s: 214749 ticks, after which the 32 bits of the time are 32.7 ms
+ * further. */
+static void test_ticks_that_were_missed_until_their_time_wrapped_are_a_pause(void)
+{
+    auvid_can_message_t m = {.kind = AUVID_CAN_TICK};
+    begin();
+    step_at(1);
+    m.as.tick.sequence = 1 + 214749;
+    m.as.tick.time = (uint32_t)(20000 + 214749ull * 20000);
+    TEST_ASSERT_EQUAL(AUVID_TICK, give(&m));
+    TEST_ASSERT_EQUAL_UINT32(1, node.counters.clock_steps);
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_node_step(&node, NULL, sent, &count));
+    TEST_ASSERT_EQUAL_UINT64(1020000, node.t_us);
+}
+
 static void test_a_clock_that_stands_still_was_set(void)
 {
     begin();
@@ -454,9 +469,9 @@ static void test_null_is_refused(void)
     TEST_ASSERT_EQUAL(AUVID_ERR_NULL, auvid_node_report(NULL, 0, sent, &count));
     TEST_ASSERT_EQUAL(AUVID_ERR_NULL, auvid_node_report(&node, 0, NULL, &count));
     TEST_ASSERT_EQUAL(AUVID_ERR_NULL, auvid_node_report(&node, 0, sent, NULL));
-    TEST_ASSERT_EQUAL(AUVID_ERR_NULL, auvid_node_halt(NULL, sent, &count));
-    TEST_ASSERT_EQUAL(AUVID_ERR_NULL, auvid_node_halt(&node, NULL, &count));
-    TEST_ASSERT_EQUAL(AUVID_ERR_NULL, auvid_node_halt(&node, sent, NULL));
+    TEST_ASSERT_EQUAL(AUVID_ERR_NULL, auvid_node_halt(NULL, AUVID_GUARD_OPERATOR, sent, &count));
+    TEST_ASSERT_EQUAL(AUVID_ERR_NULL, auvid_node_halt(&node, AUVID_GUARD_OPERATOR, NULL, &count));
+    TEST_ASSERT_EQUAL(AUVID_ERR_NULL, auvid_node_halt(&node, AUVID_GUARD_OPERATOR, sent, NULL));
     TEST_ASSERT_EQUAL_UINT32(0, node.counters.ticks);
 }
 
@@ -511,6 +526,7 @@ int main(void)
     RUN_TEST(test_an_imu_sample_is_used_once);
     RUN_TEST(test_each_lost_tick_is_counted);
     RUN_TEST(test_a_clock_that_advances_more_than_a_second_was_set);
+    RUN_TEST(test_ticks_that_were_missed_until_their_time_wrapped_are_a_pause);
     RUN_TEST(test_a_clock_that_stands_still_was_set);
     RUN_TEST(test_ticks_may_start_at_any_number_and_wrap_to_0);
     RUN_TEST(test_a_tick_up_to_15_behind_is_late_and_one_further_behind_restarts);

@@ -15,7 +15,7 @@ static void test_after_an_init_that_fails_every_function_refuses_the_node(void)
     TEST_ASSERT_EQUAL(0, count);
     TEST_ASSERT_EQUAL(AUVID_ERR_STATE, auvid_node_work(&node, 1));
     TEST_ASSERT_EQUAL(AUVID_ERR_STATE, auvid_node_report(&node, 0, sent, &count));
-    TEST_ASSERT_EQUAL(AUVID_ERR_STATE, auvid_node_halt(&node, sent, &count));
+    TEST_ASSERT_EQUAL(AUVID_ERR_STATE, auvid_node_halt(&node, AUVID_GUARD_OPERATOR, sent, &count));
 }
 
 static void test_one_to_eight_thrusters_are_accepted(void)

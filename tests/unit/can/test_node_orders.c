@@ -349,24 +349,47 @@ static void test_thrust_is_commanded_in_every_tick_from_the_arm_frame_on(void)
 static void test_halt_aborts_only_an_armed_guard(void)
 {
     copy(&now, &idle);
-    TEST_ASSERT_EQUAL(AUVID_OK, auvid_node_halt(&now.node, now.sent, &now.count));
+    TEST_ASSERT_EQUAL(AUVID_OK,
+                      auvid_node_halt(&now.node, AUVID_GUARD_OPERATOR, now.sent, &now.count));
     TEST_ASSERT_EQUAL(0, now.count);
     TEST_ASSERT_EQUAL(AUVID_GUARD_DISARMED, state(&now));
     TEST_ASSERT_EQUAL(AUVID_OK, order(&now, AUVID_CAN_ACTION_ARM, 1));
     tick(&now);
     TEST_ASSERT_EQUAL(AUVID_GUARD_EXCITING, state(&now));
     tick(&now);
-    TEST_ASSERT_EQUAL(AUVID_OK, auvid_node_halt(&now.node, now.sent, &now.count));
+    TEST_ASSERT_EQUAL(AUVID_OK,
+                      auvid_node_halt(&now.node, AUVID_GUARD_OPERATOR, now.sent, &now.count));
     TEST_ASSERT_EQUAL(2, now.count);
     TEST_ASSERT_EQUAL(AUVID_GUARD_ABORTED, state(&now));
     TEST_ASSERT_EQUAL(AUVID_GUARD_OPERATOR, cause(&now));
+}
+
+static void test_halt_takes_its_cause_and_aborts_without_one(void)
+{
+    static const auvid_guard_cause_t given[] = {AUVID_GUARD_TICK, AUVID_GUARD_NO_CAUSE,
+                                                AUVID_GUARD_CAUSE_COUNT};
+    static const auvid_guard_cause_t seen[] = {AUVID_GUARD_TICK, AUVID_GUARD_OPERATOR,
+                                               AUVID_GUARD_OPERATOR};
+    for (int k = 0; k < 3; ++k) {
+        copy(&now, &idle);
+        TEST_ASSERT_EQUAL(AUVID_OK, order(&now, AUVID_CAN_ACTION_ARM, 1));
+        go(&now, 2);
+        TEST_ASSERT_EQUAL(AUVID_OK, auvid_node_halt(&now.node, given[k], now.sent, &now.count));
+        TEST_ASSERT_EQUAL(2, now.count);
+        TEST_ASSERT_EQUAL(AUVID_GUARD_ABORTED, state(&now));
+        TEST_ASSERT_EQUAL(seen[k], cause(&now));
+        tick(&now);
+        TEST_ASSERT_TRUE(now.node.events & AUVID_EVENT_ABORTED);
+        TEST_ASSERT_EQUAL(0, now.count); /* no second command of zero */
+    }
 }
 
 static void test_halt_does_not_change_a_finished_run(void)
 {
     copy(&now, &idle);
     now.actuation.guard.state = AUVID_GUARD_DONE;
-    TEST_ASSERT_EQUAL(AUVID_OK, auvid_node_halt(&now.node, now.sent, &now.count));
+    TEST_ASSERT_EQUAL(AUVID_OK,
+                      auvid_node_halt(&now.node, AUVID_GUARD_OPERATOR, now.sent, &now.count));
     TEST_ASSERT_EQUAL(AUVID_GUARD_DONE, state(&now));
 }
 
@@ -374,7 +397,8 @@ static void test_halt_cancels_a_pending_arm_frame(void)
 {
     copy(&now, &idle);
     TEST_ASSERT_EQUAL(AUVID_OK, order(&now, AUVID_CAN_ACTION_ARM, 1));
-    TEST_ASSERT_EQUAL(AUVID_OK, auvid_node_halt(&now.node, now.sent, &now.count));
+    TEST_ASSERT_EQUAL(AUVID_OK,
+                      auvid_node_halt(&now.node, AUVID_GUARD_OPERATOR, now.sent, &now.count));
     go(&now, 3);
     TEST_ASSERT_EQUAL(AUVID_GUARD_DISARMED, state(&now));
     TEST_ASSERT_EQUAL(0, now.count);
@@ -611,6 +635,7 @@ int main(void)
     RUN_TEST(test_repeated_stops_fade_out_like_one);
     RUN_TEST(test_thrust_is_commanded_in_every_tick_from_the_arm_frame_on);
     RUN_TEST(test_halt_aborts_only_an_armed_guard);
+    RUN_TEST(test_halt_takes_its_cause_and_aborts_without_one);
     RUN_TEST(test_halt_does_not_change_a_finished_run);
     RUN_TEST(test_halt_cancels_a_pending_arm_frame);
     RUN_TEST(test_two_nodes_that_excite_on_one_bus_both_abort);

@@ -334,7 +334,8 @@ static void test_a_velocity_that_comes_about_once_a_second_breaks_no_record(void
                                1020, 1100, 960, 1040, 1200, 1020, 0};
     observe(late, 13);
     TEST_ASSERT_EQUAL_UINT32(1500000, recorder.gap_us);
-    TEST_ASSERT_GREATER_THAN_INT(30, popped); /* of 61 cells since the period is known, the last ones wait */
+    TEST_ASSERT_GREATER_THAN_INT(
+        30, popped); /* of 61 cells since the period is known, the last ones wait */
     TEST_ASSERT_LESS_THAN_INT(2, gaps); /* before */
 }
 

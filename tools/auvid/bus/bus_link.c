@@ -46,6 +46,9 @@ int link_log(link_t *link, const char *path, const char *interface)
     if (bus_candump_create(&link->log, path, interface, day - now) != BUS_OK) {
         return report_error("%s: %s", link->command, link->log.bus.text);
     }
+    if (!link->ticking) {
+        bus_candump_wait(&link->log);
+    }
     link->logging = true;
     return 0;
 }
@@ -83,14 +86,18 @@ int link_send(link_t *link, const auvid_can_frame_t *frame, int count)
 {
     uint64_t now_us = link->bus->now_us(link->bus);
     bool broken = false, unlogged = false;
+    link->unsent = 0;
     for (int i = 0; i < count; ++i) { /* all of them despite failures: a command has two halves */
         bus_frame_t raw = frames_raw(&frame[i]);
-        broken = link->bus->send(link->bus, &raw) == BUS_BROKEN || broken;
+        int status = link->bus->send(link->bus, &raw);
+        link->unsent |= (uint32_t)(status != BUS_OK) << i;
+        broken = status == BUS_BROKEN || broken;
     }
-    for (int i = 0; i < count; ++i) { /* then the log, which may block */
+    for (int i = 0; i < count; ++i) { /* then the log, which takes time */
         bus_frame_t raw = frames_raw(&frame[i]);
         raw.t_us = now_us;
-        unlogged = log_frame(link, &raw) != 0 || unlogged;
+        bool sent = (link->unsent >> i & 1u) == 0;
+        unlogged = (sent && log_frame(link, &raw) != 0) || unlogged;
     }
     if (broken) {
         return check_status(link, BUS_BROKEN);
@@ -103,7 +110,8 @@ int link_receive(link_t *link, auvid_can_frame_t *frame)
     bus_frame_t raw;
     int count = 0;
     while ((count = link->bus->receive(link->bus, &raw, 1)) > 0) {
-        (void)check_status(link, BUS_OK);
+        /* it may have been queued before the interface went down */
+        (void)check_status(link, link->bus->statistics.link_up ? BUS_OK : BUS_DOWN);
         if (log_frame(link, &raw) != 0) {
             (void)report_log_error(link);
             return -1;

@@ -24,6 +24,7 @@ typedef struct {
     bus_socketcan_t socket;
     bus_candump_t log;
     tick_t tick;
+    uint32_t unsent; /**< bit i: the bus did not take frame i of the last link_send */
     bool logging, log_failed, ticking, down;
 } link_t;
 
@@ -39,8 +40,8 @@ void link_take(link_t *link, const char *command, bus_t *bus);
 /** Creates a log. Returns as link_open. */
 int link_log(link_t *link, const char *path, const char *interface);
 
-/** Sends all frames, then logs them, then reports failures. The bus counts a frame that is lost.
- * Returns 0 or EXIT_REFUSED. */
+/** Sends up to 32 frames, then logs those that the bus took, then reports failures. The bus counts
+ * a frame that is lost, link->unsent says which one. Returns 0 or EXIT_REFUSED. */
 int link_send(link_t *link, const auvid_can_frame_t *frame, int count);
 
 /** Receives and logs the next data frame with an 11-bit identifier. Returns 1; 0 if there is none

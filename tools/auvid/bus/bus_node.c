@@ -1,9 +1,11 @@
 /*
  * auvid node: the identifier on a CAN bus.
  */
+#define _POSIX_C_SOURCE 200809L /* nanosleep */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <time.h>
 
 #include "auvid/node.h"
 #include "bus_link.h"
@@ -19,6 +21,9 @@
 /* Upper end of the histogram of tick times [us]: longer ticks count in the last bin. */
 #define MAX_US 40000
 
+/* For so long the command of zero at the end is sent again [ms]. */
+#define END_MS 50
+
 typedef struct {
     const options_t *options;
     bus_identifier_t own;
@@ -27,8 +32,11 @@ typedef struct {
     link_t link;
     vehicle_sim_t vehicle_sim; /* --bus memory: the vehicle in this process */
     bus_memory_t hub;          /* its ends: node, vehicle */
-    bool simulated, silent;
+    bool simulated, silent, warned;
     uint64_t last_tick_us;          /* time of the last tick */
+    uint64_t dropped;               /* frames that the bus lost so far */
+    auvid_can_frame_t zero[AUVID_NODE_COMMANDS]; /* commands of zero that the bus did not take */
+    int zeros;
     uint32_t linger;                /* ticks since all work was done */
     uint32_t histogram[MAX_US + 1]; /* ticks by execution time of step and work [us] */
 } run_t;
@@ -58,6 +66,71 @@ static int begin(run_t *run)
     return o->realtime ? link_tick(&run->link, o) : 0;
 }
 
+/* Sends frames. A command of zero that the bus does not take is kept, to be sent again. */
+static int send_frames(run_t *run, const auvid_can_frame_t *frame, int count)
+{
+    int status = link_send(&run->link, frame, count);
+    if (run->own.node.commanding) {
+        run->zeros = 0;
+        return status;
+    }
+    for (int i = 0; i < count; ++i) {
+        bool command = frame[i].id == auvid_can_id(NULL, AUVID_CAN_THRUSTER_COMMAND_A) ||
+                       frame[i].id == auvid_can_id(NULL, AUVID_CAN_THRUSTER_COMMAND_B);
+        if (command && (run->link.unsent >> i & 1u) != 0 && run->zeros < AUVID_NODE_COMMANDS) {
+            run->zero[run->zeros++] = frame[i];
+        }
+    }
+    return status;
+}
+
+static int send_zeros(run_t *run)
+{
+    auvid_can_frame_t frame[AUVID_NODE_COMMANDS];
+    int count = run->zeros;
+    memcpy(frame, run->zero, sizeof frame);
+    run->zeros = 0;
+    return count > 0 ? send_frames(run, frame, count) : 0;
+}
+
+/* Ends the thrust, if there is any or if it is about to begin. why: a line on stderr, or NULL */
+static int halt(run_t *run, auvid_guard_cause_t cause, const char *why)
+{
+    auvid_can_frame_t frame[AUVID_NODE_COMMANDS];
+    auvid_node_t *node = &run->own.node;
+    int count = 0;
+    if (!node->commanding && !node->arming) {
+        return 0;
+    }
+    if (why != NULL) {
+        report_error_line("node: %s: excitation aborted", why);
+    }
+    (void)auvid_node_halt(node, cause, frame, &count);
+    return send_frames(run, frame, count);
+}
+
+/* Is the tick that came, or should have come, at this time so late that the guard would not let the
+ * excitation go on? The time of a tick that waited in the queue does not say so. */
+static bool is_late(const run_t *run, uint64_t tick_us)
+{
+    const auvid_actuation_t *acts = run->own.node.id.actuation;
+    if (run->simulated || run->options->lock_step || acts == NULL ||
+        (acts->guard.cfg.off & AUVID_GUARD_BIT(AUVID_GUARD_TICK)) != 0) {
+        return false;
+    }
+    uint64_t now_us = tick_now_us();
+    return now_us > tick_us && now_us - tick_us > acts->guard.cfg.max_tick_us;
+}
+
+/* Were frames lost? An abort may be among them. */
+static bool lost_frames(run_t *run)
+{
+    uint64_t dropped = run->link.bus->statistics.dropped;
+    bool more = dropped != run->dropped;
+    run->dropped = dropped;
+    return more;
+}
+
 /* Does all work of one tick. clock_us: time of the node's own clock, or NULL. */
 static int serve(run_t *run, const uint64_t *clock_us)
 {
@@ -66,7 +139,7 @@ static int serve(run_t *run, const uint64_t *clock_us)
     uint64_t began_us = tick_now_us();
     int count = 0;
     bus_identifier_step(&run->own, clock_us, frame, &count);
-    int status = link_send(&run->link, frame, count);
+    int status = send_frames(run, frame, count);
     bool busy = auvid_node_work(node, AUVID_DEFAULT_BUDGET) == AUVID_PENDING;
     uint64_t took_us = tick_now_us() - began_us;
     ++run->histogram[took_us < MAX_US ? took_us : MAX_US];
@@ -79,17 +152,36 @@ static int serve(run_t *run, const uint64_t *clock_us)
     return status;
 }
 
+static void warn_of_two_clocks(run_t *run)
+{
+    if (!run->warned) {
+        report_error_line("node: --clock own, but another node on %s sends ticks, too",
+                          run->options->bus);
+        run->warned = true;
+    }
+}
+
 /* Receives pending frames up to a tick. The limit lets signals through on a saturated bus. */
 static int receive(run_t *run)
 {
     auvid_can_frame_t frame;
-    int got = 0;
+    int got = 0, status = 0;
     for (int k = 0; k < MAX_FRAMES && (got = link_receive(&run->link, &frame)) > 0; ++k) {
-        if (bus_identifier_take(&run->own, &frame) == AUVID_TICK && !run->options->clock_own) {
-            return serve(run, NULL);
+        auvid_status_t taken = bus_identifier_take(&run->own, &frame);
+        if (lost_frames(run)) {
+            status =
+                halt(run, AUVID_GUARD_OPERATOR, "frames were lost, an abort may be among them");
+        }
+        if (taken == AUVID_TICK && run->options->clock_own) {
+            warn_of_two_clocks(run);
+        } else if (taken == AUVID_TICK) {
+            if (status == 0 && is_late(run, frame.t_us)) {
+                status = halt(run, AUVID_GUARD_TICK, "a tick waited too long");
+            }
+            return status == 0 ? serve(run, NULL) : status;
         }
     }
-    return got < 0 ? EXIT_REFUSED : 0;
+    return got < 0 ? EXIT_REFUSED : status;
 }
 
 /* Waits for frames or for the tick. Returns TICK_..., or a negative number after an error. */
@@ -121,7 +213,11 @@ static int loop(run_t *run)
     while (status == 0 && (events & TICK_STOP) == 0 &&
            run->linger < run->options->vehicle->linger_ticks) {
         events = wait(run);
-        status = events < 0 ? EXIT_REFUSED : receive(run);
+        status = events < 0 ? EXIT_REFUSED : send_zeros(run);
+        status = status == 0 ? receive(run) : status;
+        if (status == 0 && !own_clock && is_late(run, run->last_tick_us)) {
+            status = halt(run, AUVID_GUARD_TICK, "no tick comes");
+        }
         if (status == 0 && own_clock && (events & TICK_DUE) != 0) {
             const tick_t *tick = &run->link.tick;
             uint64_t t_us = tick->start_us + tick->ticks * tick->period_us;
@@ -198,6 +294,20 @@ static int finish(run_t *run)
     return report_exit(&result);
 }
 
+/* Ends the thrust before the program ends; if the bus is busy, within END_MS. */
+static int end_thrust(run_t *run)
+{
+    static const struct timespec ms = {.tv_nsec = 1000000};
+    int status = halt(run, AUVID_GUARD_OPERATOR, NULL);
+    for (int k = 0; k < END_MS && run->zeros > 0; ++k) {
+        (void)nanosleep(&ms, NULL);
+        status = send_zeros(run);
+    }
+    return run->zeros > 0 ? report_error("node: the command of zero could not be sent: %s",
+                                         run->link.bus->text)
+                          : status;
+}
+
 int bus_node(const options_t *options)
 {
     run_t *run = calloc(1, sizeof *run);
@@ -208,17 +318,15 @@ int bus_node(const options_t *options)
     run->simulated = strcmp(options->bus, "memory") == 0;
     int status = begin(run);
     if (status == 0) {
-        auvid_can_frame_t frame[AUVID_NODE_FRAMES];
-        int count = 0;
         const char *name = run->simulated ? "memory" : options->bus;
         status = options->log != NULL ? link_log(&run->link, options->log, name) : 0;
         status = status == 0 ? loop(run) : status;
-        if (run->own.node.commanding) {
-            (void)auvid_node_halt(&run->own.node, frame, &count);
-            (void)link_send(&run->link, frame, count);
-        }
-        int report = status == 0 ? finish(run) : 0;
-        if (status == 0 && options->save != NULL &&
+        int ended = end_thrust(run);
+        bool reports = status == 0 || (run->link.log_failed &&
+                                       auvid_identifier_estimate(&run->own.node.id) != NULL);
+        status = status == 0 ? ended : status;
+        int report = reports ? finish(run) : 0;
+        if (reports && options->save != NULL &&
             !prior_file_write(&run->own.node.id, options->save)) {
             report = EXIT_REFUSED;
         }

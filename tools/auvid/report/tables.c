@@ -363,7 +363,8 @@ static void guard_line(const result_t *result)
     printf("  guard  %s", auvid_guard_state_str(result->guard));
     if (result->guard == AUVID_GUARD_ABORTED) {
         printf(" at %.2f s: %s", 1e-6 * (double)trip->t_us, auvid_guard_cause_str(trip->cause));
-        if (report_cause_unit(trip->cause)[0] != '\0') {
+        bool measured = trip->limit > 0 || trip->value > 0 || trip->value < 0;
+        if (measured && report_cause_unit(trip->cause)[0] != '\0') {
             printf(", %.3g %s (limit %.3g)", (double)trip->value, report_cause_unit(trip->cause),
                    (double)trip->limit);
         }
