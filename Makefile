@@ -130,12 +130,12 @@ SLOW := $(addprefix %/tests/unit/,$(addprefix identifier/,test_adaptive test_cha
 SLOW_SANITIZED := $(SLOW) $(addprefix %/tests/unit/,$(addprefix tools/test_,doctor \
     doctor_sensors doctor_units doctor_campaign field field_mismatch field_run field_sensors \
     simulator simulator_sensors simulator_vehicle) \
-    $(addprefix identifier/test_,drift identifier prior prior_benefit prior_known \
+    $(addprefix identifier/test_,drift identifier identifier_work prior prior_benefit prior_known \
     thrusters thrusters_identify thrusters_prior underactuated user_model) \
-    uncertain/test_instruments navigation/test_latency can/test_can_accuracy \
-    excitation/test_excitation_plan search/test_optimizer_figures)
+    uncertain/test_instruments uncertain/test_uncertain_checkpoint navigation/test_latency \
+    can/test_can_accuracy excitation/test_excitation_plan search/test_optimizer_figures)
 SLOW_DOUBLE := $(SLOW) $(addprefix %/tests/unit/,uncertain/test_uncertain_checkpoint \
-    identifier/test_user_model can/test_can_fifo)
+    identifier/test_user_model) build/double/tests/unit/can/% build/double/tests/unit/checkpoint/%
 unit_tests = $(UNIT:tests/unit/%.c=build/$(1)/tests/unit/%)
 TEST_PROGRAMS := $(call unit_tests,release) \
     $(filter-out $(SLOW_SANITIZED),$(call unit_tests,sanitized)) \
