@@ -104,6 +104,9 @@ typedef enum {
     AUVID_UNCERTAIN_SHARED = AUVID_UNCERTAIN_GAIN + AUVID_MAX_THRUSTERS
 } auvid_uncertain_input_t;
 
+/** Number of those that change the motion: from the current on. */
+#define AUVID_UNCERTAIN_SHIFTS ((int)AUVID_UNCERTAIN_DVL_YAW - (int)AUVID_UNCERTAIN_CURRENT_X + 1)
+
 /** Standard deviations of the priors; copied. 0: this input is exact and has no column. */
 typedef struct {
     auvid_real_t backward;   /**< relative, 0..1; default 0.05 */
@@ -313,6 +316,7 @@ typedef struct auvid_uncertain {
     auvid_uncertain_equation_t equation[AUVID_DOF_COUNT];
     uint8_t code[AUVID_UNCERTAIN_CHANNELS];   /* what each input is */
     uint16_t place[AUVID_UNCERTAIN_CHANNELS]; /* where its channel is, and that of the thrust */
+    uint8_t moved[AUVID_UNCERTAIN_SHIFTS + 1]; /* equations that input CURRENT_X + k changes */
     uint16_t section[5]; /* ends of the channels: none; of forces, formed from motion, then from
                             thrust; of moments likewise */
     /* state: from here on, see checkpoint.h */

@@ -121,6 +121,9 @@ auvid_status_t auvid_uncertain_lay_out(auvid_uncertain_t *u, const auvid_metric_
             return AUVID_ERR_SIZE;
         }
     }
+    for (int k = 0; k < AUVID_UNCERTAIN_SHIFTS; ++k) {
+        u->moved[k] = auvid_uncertain_moved(u, m, AUVID_UNCERTAIN_CURRENT_X + k);
+    }
     uncertain_place_channels(u);
     return AUVID_OK;
 }
@@ -253,26 +256,23 @@ typedef struct {
     auvid_real_t velocity[3], rate[3];
 } uncertain_shift_t;
 
-/* Inputs from the current on that have one. */
-enum { SHIFTS = AUVID_UNCERTAIN_DVL_YAW - AUVID_UNCERTAIN_CURRENT_X + 1 };
-
-static void uncertain_shifts(const auvid_sample_t *cell, auvid_real_t r[3][3],
-                             uncertain_shift_t shift[SHIFTS])
+/* Write the change by input CURRENT_X + k. */
+static void uncertain_shift(const auvid_sample_t *cell, auvid_real_t r[3][3], int k,
+                            uncertain_shift_t *shift)
 {
-    for (int k = 0; k < 2; ++k, ++shift) {
+    auvid_real_t axis[3] = {AUVID_C(0.0), AUVID_C(0.0), AUVID_C(0.0)};
+    int n = AUVID_UNCERTAIN_CURRENT_X + k;
+    if (n <= (int)AUVID_UNCERTAIN_CURRENT_Y) {
         memcpy(shift->velocity, r[k], sizeof shift->velocity); /* the world's axis */
         uncertain_cross(r[k], cell->nu + AUVID_ROLL, shift->rate);
+        return;
     }
-    for (int k = 0; k < 3; ++k, ++shift) {
-        const auvid_real_t arm[3] = {k == 0, k == 1, k == 2};
-        uncertain_cross(cell->nu + AUVID_ROLL, arm, shift->velocity);
-        uncertain_cross(cell->nu_dot + AUVID_ROLL, arm, shift->rate);
-    }
-    for (int k = 1; k < 3; ++k, ++shift) {
-        const auvid_real_t axis[3] = {0, k == 1, k == 2};
-        uncertain_cross(cell->nu, axis, shift->velocity);
-        uncertain_cross(cell->nu_dot, axis, shift->rate);
-    }
+    bool arm = n <= (int)AUVID_UNCERTAIN_ARM_Z;
+    const auvid_real_t *nu = arm ? cell->nu + AUVID_ROLL : cell->nu;
+    const auvid_real_t *nu_dot = arm ? cell->nu_dot + AUVID_ROLL : cell->nu_dot;
+    axis[arm ? n - AUVID_UNCERTAIN_ARM_X : n - AUVID_UNCERTAIN_DVL_PITCH + 1] = AUVID_C(1.0);
+    uncertain_cross(nu, axis, shift->velocity);
+    uncertain_cross(nu_dot, axis, shift->rate);
 }
 
 /* Write the motion of a sample, less `step` of a current or lever arm. */
@@ -335,12 +335,13 @@ static void uncertain_motion_columns(auvid_uncertain_t *u, const auvid_metric_t 
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
         uncertain_move_parameters(u, m, j, &y, &y_water);
     }
-    for (int n = AUVID_UNCERTAIN_CURRENT_X; n <= (int)AUVID_UNCERTAIN_DVL_YAW; ++n) {
-        uint32_t dofs = auvid_uncertain_moved(m, n);
-        if (dofs == 0 || !(auvid_uncertain_configured(u, n) > AUVID_C(0.0))) {
+    for (int k = 0; k < AUVID_UNCERTAIN_SHIFTS; ++k) {
+        uint32_t dofs = u->moved[k];
+        int n = AUVID_UNCERTAIN_CURRENT_X + k;
+        if (dofs == 0) {
             continue;
         }
-        uncertain_move(&moved, water, &shift[n - (int)AUVID_UNCERTAIN_CURRENT_X], STEP);
+        uncertain_move(&moved, water, &shift[k], STEP);
         uncertain_predict(u, m, &moved, dofs, after);
         for (int j = 0; dofs >> j != 0; ++j) {
             if ((dofs >> j & 1u) != 0) {
@@ -426,14 +427,16 @@ void auvid_uncertain_channels(auvid_uncertain_t *u, const auvid_metric_t *m,
                               const auvid_sample_t *cell)
 {
     auvid_real_t r[3][3], sum[AUVID_DOF_COUNT][SUMS];
-    uncertain_shift_t shift[SHIFTS];
+    uncertain_shift_t shift[AUVID_UNCERTAIN_SHIFTS];
     auvid_sample_t water = *cell; /* the motion through the water, as last estimated */
     auvid_zero(sum, sizeof sum);
     auvid_rotation(cell->phi, cell->theta, cell->psi, r);
     uncertain_compare(u, m, cell);
-    uncertain_shifts(cell, r, shift);
-    for (int k = 0; k < SHIFTS; ++k) {
-        uncertain_move(&water, &water, &shift[k], u->shared[AUVID_UNCERTAIN_CURRENT_X + k]);
+    for (int k = 0; k < AUVID_UNCERTAIN_SHIFTS; ++k) {
+        if (u->moved[k] != 0) {
+            uncertain_shift(cell, r, k, &shift[k]);
+            uncertain_move(&water, &water, &shift[k], u->shared[AUVID_UNCERTAIN_CURRENT_X + k]);
+        }
     }
     uncertain_thrust_columns(u, &water, sum);
     if (auvid_uncertain_moves(u) || u->cfg.dvl_late_s > AUVID_C(0.0)) {

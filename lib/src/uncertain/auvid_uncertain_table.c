@@ -79,10 +79,12 @@ bool auvid_uncertain_has(const auvid_uncertain_t *u, const auvid_metric_t *m, in
            auvid_uncertain_configured(u, input) > AUVID_C(0.0);
 }
 
-uint32_t auvid_uncertain_moved(const auvid_metric_t *m, int input)
+uint8_t auvid_uncertain_moved(const auvid_uncertain_t *u, const auvid_metric_t *m, int input)
 {
     uint32_t equations = auvid_uncertain_row(input)->equations;
-    return (equations & PLANAR) | (table_tilts(m) ? equations >> TILTED_SHIFT : 0);
+    bool has = auvid_uncertain_configured(u, input) > AUVID_C(0.0);
+    equations = (equations & PLANAR) | (table_tilts(m) ? equations >> TILTED_SHIFT : 0);
+    return (uint8_t)(has ? equations : 0);
 }
 
 bool auvid_uncertain_of_hull(const auvid_metric_t *m, int input)

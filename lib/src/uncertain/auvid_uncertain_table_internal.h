@@ -175,8 +175,9 @@ auvid_real_t auvid_uncertain_half_length(const auvid_uncertain_t *u, const auvid
 auvid_real_t auvid_uncertain_sigma(const auvid_uncertain_t *u, const auvid_metric_t *m, int input,
                                    int j);
 
-/** Returns the equations that a current, lever arm or mounting angle changes, a bit each. */
-uint32_t auvid_uncertain_moved(const auvid_metric_t *m, int input);
+/** Returns the equations that a current, lever arm or mounting angle changes, a bit each; 0: it has
+ * no column. */
+uint8_t auvid_uncertain_moved(const auvid_uncertain_t *u, const auvid_metric_t *m, int input);
 
 /** Returns a thruster's largest force in either direction [N]. */
 static inline auvid_real_t auvid_uncertain_largest(const auvid_thruster_t *thruster)
