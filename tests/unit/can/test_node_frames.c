@@ -324,6 +324,34 @@ static void test_ticks_that_were_missed_until_their_time_wrapped_are_a_pause(voi
     TEST_ASSERT_EQUAL_UINT64(1020000, node.t_us);
 }
 
+/* Ticks are at least 1 ms apart: of 1000 in a second all may have been missed, of 1001 not. */
+static void test_more_ticks_than_a_second_has_are_a_pause(void)
+{
+    for (uint32_t more = 0; more < 2; ++more) {
+        auvid_can_message_t m = {.kind = AUVID_CAN_TICK};
+        begin();
+        step_at(1);
+        m.as.tick.sequence = 1 + 1000 + more;
+        m.as.tick.time = 20000 + 1000000;
+        TEST_ASSERT_EQUAL(AUVID_TICK, give(&m));
+        TEST_ASSERT_EQUAL_UINT32(more, node.counters.clock_steps);
+    }
+}
+
+static void test_a_clock_may_begin_at_0_but_not_where_a_restored_one_ended(void)
+{
+    for (uint32_t restored = 0; restored < 2; ++restored) {
+        auvid_can_message_t m = {.kind = AUVID_CAN_TICK};
+        begin();
+        m.as.tick.sequence = 1;
+        m.as.tick.time = restored ? 5000000 : 0;
+        node.id.started = restored != 0;
+        node.id.t_us = m.as.tick.time;
+        TEST_ASSERT_EQUAL(AUVID_TICK, give(&m));
+        TEST_ASSERT_EQUAL_UINT32(restored, node.counters.clock_steps);
+    }
+}
+
 static void test_a_clock_that_stands_still_was_set(void)
 {
     begin();
@@ -527,6 +555,8 @@ int main(void)
     RUN_TEST(test_each_lost_tick_is_counted);
     RUN_TEST(test_a_clock_that_advances_more_than_a_second_was_set);
     RUN_TEST(test_ticks_that_were_missed_until_their_time_wrapped_are_a_pause);
+    RUN_TEST(test_more_ticks_than_a_second_has_are_a_pause);
+    RUN_TEST(test_a_clock_may_begin_at_0_but_not_where_a_restored_one_ended);
     RUN_TEST(test_a_clock_that_stands_still_was_set);
     RUN_TEST(test_ticks_may_start_at_any_number_and_wrap_to_0);
     RUN_TEST(test_a_tick_up_to_15_behind_is_late_and_one_further_behind_restarts);
