@@ -277,10 +277,8 @@ static int open_log(bus_candump_t *self, const char *path, const char *interface
         memcpy(self->interface, interface, strlen(interface));
     }
     /* A pipe that nobody reads must not stop the program. */
-    fd =
-        open(path,
-             writing ? O_WRONLY | O_CREAT | O_TRUNC | O_NONBLOCK | O_CLOEXEC : O_RDONLY | O_CLOEXEC,
-             0666);
+    fd = open(path, O_CLOEXEC | (writing ? O_WRONLY | O_CREAT | O_TRUNC | O_NONBLOCK : O_RDONLY),
+              0666);
     self->file = fd < 0 ? NULL : fdopen(fd, writing ? "w" : "r");
     if (self->file == NULL) {
         const int error = errno;

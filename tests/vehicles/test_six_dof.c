@@ -67,47 +67,42 @@ static void test_an_autopilot_of_roll_and_pitch_leaves_the_path_identifiable(voi
     }
 }
 
-/* If its height counts as exact, masses are 10 % too large. */
-static void test_a_dvl_that_is_lower_than_configured_is_named_and_bends_no_mass(void)
+static void check_mounting(int input, double value, double within)
 {
     auvid_causes_t causes;
-    world.dvl_arm_m[2] = 0.05;
-    dive();
-    check_path();
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_uncertain_causes(&uncertain, &causes));
     const auvid_cause_t *mounting = &causes.cause[AUVID_CAUSE_MOUNTING];
     TEST_ASSERT_TRUE(mounting->named);
-    TEST_ASSERT_EQUAL(AUVID_UNCERTAIN_ARM_Z, mounting->input);
-    TEST_ASSERT_DOUBLE_WITHIN(0.01, 0.05, (double)mounting->value);
+    TEST_ASSERT_EQUAL(input, mounting->input);
+    TEST_ASSERT_DOUBLE_WITHIN(within, value, (double)mounting->value);
+}
+
+/* If its height counts as exact, masses are 10 % too large. */
+static void test_a_dvl_that_is_lower_than_configured_is_named_and_bends_no_mass(void)
+{
+    world.dvl_arm_m[2] = 0.05;
+    dive();
+    check_path();
+    check_mounting(AUVID_UNCERTAIN_ARM_Z, 0.05, 0.01);
 }
 
 static void test_a_dvl_that_is_turned_is_named(void)
 {
-    auvid_causes_t causes;
     world.dvl_euler[2] = 0.05;
     dive();
     check_path();
-    TEST_ASSERT_EQUAL(AUVID_OK, auvid_uncertain_causes(&uncertain, &causes));
-    const auvid_cause_t *mounting = &causes.cause[AUVID_CAUSE_MOUNTING];
-    TEST_ASSERT_TRUE(mounting->named);
-    TEST_ASSERT_EQUAL(AUVID_UNCERTAIN_DVL_YAW, mounting->input);
-    TEST_ASSERT_DOUBLE_WITHIN(0.01, 0.05, (double)mounting->value);
+    check_mounting(AUVID_UNCERTAIN_DVL_YAW, 0.05, 0.01);
 }
 
 /* It tilts the vehicle, and tilt gives its weight a moment of yaw. That made N_r 0.5 Nm s, and N_rr
  * a fifth too small. */
 static void test_a_centre_of_gravity_ahead_is_no_drag_of_yaw(void)
 {
-    auvid_causes_t causes;
     world.fossen.r_g[0] = 0.02;
     dive();
     check_path();
     const auvid_real_t *pi = auvid_identifier_estimate(&id)->pi;
-    TEST_ASSERT_EQUAL(AUVID_OK, auvid_uncertain_causes(&uncertain, &causes));
-    const auvid_cause_t *mounting = &causes.cause[AUVID_CAUSE_MOUNTING];
-    TEST_ASSERT_TRUE(mounting->named);
-    TEST_ASSERT_EQUAL(INPUT_ASTERN, mounting->input);
-    TEST_ASSERT_DOUBLE_WITHIN(0.004, -0.02, (double)mounting->value);
+    check_mounting(INPUT_ASTERN, -0.02, 0.004);
     TEST_ASSERT_DOUBLE_WITHIN(0.15, truth[AUVID_FOSSEN_N_R], (double)pi[AUVID_FOSSEN_N_R]);
     TEST_ASSERT_DOUBLE_WITHIN(0.15, truth[AUVID_FOSSEN_N_RR], (double)pi[AUVID_FOSSEN_N_RR]);
 }

@@ -242,9 +242,7 @@ static void node_take_foreign_command(auvid_node_t *node)
     auvid_guard_state_t state = auvid_node_guard_state(node);
     ++node->counters.foreign_commands;
     if (state == AUVID_GUARD_ARMED || state == AUVID_GUARD_EXCITING) {
-        (void)auvid_guard_abort_for(&node->id.actuation->guard, node->id.t_us,
-                                    AUVID_GUARD_FOREIGN_COMMAND);
-        node->id.events |= AUVID_EVENT_ABORTED;
+        auvid_node_abort(node, AUVID_GUARD_FOREIGN_COMMAND);
     }
 }
 

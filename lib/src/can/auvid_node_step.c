@@ -24,6 +24,14 @@ void auvid_node_send(auvid_node_t *node, const auvid_can_message_t *message,
     }
 }
 
+void auvid_node_abort(auvid_node_t *node, auvid_guard_cause_t cause)
+{
+    auvid_guard_t *guard = &node->id.actuation->guard;
+    node->id.events |= guard->state == AUVID_GUARD_ABORTED ? 0u : AUVID_EVENT_ABORTED;
+    (void)auvid_guard_abort_for(guard, node->id.t_us, cause);
+    (void)auvid_guard_abort(guard, node->id.t_us); /* whatever the cause */
+}
+
 /* Aborts the excitation and cancels a pending arm frame. DISARMED and DONE remain: they have
  * no thrust. */
 static void node_abort_thrust(auvid_node_t *node, auvid_guard_cause_t cause)
@@ -31,10 +39,7 @@ static void node_abort_thrust(auvid_node_t *node, auvid_guard_cause_t cause)
     auvid_guard_state_t state = auvid_node_guard_state(node);
     node->arming = false;
     if (state != AUVID_GUARD_DISARMED && state != AUVID_GUARD_DONE) {
-        auvid_guard_t *guard = &node->id.actuation->guard;
-        (void)auvid_guard_abort_for(guard, node->id.t_us, cause);
-        (void)auvid_guard_abort(guard, node->id.t_us); /* whatever the cause */
-        node->id.events |= state == AUVID_GUARD_ABORTED ? 0u : AUVID_EVENT_ABORTED;
+        auvid_node_abort(node, cause);
     }
 }
 

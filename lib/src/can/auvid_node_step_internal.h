@@ -19,6 +19,9 @@ static inline bool auvid_node_has_feedback(const auvid_node_t *node)
     return node->feedback == (node->allocation.cfg.thrusters > 4 ? 3u : 1u);
 }
 
+/** Aborts the guard, which the node must have; as the operator does if the cause is none. */
+void auvid_node_abort(auvid_node_t *node, auvid_guard_cause_t cause);
+
 /** Obeys an arm frame. @param fresh its counter is good, so a disarm may clear an abort */
 void auvid_node_order(auvid_node_t *node, uint32_t action, bool fresh);
 

@@ -292,6 +292,15 @@ static auvid_real_t allocation_max_scale(const auvid_allocation_t *a, const auvi
     return auvid_max(k, AUVID_C(0.0));
 }
 
+static auvid_status_t allocation_given(const auvid_allocation_t *a, const void *from,
+                                       const void *to)
+{
+    if (a == NULL || from == NULL || to == NULL) {
+        return AUVID_ERR_NULL;
+    }
+    return a->cfg.thrusters == 0 ? AUVID_ERR_STATE : AUVID_OK;
+}
+
 auvid_status_t auvid_allocation_solve(const auvid_allocation_t *a, const auvid_real_t wrench[DOFS],
                                       auvid_allocation_result_t *result)
 {
@@ -302,11 +311,9 @@ auvid_status_t auvid_allocation_solve(const auvid_allocation_t *a, const auvid_r
     auvid_zero(result, sizeof *result);
     auvid_clear(first, AUVID_MAX_THRUSTERS);
     auvid_clear(rest, AUVID_MAX_THRUSTERS);
-    if (a == NULL || wrench == NULL) {
-        return AUVID_ERR_NULL;
-    }
-    if (a->cfg.thrusters == 0) {
-        return AUVID_ERR_STATE;
+    auvid_status_t given = allocation_given(a, wrench, result);
+    if (given != AUVID_OK) {
+        return given;
     }
     auvid_status_t status = auvid_all_within(wrench, DOFS, LARGEST_WRENCH);
     if (status != AUVID_OK) {
@@ -343,11 +350,9 @@ auvid_status_t auvid_allocation_solve(const auvid_allocation_t *a, const auvid_r
 auvid_status_t auvid_allocation_wrench(const auvid_allocation_t *a, const auvid_real_t *force_N,
                                        auvid_real_t wrench[DOFS])
 {
-    if (a == NULL || force_N == NULL || wrench == NULL) {
-        return AUVID_ERR_NULL;
-    }
-    if (a->cfg.thrusters == 0) {
-        return AUVID_ERR_STATE;
+    auvid_status_t given = allocation_given(a, force_N, wrench);
+    if (given != AUVID_OK) {
+        return given;
     }
     if (!auvid_all_finite(force_N, a->cfg.thrusters)) {
         return AUVID_ERR_NOT_FINITE;
@@ -377,11 +382,9 @@ static auvid_real_t allocation_command(const auvid_thruster_t *t, auvid_real_t f
 auvid_status_t auvid_allocation_command(const auvid_allocation_t *a, const auvid_real_t *force_N,
                                         auvid_real_t *command)
 {
-    if (a == NULL || force_N == NULL || command == NULL) {
-        return AUVID_ERR_NULL;
-    }
-    if (a->cfg.thrusters == 0) {
-        return AUVID_ERR_STATE;
+    auvid_status_t given = allocation_given(a, force_N, command);
+    if (given != AUVID_OK) {
+        return given;
     }
     if (!auvid_all_finite(force_N, a->cfg.thrusters)) {
         return AUVID_ERR_NOT_FINITE;
@@ -406,11 +409,9 @@ static auvid_real_t allocation_force_of(const auvid_thruster_t *t, auvid_real_t 
 auvid_status_t auvid_allocation_force(const auvid_allocation_t *a, const auvid_real_t *command,
                                       auvid_real_t *force_N)
 {
-    if (a == NULL || command == NULL || force_N == NULL) {
-        return AUVID_ERR_NULL;
-    }
-    if (a->cfg.thrusters == 0) {
-        return AUVID_ERR_STATE;
+    auvid_status_t given = allocation_given(a, command, force_N);
+    if (given != AUVID_OK) {
+        return given;
     }
     for (int j = 0; j < a->cfg.thrusters; ++j) {
         if (!auvid_is_finite(allocation_force_of(&a->cfg.thruster[j], command[j]))) {
@@ -429,11 +430,9 @@ auvid_status_t auvid_allocation_capacity(const auvid_allocation_t *a, auvid_dof_
                                          auvid_real_t *negative, auvid_real_t *positive)
 {
     auvid_real_t limit[2] = {AUVID_LARGEST, AUVID_LARGEST}; /* negative, positive */
-    if (a == NULL || negative == NULL || positive == NULL) {
-        return AUVID_ERR_NULL;
-    }
-    if (a->cfg.thrusters == 0) {
-        return AUVID_ERR_STATE;
+    auvid_status_t given = allocation_given(a, negative, positive);
+    if (given != AUVID_OK) {
+        return given;
     }
     if ((unsigned)dof >= DOFS) {
         return AUVID_ERR_RANGE;
@@ -486,11 +485,9 @@ auvid_status_t auvid_allocation_check(const auvid_allocation_t *a, const auvid_r
                                       const auvid_real_t hold[DOFS], auvid_allocation_fit_t *fit)
 {
     auvid_allocation_fit_t found = {AUVID_C(1.0), -1};
-    if (a == NULL || peak == NULL) {
-        return AUVID_ERR_NULL;
-    }
-    if (a->cfg.thrusters == 0) {
-        return AUVID_ERR_STATE;
+    auvid_status_t given = allocation_given(a, peak, peak);
+    if (given != AUVID_OK) {
+        return given;
     }
     if (!auvid_all_finite(peak, DOFS) || (hold != NULL && !auvid_all_finite(hold, DOFS))) {
         return AUVID_ERR_NOT_FINITE;
