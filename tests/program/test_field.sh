@@ -48,7 +48,8 @@ def whole(d, runs):
     shares = [point["flagged"]["value"] for point in d["curve"]]
     assert [point["limit"] for point in d["curve"]] == [0.1, 0.15, 0.2, 0.25, 0.3, 0.4]
     assert shares == sorted(shares) and near(shares[2], d["flagged"]["all"]["value"])
-    assert set(d["drag_force"]) == {"off", "flagged", "wrong", "beyond", "within"}
+    for forces in d["drag_force"], d["drag_force_one_way"]:
+        assert set(forces) == {"off", "flagged", "wrong", "beyond", "within"}
     for question in ("flagged", "wrong", "beyond", "error_over_sigma", "rms_error"):
         for f in d[question].values():
             assert f["value"] is None or f["low"] - 1e-9 <= f["value"] <= f["high"] + 1e-9, f

@@ -57,7 +57,7 @@ void field_projection_add(field_projection_t *projection, const field_truth_t *t
                                          truth->delivered[j]};
         for (int a = 0; a < FIELD_COLUMNS; ++a) {
             for (int b = 0; b < FIELD_COLUMNS; ++b) {
-                projection->product[e][a][b] += c[a] * c[b];
+                projection->product[nu < 0.0][e][a][b] += c[a] * c[b];
             }
         }
         speed[0] = fmax(speed[0], nu);
@@ -93,6 +93,17 @@ static double squares_left(const double (*s)[FIELD_COLUMNS], const double drag[2
     return fmax(sum, 0.0);
 }
 
+/* The products of an equation in both directions. */
+static void add_directions(const field_projection_t *projection, int e,
+                           double sum[FIELD_COLUMNS][FIELD_COLUMNS])
+{
+    for (int a = 0; a < FIELD_COLUMNS; ++a) {
+        for (int b = 0; b < FIELD_COLUMNS; ++b) {
+            sum[a][b] = projection->product[0][e][a][b] + projection->product[1][e][a][b];
+        }
+    }
+}
+
 void field_projection_solve(const field_projection_t *projection, const field_built_t *built,
                             field_reference_t *reference)
 {
@@ -101,11 +112,19 @@ void field_projection_solve(const field_projection_t *projection, const field_bu
     memcpy(to->speed, projection->speed, sizeof to->speed);
     memcpy(to->acceleration, projection->acceleration, sizeof to->acceleration);
     for (int e = 0; e < FIELD_EQUATIONS; ++e) {
-        const double(*s)[FIELD_COLUMNS] = projection->product[e];
+        double sum[FIELD_COLUMNS][FIELD_COLUMNS];
+        add_directions(projection, e, sum);
+        const double(*s)[FIELD_COLUMNS] = (const double(*)[FIELD_COLUMNS])sum;
         double n = (double)(projection->samples > 0 ? projection->samples : 1);
         project(s, to->si + drag_of[e]);
         to->gain[e] = s[TOLD][TOLD] > 0.0 ? s[DELIVERED][TOLD] / s[TOLD][TOLD] : 1.0;
         to->residual[e] = sqrt(squares_left(s, to->si + drag_of[e]) / n);
+    }
+    for (int back = 0; back < 2; ++back) {
+        memcpy(to->one_way[back], to->si, sizeof to->si);
+        for (int e = 0; e < FIELD_EQUATIONS; ++e) {
+            project(projection->product[back][e], to->one_way[back] + drag_of[e]);
+        }
     }
     for (int i = 0; i < SIM_PARAMETERS; ++i) {
         to->reported[i] = to->si[i] / to->gain[field_equation(i)];

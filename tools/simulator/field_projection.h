@@ -13,6 +13,8 @@
  * thrust or disturbances. With *reported* thrust each equation is divided by
  * g_j = <delivered_j, reported_j> / <reported_j, reported_j>.
  *
+ * The drag in one direction is the same projection of the motion in this direction only.
+ *
  * Host side: C11, double. One call every 50 to 100 ms costs nothing compared with the simulation.
  */
 #ifndef FIELD_PROJECTION_H
@@ -32,7 +34,7 @@ enum { FIELD_COLUMNS = 5 };
 
 /** Sums along the run, initially all zero. */
 typedef struct {
-    double product[FIELD_EQUATIONS][FIELD_COLUMNS][FIELD_COLUMNS];
+    double product[2][FIELD_EQUATIONS][FIELD_COLUMNS][FIELD_COLUMNS]; /* forward, backward */
     double speed[FIELD_EQUATIONS][2];     /* largest forward and backward [m/s, rad/s] */
     double acceleration[FIELD_EQUATIONS]; /* largest |.| [m/s2, rad/s2] */
     long samples;
@@ -42,6 +44,7 @@ typedef struct {
 typedef struct {
     double si[SIM_PARAMETERS];            /**< parameters in true newtons */
     double reported[SIM_PARAMETERS];      /**< parameters in reported newtons */
+    double one_way[2][SIM_PARAMETERS];    /**< as si, with drags forward, and backward */
     double gain[FIELD_EQUATIONS];         /**< g_j; 1 if no thrust was reported */
     double residual[FIELD_EQUATIONS];     /**< rms hull force not described by them [N, Nm] */
     double speed[FIELD_EQUATIONS][2];     /**< largest forward, largest backward, >= 0 */
@@ -60,7 +63,7 @@ void field_projection_add(field_projection_t *projection, const field_truth_t *t
                           const field_built_t *built);
 
 /** Computes the truth of the run so far. If its motion does not determine both drags of a degree of
- * freedom, they are taken from `built`.
+ * freedom, they are taken from `built`; in one direction, from both directions.
  * @param built true parameters at the end of the run */
 void field_projection_solve(const field_projection_t *projection, const field_built_t *built,
                             field_reference_t *reference);

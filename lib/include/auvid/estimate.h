@@ -21,7 +21,7 @@
  *
  * What an estimate promises, the most reliable first:
  *
- * 1. the drag force at speeds that were seen (auvid_estimate_drag);
+ * 1. the drag force at speeds that were seen (auvid_estimate_drag, auvid_causes_drag);
  * 2. the acceleration in a run that it was not made from (validation.h, auvid_change_test_t);
  * 3. masses;
  * 4. a single coefficient of drag, only if it is identifiable. Otherwise only the force of linear
@@ -250,7 +250,8 @@ auvid_real_t auvid_estimate_covariance(const auvid_estimate_t *estimate,
                                        const auvid_vehicle_t *vehicle, int i, int k);
 
 #define auvid_estimate_drag AUVID_SIZED(auvid_estimate_drag)
-/** Drag force of one degree of freedom at a speed, with its uncertainty:
+/** Drag force of one degree of freedom at a speed, of one curve for both directions, with its
+ * uncertainty. With uncertain inputs auvid_causes_drag (uncertain.h) has that of each direction.
  *
  *     F = a' pi,  a = (v, |v| v),  sigma^2 = a' C a + (a' d_thrust)^2 + (a' d_dvl)^2
  *

@@ -218,6 +218,8 @@ typedef struct {
                                                   the mean of both directions, relative to that;
                                                   backward so much smaller */
     auvid_real_t asymmetry_sigma[AUVID_DOF_COUNT]; /**< its standard deviation; 0: not known */
+    /* what a unit of it adds to linear and quadratic drag forward, then takes from them backward */
+    auvid_real_t one_way[AUVID_DOF_COUNT][2][2];
     uint8_t order[AUVID_CAUSE_COUNT];       /**< the named classes; the first moves masses and drag
                                                  most: the largest share, where those of mounting,
                                                  inflow and current count half */
@@ -384,6 +386,18 @@ auvid_status_t auvid_uncertain_start(auvid_uncertain_t *uncertain, const auvid_u
  * @return AUVID_OK; AUVID_ERR_NO_DATA (no solution yet, or none since a change of the vehicle);
  * AUVID_ERR_NULL. Cost: O(1). */
 auvid_status_t auvid_uncertain_causes(const auvid_uncertain_t *u, auvid_causes_t *causes);
+
+#define auvid_causes_drag AUVID_SIZED(auvid_causes_drag)
+/** Drag force of one degree of freedom in one direction: as auvid_estimate_drag, whose force is
+ * that of one curve for both directions, with the asymmetry of the hull. It is identifiable only if
+ * that one is, too.
+ * @param causes of the same estimate, else without asymmetry
+ * @param estimate, vehicle, dof, speed, drag as in auvid_estimate_drag
+ * @return as auvid_estimate_drag. Cost: O(n), 0.7 thousand instructions of a Cortex-M4F for
+ * Girona500. */
+auvid_status_t auvid_causes_drag(const auvid_causes_t *causes, const auvid_estimate_t *estimate,
+                                 const auvid_vehicle_t *vehicle, auvid_dof_t dof,
+                                 auvid_real_t speed, auvid_drag_t *drag);
 
 #define auvid_causes_sentence AUVID_SIZED(auvid_causes_sentence)
 /** Write one sentence on what is wrong, with the remedy: "backward thrust is weaker than

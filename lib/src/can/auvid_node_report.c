@@ -88,8 +88,7 @@ static auvid_status_t node_drag_at(const auvid_node_t *node, int point, auvid_dr
     const auvid_estimate_t *e = identifier_read_estimate(&node->id);
     int dof = point / POINTS, backward = point % POINTS >= FRACTIONS;
     auvid_real_t speed = drag_fraction[point % FRACTIONS] * e->speed[dof][backward];
-    return auvid_estimate_drag(e, node->id.metric.cfg.vehicle, (auvid_dof_t)dof,
-                               backward ? -speed : speed, drag);
+    return identifier_drag(&node->id, (auvid_dof_t)dof, backward ? -speed : speed, drag);
 }
 
 /* Each call reports the next point; degrees of freedom without drag are skipped. */

@@ -17,7 +17,7 @@ const auvid_core_t auvid_cores[AUVID_CORE_COUNT] = {
     [AUVID_CORE_M3] = {"m3", 225000, 3130, AUVID_C(1.5)},
     [AUVID_CORE_M4F] = {"m4f", 66900, 320, AUVID_C(1.5)},
     [AUVID_CORE_M7] = {"m7", 66800, 320, AUVID_C(1.5)},
-    [AUVID_CORE_M33] = {"m33", 66800, 320, AUVID_C(1.5)},
+    [AUVID_CORE_M33] = {"m33", 66900, 320, AUVID_C(1.5)},
     [AUVID_CORE_RV32IMC] = {"rv32imc", 396000, 6170, AUVID_C(1.5)},
 };
 

@@ -105,6 +105,9 @@ typedef struct auvid_uncertain_functions {
     void (*judge)(auvid_identifier_t *id, bool changed);
     /** Returns the share of the thrust that is lost from set to set; 0: none is certain. */
     auvid_real_t (*sag)(const auvid_identifier_t *id);
+    /** Drag force of the estimate at a speed; see auvid_causes_drag. */
+    auvid_status_t (*drag)(const auvid_identifier_t *id, auvid_dof_t dof, auvid_real_t speed,
+                           auvid_drag_t *drag);
 } auvid_uncertain_functions_t;
 
 static inline void identifier_judge_uncertain(auvid_identifier_t *id, bool changed)
@@ -127,6 +130,16 @@ typedef struct {
 /** Add a pi_i. A fixed parameter is exact. */
 void auvid_identifier_add_term(auvid_combination_t *sum, const auvid_estimate_t *estimate,
                                const auvid_vehicle_t *vehicle, int i, auvid_real_t a);
+
+/** Drag force of the estimate that the user reads, with uncertain inputs in one direction. */
+static inline auvid_status_t identifier_drag(const auvid_identifier_t *id, auvid_dof_t dof,
+                                             auvid_real_t speed, auvid_drag_t *drag)
+{
+    const auvid_uncertain_functions_t *uncertain = id->attached.uncertain_functions;
+    return uncertain != NULL
+               ? uncertain->drag(id, dof, speed, drag)
+               : auvid_estimate_drag(&id->estimate, id->metric.cfg.vehicle, dof, speed, drag);
+}
 
 /** Compare the last estimate, which is accepted, with the first one. Writes change_test. */
 void auvid_identifier_test_drift(auvid_identifier_t *id);

@@ -267,8 +267,9 @@ static auvid_real_t uncertain_first_half(const auvid_metric_t *m)
 }
 
 static const auvid_uncertain_functions_t uncertain_table = {
-    auvid_uncertain_add_cell, auvid_uncertain_rotate, uncertain_begin, uncertain_solve,
-    uncertain_publish,        uncertain_estimate,     uncertain_judge, uncertain_sag};
+    auvid_uncertain_add_cell, auvid_uncertain_rotate, uncertain_begin,
+    uncertain_solve,          uncertain_publish,      uncertain_estimate,
+    uncertain_judge,          uncertain_sag,          auvid_uncertain_drag};
 
 auvid_status_t auvid_identifier_attach_uncertain(auvid_identifier_t *id, auvid_uncertain_t *storage,
                                                  const auvid_uncertain_config_t *cfg,

@@ -115,7 +115,7 @@ static void causes_consider(uncertain_t *u, int j, int k)
         return;
     }
     auvid_real_t unit = causes_unit(u, code, j);
-    if (each) {
+    if (each && auvid_uncertain_find_one_way(u, j, k, unit)) {
         u->work.causes.asymmetry[j] = unit * value;
         u->work.causes.asymmetry_sigma[j] = unit * sigma;
     }

@@ -115,6 +115,20 @@ static void uncertain_project(uncertain_t *u, int j, int k, const uncertain_drag
     }
 }
 
+void auvid_uncertain_drag_parts(uncertain_t *u, const auvid_metric_t *m, int j, int k,
+                                auvid_real_t part[2])
+{
+    uncertain_find_drag(u, m, j);
+    const uncertain_drags_t drags = uncertain_drags(u, j);
+    for (int d = 0; d < 2; ++d) {
+        u->work.part.drag[d][k] = AUVID_C(0.0);
+    }
+    uncertain_project(u, j, k, &drags);
+    for (int d = 0; d < 2; ++d) {
+        part[d] = u->work.part.drag[d][k];
+    }
+}
+
 /* Coefficients of the columns in the residual. */
 static void uncertain_prepare_values(uncertain_t *u, const auvid_metric_t *m, int j)
 {

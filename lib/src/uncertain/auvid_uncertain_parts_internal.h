@@ -86,6 +86,11 @@ void auvid_uncertain_prepare(auvid_uncertain_t *u, const auvid_metric_t *m, int 
  * because their columns of current, lever arm and late DVL are of no vehicle, or of no current. */
 void auvid_uncertain_fade_early(auvid_uncertain_t *u, const auvid_metric_t *m, int j);
 
+/** Find what column k of DoF j, of the hull, has of its linear and quadratic drag. Writes
+ * work.part.drag_at, too. */
+void auvid_uncertain_drag_parts(auvid_uncertain_t *u, const auvid_metric_t *m, int j, int k,
+                                auvid_real_t part[2]);
+
 /** Rotate row i of one band, with its changed columns, into the DoF's factor. */
 void auvid_uncertain_add_row(auvid_uncertain_t *u, int j, int band, int i);
 
@@ -158,6 +163,15 @@ void auvid_uncertain_free(const auvid_uncertain_t *u, auvid_real_t pi[AUVID_MAX_
 
 /** Consider input k of DoF j as a cause. */
 void auvid_uncertain_consider(auvid_uncertain_t *u, int j, int k);
+
+/** Keep what DoF j's asymmetry, its input k, makes of the drag force in each direction.
+ * @param unit of the asymmetry, per newton of its column
+ * @return are these numbers? Else they are zero */
+bool auvid_uncertain_find_one_way(auvid_uncertain_t *u, int j, int k, auvid_real_t unit);
+
+/** Drag force of the estimate in one direction, see auvid_causes_drag. */
+auvid_status_t auvid_uncertain_drag(const auvid_identifier_t *id, auvid_dof_t dof,
+                                    auvid_real_t speed, auvid_drag_t *drag);
 
 /** Publish the causes, after the estimate. */
 void auvid_uncertain_publish_causes(auvid_uncertain_t *u);

@@ -140,6 +140,37 @@ static void test_the_reports_cycle_through_the_named_classes(void)
     }
 }
 
+/* Surge at 0.3, 0.6 and 1 of its speeds, forward, then backward, as auvid_causes_drag says. */
+static void test_the_reported_drag_is_that_of_each_direction(void)
+{
+    auvid_can_frame_t frame[AUVID_NODE_FRAMES];
+    auvid_estimate_t *e = &uncertain.estimate;
+    int count, points = 0;
+    e->number = uncertain.causes.number;
+    e->excited = 1u << AUVID_SURGE;
+    e->speed[AUVID_SURGE][0] = AUVID_C(1.0);
+    e->speed[AUVID_SURGE][1] = AUVID_C(0.5);
+    e->pi[AUVID_G500_X_UU] = AUVID_C(-100.0);
+    uncertain.causes.asymmetry[AUVID_SURGE] = AUVID_C(0.1);
+    uncertain.causes.asymmetry_sigma[AUVID_SURGE] = AUVID_C(0.01);
+    uncertain.causes.one_way[AUVID_SURGE][0][1] = AUVID_C(100.0);
+    uncertain.causes.one_way[AUVID_SURGE][1][1] = AUVID_C(100.0);
+    for (int tick = 0; tick < 24 * CYCLE && points < 6; ++tick) {
+        TEST_ASSERT_EQUAL(AUVID_OK, auvid_node_report(&node, 0, frame, &count));
+        for (int i = 0; i < count; ++i) {
+            auvid_can_message_t m;
+            TEST_ASSERT_EQUAL(AUVID_OK, auvid_can_unpack(NULL, &frame[i], &m));
+            if (m.kind == AUVID_CAN_DRAG && m.as.drag.point < 6) {
+                static const double expected[6] = {-9.9, -39.6, -110.0, 2.025, 8.1, 22.5};
+                TEST_ASSERT_EQUAL_UINT32(points++, m.as.drag.point);
+                TEST_ASSERT_FLOAT_WITHIN(1e-4, expected[m.as.drag.point], m.as.drag.force);
+            }
+        }
+    }
+    TEST_ASSERT_EQUAL(6, points);
+    e->number = 0;
+}
+
 static void test_a_share_of_more_than_127_per_cent_is_sent_as_127(void)
 {
     name_cause(AUVID_CAUSE_CURRENT, AUVID_UNCERTAIN_CURRENT_X, AUVID_SURGE, AUVID_C(9.0));
@@ -270,6 +301,7 @@ int main(void)
 {
     UNITY_BEGIN();
     RUN_TEST(test_the_reports_cycle_through_the_named_classes);
+    RUN_TEST(test_the_reported_drag_is_that_of_each_direction);
     RUN_TEST(test_a_share_of_more_than_127_per_cent_is_sent_as_127);
     RUN_TEST(test_before_the_first_solution_nothing_is_reported_as_wrong);
     RUN_TEST(test_a_node_without_uncertain_inputs_does_not_report_them);

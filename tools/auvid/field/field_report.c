@@ -101,14 +101,13 @@ static void print_groups(const field_table_t *table)
     puts(" %");
 }
 
-static void print_forces(const field_table_t *table)
+static void print_forces(const field_table_t *table, const char *title, int first)
 {
-    printf("\n  %-13s%13s%19s%21s%22s\n", "drag force", "error > 20 %", "flagged", "wrong",
-           "beyond");
+    printf("\n  %-13s%13s%19s%21s%22s\n", title, "error > 20 %", "flagged", "wrong", "beyond");
     for (int k = 0; k < FIELD_PARTS; ++k) {
         printf("  at %.1f      ", field_part[k]);
         for (int q = 0; q <= FIELD_FORCE_BEYOND; ++q) {
-            print_share(&table->figure[FIELD_AT_FORCE + q * FIELD_PARTS + k]);
+            print_share(&table->figure[first + q * FIELD_PARTS + k]);
         }
         putchar('\n');
     }
@@ -178,7 +177,8 @@ void field_report_tables(const field_campaign_t *campaign, const field_table_t *
     printf("  time         %u runs of %.0f s simulated in %.1f s\n\n", (unsigned)table->runs,
            record->simulated_s, campaign->wall_s);
     print_groups(table);
-    print_forces(table);
+    print_forces(table, "drag force", FIELD_AT_FORCE);
+    print_forces(table, "one way", FIELD_AT_ONE_WAY);
     print_curve(table);
     print_notes(table);
     print_alarms(table, record);
@@ -233,20 +233,24 @@ static void json_groups(const field_table_t *table)
     }
 }
 
-static void json_forces(const field_table_t *table)
+static void json_forces(const field_table_t *table, const char *key, int first)
 {
-    printf(",\n  \"drag_force\": {");
+    printf(",\n  \"%s\": {", key);
     for (int q = 0; q < FIELD_FORCE_QUESTIONS; ++q) {
         printf("%s\n    \"%s\": {", q == 0 ? "" : ",", force_names[q]);
         for (int k = 0; k < FIELD_PARTS; ++k) {
             char part[8];
             (void)snprintf(part, sizeof part, "%.1f", field_part[k]);
-            json_figure(k == 0 ? "" : ", ", part,
-                        &table->figure[FIELD_AT_FORCE + q * FIELD_PARTS + k]);
+            json_figure(k == 0 ? "" : ", ", part, &table->figure[first + q * FIELD_PARTS + k]);
         }
         printf("}");
     }
-    printf("},\n  \"curve\": [");
+    printf("}");
+}
+
+static void json_curve(const field_table_t *table)
+{
+    printf(",\n  \"curve\": [");
     for (int k = 0; k < FIELD_LIMITS; ++k) {
         const field_figure_t *f = &table->figure[FIELD_AT_CURVE + k];
         printf("%s\n    {\"limit\": %g", k == 0 ? "" : ",", field_limit[k]);
@@ -344,7 +348,9 @@ void field_report_json(const field_campaign_t *campaign, const field_table_t *ta
     json_figure(",\n  ", "runs_with_wrong_flag", &table->figure[FIELD_AT_WRONG_RUN]);
     json_figure(",\n  ", "runs_not_converged", &table->figure[FIELD_AT_CAPPED_RUN]);
     json_groups(table);
-    json_forces(table);
+    json_forces(table, "drag_force", FIELD_AT_FORCE);
+    json_forces(table, "drag_force_one_way", FIELD_AT_ONE_WAY);
+    json_curve(table);
     field_causes_json(campaign, record, table->runs);
     if (!campaign->drawn) { /* else each run has its own */
         json_list("tau_max", record[0].tau_max, FIELD_EQUATIONS);

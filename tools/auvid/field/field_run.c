@@ -234,15 +234,17 @@ static void record_motion(field_run_t *run, const field_run_config_t *config, do
     }
 }
 
-/* Drag force of DoF e at this velocity, as reported by the library. */
-static void estimate_force(const auvid_identifier_t *id, int e, double velocity, field_force_t *to)
+/* Drag force of DoF e at this velocity, as reported by the library. causes: none, or with the
+ * asymmetry. */
+static void estimate_force(const auvid_identifier_t *id, const auvid_causes_t *causes, int e,
+                           double velocity, field_force_t *to)
 {
+    const auvid_estimate_t *estimate = auvid_identifier_estimate(id);
     auvid_drag_t drag;
     to->half = HUGE_VAL;
-    to->estimated =
-        to->estimated &&
-        auvid_estimate_drag(auvid_identifier_estimate(id), id->metric.cfg.vehicle,
-                            (auvid_dof_t)field_dof(e), (auvid_real_t)velocity, &drag) == AUVID_OK;
+    to->estimated = to->estimated && auvid_causes_drag(causes, estimate, id->metric.cfg.vehicle,
+                                                       (auvid_dof_t)field_dof(e),
+                                                       (auvid_real_t)velocity, &drag) == AUVID_OK;
     if (to->estimated) {
         to->value = (double)drag.force;
         to->half = drag.half_width < AUVID_LARGEST ? (double)drag.half_width : HUGE_VAL;
@@ -252,12 +254,16 @@ static void estimate_force(const auvid_identifier_t *id, int e, double velocity,
 
 static void estimate_forces(const auvid_identifier_t *id, field_record_t *record)
 {
+    const auvid_causes_t none = {.number = 0};
     for (int k = 0; k < FIELD_PARTS; ++k) {
         for (int d = 0; d < FIELD_DIRECTIONS; ++d) {
             int e = d / 2;
             double speed = field_part[k] * record->truth.speed[e][d % 2];
-            record->force[k][d].estimated = record->estimated[SIM_X_U + 2 * e];
-            estimate_force(id, e, d % 2 == 0 ? speed : -speed, &record->force[k][d]);
+            double velocity = d % 2 == 0 ? speed : -speed;
+            bool estimated = record->estimated[SIM_X_U + 2 * e];
+            record->force[k][d].estimated = record->one_way[k][d].estimated = estimated;
+            estimate_force(id, &none, e, velocity, &record->force[k][d]);
+            estimate_force(id, &record->causes, e, velocity, &record->one_way[k][d]);
         }
     }
 }
@@ -317,10 +323,10 @@ bool field_run(field_run_t *run, const field_run_config_t *config, field_record_
     }
     while (auvid_identifier_work(&run->id, AT_EASE) == AUVID_PENDING) {
     }
-    gather(run, config, record);
     if (run->id.attached.uncertain != NULL) {
         (void)auvid_uncertain_causes(&run->uncertain, &record->causes);
         record->prior_scale = (double)run->uncertain.scale;
     }
+    gather(run, config, record);
     return true;
 }

@@ -62,7 +62,9 @@ typedef struct {
     double pi[SIM_PARAMETERS];
     double sigma[SIM_PARAMETERS]; /**< infinite: unknown */
     double delay_s[FIELD_EQUATIONS];
-    field_force_t force[FIELD_PARTS][FIELD_DIRECTIONS]; /**< direction 2 e: forward of equation e */
+    field_force_t force[FIELD_PARTS][FIELD_DIRECTIONS];   /**< direction 2 e: forward of equation e;
+                                                             of one curve for both directions */
+    field_force_t one_way[FIELD_PARTS][FIELD_DIRECTIONS]; /**< with the asymmetry */
     field_reference_t truth;
     double prior_scale;              /**< found scale of the priors of the uncertain inputs */
     auvid_causes_t causes;           /**< what is wrong with the inputs; all 0: not known */

@@ -97,15 +97,14 @@ static void take_parameter(field_ratio_t *run, const field_record_t *record, int
 }
 
 /* Adds drag force k, d, at a speed that the vehicle has reached. */
-static void take_force(field_ratio_t *run, const field_record_t *record, int k, int d)
+static void take_force(field_ratio_t *to, const field_record_t *record, int k, int d,
+                       const field_force_t *force, const double *parameter)
 {
-    const field_force_t *force = &record->force[k][d];
     int e = d / 2;
     double speed = field_part[k] * record->truth.speed[e][d % 2];
-    double truth = field_drag(record->truth.si, e, d % 2 == 0 ? speed : -speed);
+    double truth = field_drag(parameter, e, d % 2 == 0 ? speed : -speed);
     double error = fabs(force->value - truth);
     bool off = !(error <= FIELD_WRONG_RELATIVE * fabs(truth));
-    field_ratio_t *to = run + FIELD_AT_FORCE + k;
     if (!(speed > 0.0)) {
         return;
     }
@@ -188,7 +187,10 @@ void field_table_add(field_table_t *table, const field_record_t *record)
     }
     for (int k = 0; k < FIELD_PARTS; ++k) {
         for (int d = 0; d < FIELD_DIRECTIONS; ++d) {
-            take_force(run, record, k, d);
+            take_force(run + FIELD_AT_FORCE + k, record, k, d, &record->force[k][d],
+                       record->truth.si);
+            take_force(run + FIELD_AT_ONE_WAY + k, record, k, d, &record->one_way[k][d],
+                       record->truth.one_way[d % 2]);
         }
     }
     for (int k = 0; k < FIELD_LIMITS; ++k) {

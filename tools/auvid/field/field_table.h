@@ -63,7 +63,8 @@ extern const double field_limit[FIELD_LIMITS];
 /** Index of the first figure of each kind. */
 enum {
     FIELD_AT_FORCE = FIELD_QUESTIONS * FIELD_GROUPS,
-    FIELD_AT_CURVE = FIELD_AT_FORCE + FIELD_FORCE_QUESTIONS * FIELD_PARTS,
+    FIELD_AT_ONE_WAY = FIELD_AT_FORCE + FIELD_FORCE_QUESTIONS * FIELD_PARTS, /* one direction */
+    FIELD_AT_CURVE = FIELD_AT_ONE_WAY + FIELD_FORCE_QUESTIONS * FIELD_PARTS,
     FIELD_AT_NOTE = FIELD_AT_CURVE + 2 * FIELD_LIMITS, /* after flagged at each limit, then wrong */
     FIELD_AT_WRONG_RUN = FIELD_AT_NOTE + FIELD_NOTES,
     FIELD_AT_CAPPED_RUN,

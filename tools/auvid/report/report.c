@@ -219,8 +219,9 @@ bool report_drag(const result_t *result, auvid_dof_t j, bool backward, int part,
 {
     double largest = (double)result->estimate.speed[j][backward] * (backward ? -1.0 : 1.0);
     auvid_real_t speed = (auvid_real_t)(report_drag_part[part] * largest);
-    bool known = fabs(largest) > 0.0 && auvid_estimate_drag(&result->estimate, result->vehicle, j,
-                                                            speed, drag) == AUVID_OK;
+    bool known =
+        fabs(largest) > 0.0 && auvid_causes_drag(&result->causes, &result->estimate,
+                                                 result->vehicle, j, speed, drag) == AUVID_OK;
     drag->identifiable = known && drag->identifiable && !result->wrong_log &&
                          result->calibration != REPORT_CONTRADICTED;
     return known;

@@ -2,8 +2,9 @@
 
 Masses are M_RB + M_A. Drags are those that describe the true force of hull and tether best, in the
 sense of least squares, along the true motion through the water: the pseudo-true values (Ljung 1999,
-8.5). An answer is wrong, as in tools/auvid/field/field_table.h, if it is more than 20 % off and the
-force of its error, at the largest motion of the dive, exceeds 2 % of the largest thrust.
+8.5). The drag force in one direction is that of the motion in this direction. An answer is wrong,
+as in tools/auvid/field/field_table.h, if it is more than 20 % off and the force of its error, at
+the largest motion of the dive, exceeds 2 % of the largest thrust.
 """
 import numpy as np
 from scipy.stats import beta
@@ -19,21 +20,28 @@ MASSES = {"girona500": ("m_u", "m_v", "m_w", None, None, "m_r"),
 NO_INPUT = ("input is always zero", "no input column")
 
 
+def best_drags(v, force):
+    """Linear and quadratic drag."""
+    return np.linalg.lstsq(np.c_[v, np.abs(v) * v], force, rcond=None)[0].tolist()
+
+
 def truth(vehicle, hull, motion):
-    """Parameters, and by axis the largest speed, acceleration and thrust."""
+    """Parameters; by axis drags ahead and astern, the largest speed, acceleration and thrust."""
     force = motion[:, HULL_FORCE] + motion[:, TETHER_FORCE]
     nu_r, masses = motion[:, NU_R], MASSES[vehicle.model]
-    found = {"W-B": hull.weight - hull.buoyancy}
+    found, one_way = {"W-B": hull.weight - hull.buoyancy}, {}
     if vehicle.model == "fossen":
         found["zgW-zbB"] = hull.r_g[2] * hull.weight - hull.r_b[2] * hull.buoyancy
     for i, (axis, rate, mass) in enumerate(zip(AXES, RATES, masses)):
         if mass:
             v = nu_r[:, i]
-            drags = np.linalg.lstsq(np.c_[v, np.abs(v) * v], force[:, i], rcond=None)[0]
+            drags = best_drags(v, force[:, i])
+            one_way[axis] = [best_drags(v[part], force[part, i]) if part.any() else drags
+                             for part in (v > 0, v < 0)]
             found |= {mass: hull.m_rb[i, i] + hull.m_a[i, i], f"{axis}_{rate}": drags[0],
                       f"{axis}_{2 * rate}": drags[1]}
     wrench = motion[:, FORCES] @ data_sheet(vehicle)[2].T
-    return {"parameters": {name: float(x) for name, x in found.items()},
+    return {"parameters": {name: float(x) for name, x in found.items()}, "one_way": one_way,
             "speed": dict(zip(AXES, np.abs(nu_r).max(0).tolist())),
             "acceleration": dict(zip(AXES, np.abs(motion[:, NU_DOT]).max(0).tolist())),
             "thrust": dict(zip(AXES, np.abs(wrench).max(0).tolist())),
@@ -76,10 +84,9 @@ def judged_drags(found, true):
     """Drag forces at 0.6 of the largest speed, ahead and astern."""
     rows = []
     for axis, points in found.get("drag", {}).items():
-        rate = RATES[AXES.index(axis)]
-        linear, quadratic = (true["parameters"].get(f"{axis}_{k * rate}") for k in (1, 2))
         for point in points[1::3]:
-            if linear is not None and point["force"] is not None:
+            if axis in true["one_way"] and point["force"] is not None:
+                linear, quadratic = true["one_way"][axis][point["speed"] < 0]
                 value = (linear + quadratic * abs(point["speed"])) * point["speed"]
                 error = abs(point["force"] - value)
                 rows.append({"identifiable": point["identifiable"],

@@ -108,6 +108,21 @@ def test_an_answer_is_wrong_if_it_is_far_off_by_a_force_that_matters():
     assert not wrong(12.1, true | {"acceleration": {"X": 0.3}})
 
 
+def test_a_drag_force_is_judged_by_that_of_its_direction():
+    v, ahead, astern = np.linspace(-1, 1, 41), [-10.0, -30.0], [-12.0, -36.0]
+    drags = np.where(v > 0, *((a + b * np.abs(v)) * v for a, b in (ahead, astern)))
+    for part, true in (v > 0, ahead), (v < 0, astern):
+        assert worlds_judge.best_drags(v[part], drags[part]) == pytest.approx(true)
+    true = {"one_way": {"X": [ahead, astern]}, "thrust": {"X": 40.0}}
+
+    def wrong(speed, force):
+        point = {"speed": speed, "force": force, "identifiable": True}
+        found = {"drag": {"X": [point] * 3}}
+        return [row["wrong"] for row in worlds_judge.judged_drags(found, true)]
+    assert wrong(0.5, -12.5) == [False] and wrong(0.5, -15.1) == [True]
+    assert wrong(-0.5, 15.0) == [False] and wrong(-0.5, 11.9) == [True]
+
+
 def test_shares_have_intervals_over_the_runs():
     value, low, high, whole = worlds_judge.share([1, 0, 2, 0], [10, 10, 10, 10])
     assert value == 0.075 and 0 <= low < value < high < 0.2 and whole == 40
