@@ -154,9 +154,8 @@ static auvid_real_t uncertain_ln(auvid_real_t x)
     return AUVID_C(2.0) * s * series + (auvid_real_t)e * AUVID_C(0.69314718);
 }
 
-/* Compare the thrusters' forces with the wrench that was recorded. */
-static void uncertain_compare(auvid_uncertain_t *u, const auvid_metric_t *m,
-                              const auvid_sample_t *cell)
+void auvid_uncertain_compare(auvid_uncertain_t *u, const auvid_metric_t *m,
+                             const auvid_sample_t *cell)
 {
     const auvid_allocation_config_t *cfg = &u->allocation->cfg;
     auvid_real_t force[AUVID_MAX_THRUSTERS];
@@ -431,7 +430,6 @@ void auvid_uncertain_channels(auvid_uncertain_t *u, const auvid_metric_t *m,
     auvid_sample_t water = *cell; /* the motion through the water, as last estimated */
     auvid_zero(sum, sizeof sum);
     auvid_rotation(cell->phi, cell->theta, cell->psi, r);
-    uncertain_compare(u, m, cell);
     for (int k = 0; k < AUVID_UNCERTAIN_SHIFTS; ++k) {
         if (u->moved[k] != 0) {
             uncertain_shift(cell, r, k, &shift[k]);

@@ -35,6 +35,10 @@ enum {
 /** Lay out the columns of all equations. @return AUVID_OK; AUVID_ERR_SIZE */
 auvid_status_t auvid_uncertain_lay_out(auvid_uncertain_t *u, const auvid_metric_t *m);
 
+/** Compare the thrusters' forces of a cell with the wrench that was recorded. */
+void auvid_uncertain_compare(auvid_uncertain_t *u, const auvid_metric_t *m,
+                             const auvid_sample_t *cell);
+
 /** Compute the channels of a cell: the inputs of each equation, and last its thrust. */
 void auvid_uncertain_channels(auvid_uncertain_t *u, const auvid_metric_t *m,
                               const auvid_sample_t *cell);

@@ -5,7 +5,8 @@
  * the high band, as in auvid_metric_regressor.c. The work of a tick stays small: a cell is stored;
  * its channels are formed in a later tick, and added to the rows in another one, before the next
  * cell. A row is rotated in while the next one is formed, one band of a DoF in each call that has
- * nothing to do with a cell. Where there are none, cells do all of it.
+ * nothing to do with a cell, or adds one that completes no row. Where there are none, cells do all
+ * of it.
  */
 #include <string.h>
 
@@ -172,6 +173,7 @@ static void uncertain_cell(void *context, const auvid_metric_t *m, const auvid_s
     r->elapsed = AUVID_C(1.024e-3) / AUVID_UNCERTAIN_SAG_S * (auvid_real_t)elapsed;
     u->cell = *cell;
     auvid_uncertain_take_forces(u);
+    auvid_uncertain_compare(u, m, cell);
     r->n = place->n;
     r->slot = (uint8_t)place->slot;
     r->spread = place->spread;
@@ -197,7 +199,8 @@ bool auvid_uncertain_add_cell(auvid_identifier_t *id)
     int waits = u->recorded.waits;
     if (waits == UNCERTAIN_CELL) {
         uncertain_form_channels(u, m);
-    } else {
+    } else if (waits == UNCERTAIN_FORMED) {
+        uncertain_rotate_rows(u, u->recorded.completes ? 0 : 1);
         m->extra->finish(m->extra_context, m);
     }
     return waits != UNCERTAIN_NONE;
