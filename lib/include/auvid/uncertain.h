@@ -218,7 +218,8 @@ typedef struct {
                                                   the mean of both directions, relative to that;
                                                   backward so much smaller */
     auvid_real_t asymmetry_sigma[AUVID_DOF_COUNT]; /**< its standard deviation; 0: not known */
-    /* what a unit of it adds to linear and quadratic drag forward, then takes from them backward */
+    /* what a unit of it adds to linear and quadratic drag forward, then takes from them backward,
+       relative to the drag at 1 m/s or rad/s */
     auvid_real_t one_way[AUVID_DOF_COUNT][2][2];
     uint8_t order[AUVID_CAUSE_COUNT];       /**< the named classes; the first moves masses and drag
                                                  most: the largest share, where those of mounting,
@@ -318,7 +319,8 @@ typedef struct auvid_uncertain {
     auvid_uncertain_equation_t equation[AUVID_DOF_COUNT];
     uint8_t code[AUVID_UNCERTAIN_CHANNELS];   /* what each input is */
     uint16_t place[AUVID_UNCERTAIN_CHANNELS]; /* where its channel is, and that of the thrust */
-    uint8_t moved[AUVID_UNCERTAIN_SHIFTS + 1]; /* equations that input CURRENT_X + k changes */
+    uint8_t moved[AUVID_UNCERTAIN_SHIFTS];    /* equations that input CURRENT_X + k changes */
+    uint8_t fixes;       /* equations with a fixed parameter that is not 0, bit j */
     uint16_t section[5]; /* ends of the channels: none; of forces, formed from motion, then from
                             thrust; of moments likewise */
     /* state: from here on, see checkpoint.h */
@@ -333,6 +335,8 @@ typedef struct auvid_uncertain {
        over rows from before the first solution */
     auvid_real_t faded[2][AUVID_UNCERTAIN_OWN + 2 * AUVID_DOF_COUNT];
     auvid_real_t linear[AUVID_DOF_COUNT];        /* part of the drag at 1 m/s or rad/s */
+    auvid_real_t hidden[AUVID_DOF_COUNT][2];     /* linear and quadratic drag of the hull, more than
+                                                    that of its parameters: the asymmetry's */
     auvid_real_t half_m;                         /* half of the length, roughly [m] */
     auvid_real_t pi[AUVID_MAX_PARAMETERS];       /* last solution */
     auvid_real_t shared[AUVID_UNCERTAIN_SHARED]; /**< estimates by auvid_uncertain_input_t, valid
@@ -390,9 +394,11 @@ auvid_status_t auvid_uncertain_causes(const auvid_uncertain_t *u, auvid_causes_t
 #define auvid_causes_drag AUVID_SIZED(auvid_causes_drag)
 /** Drag force of one degree of freedom in one direction: as auvid_estimate_drag, whose force is
  * that of one curve for both directions, with the asymmetry of the hull. It is identifiable only if
- * that one is, too.
- * @param causes of the same estimate, else without asymmetry
- * @param estimate, vehicle, dof, speed, drag as in auvid_estimate_drag
+ * that one is, too. Where the asymmetry is not known (asymmetry_sigma 0), it is that of the curve:
+ * if inputs are contradicted, the model has no drag in this DoF, or the causes came by the bus.
+ * @param causes of the same estimate, else the asymmetry is not known
+ * @param estimate, vehicle, dof, speed, drag as in auvid_estimate_drag; the estimate may be one of
+ * auvid_calibrated_estimate
  * @return as auvid_estimate_drag. Cost: O(n), 0.7 thousand instructions of a Cortex-M4F for
  * Girona500. */
 auvid_status_t auvid_causes_drag(const auvid_causes_t *causes, const auvid_estimate_t *estimate,

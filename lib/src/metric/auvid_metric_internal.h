@@ -90,6 +90,12 @@ void auvid_metric_add_extra(const auvid_metric_t *m, const auvid_metric_place_t 
 /** Returns DoF j's regressor in the complete row at `slot`. */
 const auvid_real_t *auvid_metric_complete_row(const auvid_metric_t *m, uint32_t slot, int j);
 
+/** Returns the part of DoF j's wrench in this row that fixed parameters explain. */
+static inline auvid_real_t auvid_metric_fixed_wrench(const auvid_metric_t *m, uint32_t slot, int j)
+{
+    return m->rows.fixed_wrench[slot][j];
+}
+
 /** Larger entries of a row are treated as a fault. The squares of 60000 rows up to this limit are
  * finite in single precision. */
 #define METRIC_LARGEST_ENTRY AUVID_C(1e15)
@@ -147,6 +153,12 @@ static inline uint32_t auvid_metric_cell_us(const auvid_metric_t *m)
 /** Set the period of the velocity samples. Only before the first cell of a record, and not from or
  * to 0. */
 void auvid_metric_set_velocity_us(auvid_metric_t *m, uint32_t velocity_us);
+
+/** Returns the free parameters of DoF j's equation, a bit each. */
+static inline uint32_t auvid_metric_free_columns(const auvid_metric_t *m, int j)
+{
+    return m->layout.columns[j];
+}
 
 /** Order of DoF j's R factor: its parameters and the wrench at each delay; 0: not modelled. */
 static inline int auvid_metric_order(const auvid_metric_t *m, int j)

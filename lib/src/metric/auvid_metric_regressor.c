@@ -88,9 +88,8 @@ static int metric_section(const auvid_metric_t *m, int i)
            (i % 2 ? layout->count[j] + layout->count[j + 1] + layout->count[j + 2] : 0);
 }
 
-/* Returns the part of DoF j's wrench that fixed parameters explain. */
-static auvid_real_t metric_explained_by_fixed(const auvid_metric_t *m, int j,
-                                              const auvid_real_t *row)
+auvid_real_t auvid_metric_explained_by_fixed(const auvid_metric_t *m, int j,
+                                             const auvid_real_t *row)
 {
     auvid_real_t sum = AUVID_C(0.0);
     uint32_t fixed = m->cfg.vehicle->columns[j] & ~m->layout.columns[j];
@@ -127,7 +126,7 @@ static bool metric_row_channels(const auvid_metric_t *m, const auvid_regressor_t
         if (m->cfg.vehicle->columns[j] == 0) {
             continue;
         }
-        fixed[j] = metric_explained_by_fixed(m, j, y->row[j]);
+        fixed[j] = auvid_metric_explained_by_fixed(m, j, y->row[j]);
         any = any || auvid_abs(fixed[j]) > AUVID_C(0.0);
         const uint8_t *index = m->layout.index + m->layout.channel_at[j];
         for (int k = m->layout.count[j]; k > 0; --k) {

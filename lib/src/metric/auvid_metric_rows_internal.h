@@ -21,6 +21,10 @@ static inline const auvid_real_t *auvid_metric_delayed_inputs(const auvid_metric
     return m->rows.past_tau[now >= ago ? now - ago : now + METRIC_PAST - ago];
 }
 
+/** Returns the part of DoF j's wrench that fixed parameters explain. row: of the regressor */
+auvid_real_t auvid_metric_explained_by_fixed(const auvid_metric_t *m, int j,
+                                             const auvid_real_t *row);
+
 /** y += a x; four entries at a time, which halves the cost. */
 AUVID_INLINE void auvid_metric_add_scaled(auvid_real_t *y, auvid_real_t a, const auvid_real_t *x,
                                           int n)

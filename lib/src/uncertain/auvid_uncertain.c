@@ -350,6 +350,7 @@ auvid_status_t auvid_uncertain_start(auvid_uncertain_t *uncertain, const auvid_u
     memcpy(u->shared, known->shared, sizeof u->shared);
     memcpy(u->own, known->own, sizeof u->own);
     memcpy(u->linear, known->linear, sizeof u->linear);
+    memcpy(u->hidden, known->hidden, sizeof u->hidden);
     u->half_m = known->half_m;
     u->scale = known->scale;
     u->informed = 2;

@@ -114,8 +114,9 @@ static void causes_consider(uncertain_t *u, int j, int k)
     if (!(thrust > AUVID_C(0.0)) || !auvid_is_finite(share * sigma)) {
         return;
     }
-    auvid_real_t unit = causes_unit(u, code, j);
-    if (each && auvid_uncertain_find_one_way(u, j, k, unit)) {
+    auvid_real_t unit =
+        each ? auvid_uncertain_find_one_way(u, j, k, value) : causes_unit(u, code, j);
+    if (each) {
         u->work.causes.asymmetry[j] = unit * value;
         u->work.causes.asymmetry_sigma[j] = unit * sigma;
     }
@@ -196,7 +197,10 @@ void auvid_uncertain_publish_causes(auvid_uncertain_t *u)
     if (differs || u->contradicted) {
         u->causes.thrust_differs = differs;
         u->causes.contradicted = !differs;
-    } else if (!causes_are_bounded(u)) {
+    } else if (causes_are_bounded(u)) { /* the drag in one direction stays */
+        u->causes = u->work.causes;
+        memset(u->causes.cause, 0, sizeof u->causes.cause);
+    } else {
         u->causes = u->work.causes;
         causes_sort(&u->causes);
         for (int i = 0; i < u->id->metric.cfg.vehicle->parameters; ++i) {

@@ -34,6 +34,7 @@ static const auvid_checkpoint_limit_t checkpoint_limit_uncertain[] = {
     UP_TO(uncertain, rows, rows, AUVID_C(1e9)),
     FINITE(uncertain, faded, faded),
     UP_TO(uncertain, linear, linear, 1),
+    FINITE(uncertain, hidden, hidden),
     UP_TO(uncertain, half_m, half_m, AUVID_LARGEST),
     VALUE(uncertain, pi, own),
     UP_TO(uncertain, scale, scale, 2),

@@ -84,6 +84,20 @@ static void uncertain_place_channels(auvid_uncertain_t *u)
     }
 }
 
+/* Returns the equations with a fixed parameter that is not 0, a bit each. */
+static uint8_t uncertain_fixes(const auvid_metric_t *m)
+{
+    uint32_t dofs = 0;
+    for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
+        uint32_t fixed = m->cfg.vehicle->columns[j] & ~auvid_metric_free_columns(m, j);
+        for (int i = 0; i < m->cfg.vehicle->parameters; ++i) {
+            bool acts = (fixed >> i & 1u) != 0 && auvid_abs(m->cfg.fixed[i]) > AUVID_C(0.0);
+            dofs |= (acts ? 1u : 0u) << j;
+        }
+    }
+    return (uint8_t)dofs;
+}
+
 auvid_status_t auvid_uncertain_lay_out(auvid_uncertain_t *u, const auvid_metric_t *m)
 {
     uint32_t factor = 0, row = 0, channel = 0, own = 0, own_rows = 0;
@@ -124,6 +138,7 @@ auvid_status_t auvid_uncertain_lay_out(auvid_uncertain_t *u, const auvid_metric_
     for (int k = 0; k < AUVID_UNCERTAIN_SHIFTS; ++k) {
         u->moved[k] = auvid_uncertain_moved(u, m, AUVID_UNCERTAIN_CURRENT_X + k);
     }
+    u->fixes = uncertain_fixes(m);
     uncertain_place_channels(u);
     return AUVID_OK;
 }
@@ -216,6 +231,14 @@ static void uncertain_evaluate(const auvid_metric_t *m, const auvid_sample_t *sa
     m->cfg.vehicle->regressor(m->cfg.vehicle->context, sample, NULL, y);
 }
 
+/* Returns what fixed parameters explain of DoF j's wrench. */
+static auvid_real_t uncertain_fixed(const auvid_uncertain_t *u, const auvid_metric_t *m, int j,
+                                    const auvid_regressor_t *y)
+{
+    return (u->fixes >> j & 1u) == 0 ? AUVID_C(0.0)
+                                     : auvid_metric_explained_by_fixed(m, j, y->row[j]);
+}
+
 /* Write Y pi of the equations of these DoF, a bit each. */
 static void uncertain_multiply(const auvid_uncertain_t *u, const auvid_metric_t *m,
                                const auvid_regressor_t *y, uint32_t dofs,
@@ -224,7 +247,7 @@ static void uncertain_multiply(const auvid_uncertain_t *u, const auvid_metric_t 
     for (int j = 0; dofs >> j != 0; ++j) {
         const auvid_real_t *row = y->row[j], *pi = u->pi;
         const uint8_t *index = auvid_metric_row_parameters(m, j);
-        auvid_real_t sum = AUVID_C(0.0);
+        auvid_real_t sum = uncertain_fixed(u, m, j, y);
         int k = (dofs >> j & 1u) != 0 ? u->equation[j].order - 1 - u->equation[j].inputs : 0;
         for (; k > 0; --k, ++index) {
             sum += row[*index] * pi[*index];
@@ -305,16 +328,20 @@ static void uncertain_late_columns(const auvid_uncertain_t *u, const auvid_metri
     }
 }
 
-/* Write the channels by which the columns of DoF j's parameters change. */
+/* Write the channels by which the columns of DoF j's parameters change; of fixed ones the thrust
+ * does. */
 static void uncertain_move_parameters(auvid_uncertain_t *u, const auvid_metric_t *m, int j,
                                       const auvid_regressor_t *measured,
-                                      const auvid_regressor_t *water)
+                                      const auvid_regressor_t *water, auvid_real_t *thrust)
 {
     const auvid_uncertain_equation_t *e = &u->equation[j];
     const uint8_t *index = auvid_metric_row_parameters(m, j);
     const uint16_t *place = u->place + e->channel_at;
     for (int k = e->inputs + 1; k < auvid_uncertain_channels_of(u, j); ++k, ++index) {
         u->recorded.channel[place[k]] = water->row[j][*index] - measured->row[j][*index];
+    }
+    if ((AUVID_UNCERTAIN_PLANAR >> j & 1u) != 0) {
+        *thrust += uncertain_fixed(u, m, j, measured) - uncertain_fixed(u, m, j, water);
     }
 }
 
@@ -332,7 +359,7 @@ static void uncertain_motion_columns(auvid_uncertain_t *u, const auvid_metric_t 
         uncertain_late_columns(u, m, water, predicted, sum);
     }
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
-        uncertain_move_parameters(u, m, j, &y, &y_water);
+        uncertain_move_parameters(u, m, j, &y, &y_water, &sum[j][SUM_THRUST]);
     }
     for (int k = 0; k < AUVID_UNCERTAIN_SHIFTS; ++k) {
         uint32_t dofs = u->moved[k];

@@ -168,10 +168,9 @@ void auvid_uncertain_free(const auvid_uncertain_t *u, auvid_real_t pi[AUVID_MAX_
 /** Consider input k of DoF j as a cause. */
 void auvid_uncertain_consider(auvid_uncertain_t *u, int j, int k);
 
-/** Keep what DoF j's asymmetry, its input k, makes of the drag force in each direction.
- * @param unit of the asymmetry, per newton of its column
- * @return are these numbers? Else they are zero */
-bool auvid_uncertain_find_one_way(auvid_uncertain_t *u, int j, int k, auvid_real_t unit);
+/** Keep what DoF j's asymmetry, its input k with this value, makes of the drag in each direction.
+ * @return a unit of the asymmetry, per newton of its column; 0: it is not known */
+auvid_real_t auvid_uncertain_find_one_way(auvid_uncertain_t *u, int j, int k, auvid_real_t value);
 
 /** Drag force of the estimate in one direction, see auvid_causes_drag. */
 auvid_status_t auvid_uncertain_drag(const auvid_identifier_t *id, auvid_dof_t dof,

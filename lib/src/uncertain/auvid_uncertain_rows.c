@@ -73,9 +73,9 @@ static void uncertain_accumulate(void *context, uint32_t slot, bool begins,
     }
 }
 
-/* Take DoF j's row; regressor: NULL if it has none. */
+/* Take DoF j's row; regressor: NULL if it has none; fixed: wrench that fixed parameters explain. */
 static void uncertain_take_row(auvid_uncertain_t *u, int j, const auvid_real_t *regressor,
-                               uint32_t lag)
+                               auvid_real_t fixed, uint32_t lag)
 {
     auvid_uncertain_rows_t *r = &u->recorded;
     const auvid_uncertain_equation_t *e = &u->equation[j];
@@ -93,7 +93,7 @@ static void uncertain_take_row(auvid_uncertain_t *u, int j, const auvid_real_t *
     for (int k = e->inputs + 1; k < auvid_uncertain_channels_of(u, j); ++k) {
         row[k - 1] += channel[auvid_uncertain_channel(u, e, k)];
     }
-    row[e->order - 1] = channel[auvid_uncertain_channel(u, e, e->inputs)];
+    row[e->order - 1] = channel[auvid_uncertain_channel(u, e, e->inputs)] - fixed;
     if (auvid_all_within(row, e->order, METRIC_LARGEST_ENTRY) != AUVID_OK) {
         r->successive[j] = 0;
         return;
@@ -138,6 +138,7 @@ static void uncertain_finish(void *context, const auvid_metric_t *m)
     for (int j = 0; j < AUVID_DOF_COUNT && r->completes; ++j) {
         bool has = (r->dofs >> j & 1) != 0;
         uncertain_take_row(u, j, has ? auvid_metric_complete_row(m, r->complete, j) : NULL,
+                           auvid_metric_fixed_wrench(m, r->complete, j),
                            m->cfg.lag[j >= AUVID_ROLL]);
     }
     if (r->completes && r->counts) {

@@ -25,11 +25,12 @@ enum {
     PLANAR = AUVID_UNCERTAIN_PLANAR,
     ACTUATED = 1 << AUVID_DOF_COUNT,
     DRAGGED = ACTUATED << 1,
-    UNFORCED = ACTUATED << 2
+    SQUARE = ACTUATED << 2,
+    UNFORCED = ACTUATED << 3
 };
 
 /* Those of a model of roll or pitch. */
-#define TILTED_SHIFT (AUVID_DOF_COUNT + 3)
+#define TILTED_SHIFT (AUVID_DOF_COUNT + 4)
 #define TILTED(equations) ((equations) << TILTED_SHIFT)
 
 static bool table_acts(const auvid_uncertain_t *u, int thruster, int j)
@@ -37,14 +38,21 @@ static bool table_acts(const auvid_uncertain_t *u, int thruster, int j)
     return auvid_abs(u->allocation->cfg.thruster[thruster].wrench[j]) > AUVID_C(0.0);
 }
 
-/* Returns the parameter of this kind in DoF j's equation, -1: there is none. */
+static bool table_is_free(const auvid_metric_t *m, int i, int j)
+{
+    return (auvid_metric_free_columns(m, j) >> i & 1u) != 0;
+}
+
+/* Returns the parameter of this kind in DoF j's equation that is free, or fixed at another value
+ * than 0; -1: there is none. */
 static int table_parameter(const auvid_metric_t *m, auvid_parameter_kind_t kind, int j)
 {
-    auvid_equation_t e = auvid_metric_equation(m, j);
-    for (int k = 0; k < e.count; ++k) {
-        const auvid_parameter_t *p = &m->cfg.vehicle->parameter[e.index[k]];
-        if (p->kind == kind && (int)p->dof == j) {
-            return e.index[k];
+    const auvid_vehicle_t *vehicle = m->cfg.vehicle;
+    for (int i = 0; i < vehicle->parameters; ++i) {
+        const auvid_parameter_t *p = &vehicle->parameter[i];
+        if ((vehicle->columns[j] >> i & 1u) != 0 && p->kind == kind && (int)p->dof == j &&
+            (table_is_free(m, i, j) || auvid_abs(m->cfg.fixed[i]) > AUVID_C(0.0))) {
+            return i;
         }
     }
     return -1;
@@ -59,9 +67,12 @@ static bool table_tilts(const auvid_metric_t *m)
 static int table_properties(const auvid_uncertain_t *u, const auvid_metric_t *m, int j)
 {
     int is = 1 << j;
-    is |= table_parameter(m, AUVID_PARAMETER_QUADRATIC_DRAG, j) >= 0 ? DRAGGED : 0;
-    bool unforced = table_parameter(m, AUVID_PARAMETER_FORCE, j) < 0 && !auvid_uncertain_tilts(j);
-    is |= unforced ? UNFORCED : 0;
+    bool square = table_parameter(m, AUVID_PARAMETER_QUADRATIC_DRAG, j) >= 0;
+    is |= square ? SQUARE : 0;
+    is |= square || table_parameter(m, AUVID_PARAMETER_LINEAR_DRAG, j) >= 0 ? DRAGGED : 0;
+    int force = table_parameter(m, AUVID_PARAMETER_FORCE, j);
+    bool forced = (force >= 0 && table_is_free(m, force, j)) || auvid_uncertain_tilts(j);
+    is |= forced ? 0 : UNFORCED;
     is |= table_tilts(m) ? TILTED(1 << j) : 0;
     for (int i = 0; i < u->allocation->cfg.thrusters; ++i) {
         is |= table_acts(u, i, j) ? ACTUATED : 0;
@@ -95,13 +106,36 @@ bool auvid_uncertain_of_hull(const auvid_metric_t *m, int input)
 
 /* ---- priors ---- */
 
-/* Size of the last estimate of this kind in DoF j; drag that drives counts as none. */
+/* Value of this kind in DoF j, last estimated or fixed. */
+static auvid_real_t table_value(const auvid_uncertain_t *u, const auvid_metric_t *m,
+                                auvid_parameter_kind_t kind, int j)
+{
+    int p = table_parameter(m, kind, j);
+    return p < 0 ? AUVID_C(0.0) : table_is_free(m, p, j) ? u->pi[p] : m->cfg.fixed[p];
+}
+
+/* Its size; drag that drives counts as none. */
 static auvid_real_t table_size(const auvid_uncertain_t *u, const auvid_metric_t *m,
                                auvid_parameter_kind_t kind, int j)
 {
-    int p = table_parameter(m, kind, j);
-    auvid_real_t value = p < 0 ? AUVID_C(0.0) : u->pi[p];
+    auvid_real_t value = table_value(u, m, kind, j);
     return auvid_max(auvid_vehicle_is_drag(kind) ? -value : value, AUVID_C(0.0));
+}
+
+auvid_real_t auvid_uncertain_mean_drag(const auvid_uncertain_t *u, const auvid_metric_t *m, int j)
+{
+    return -table_value(u, m, AUVID_PARAMETER_LINEAR_DRAG, j) -
+           table_value(u, m, AUVID_PARAMETER_QUADRATIC_DRAG, j);
+}
+
+void auvid_uncertain_hull_drag(const auvid_uncertain_t *u, const auvid_metric_t *m, int j,
+                               auvid_real_t size[2])
+{
+    static const auvid_parameter_kind_t kind[2] = {AUVID_PARAMETER_LINEAR_DRAG,
+                                                   AUVID_PARAMETER_QUADRATIC_DRAG};
+    for (int d = 0; d < 2; ++d) {
+        size[d] = auvid_max(u->hidden[j][d] - table_value(u, m, kind[d], j), AUVID_C(0.0));
+    }
 }
 
 auvid_real_t auvid_uncertain_half_length(const auvid_uncertain_t *u, const auvid_metric_t *m)
@@ -135,15 +169,17 @@ static auvid_real_t table_dead_band(const auvid_uncertain_t *u, const auvid_metr
 static auvid_real_t table_asymmetry(const auvid_uncertain_t *u, const auvid_metric_t *m,
                                     auvid_real_t deviation, int j)
 {
-    return deviation * (table_size(u, m, AUVID_PARAMETER_LINEAR_DRAG, j) +
-                        table_size(u, m, AUVID_PARAMETER_QUADRATIC_DRAG, j));
+    auvid_real_t size[2];
+    auvid_uncertain_hull_drag(u, m, j, size);
+    return deviation * (size[0] + size[1]);
 }
 
 auvid_real_t auvid_uncertain_linear_part(const auvid_uncertain_t *u, const auvid_metric_t *m, int j)
 {
-    auvid_real_t linear = table_size(u, m, AUVID_PARAMETER_LINEAR_DRAG, j);
-    auvid_real_t drag = linear + table_size(u, m, AUVID_PARAMETER_QUADRATIC_DRAG, j);
-    return drag > AUVID_C(0.0) ? linear / drag : AUVID_C(0.0);
+    auvid_real_t size[2];
+    auvid_uncertain_hull_drag(u, m, j, size);
+    auvid_real_t drag = size[0] + size[1];
+    return drag > AUVID_C(0.0) ? size[0] / drag : AUVID_C(0.0);
 }
 
 /* Of the largest wrench. */

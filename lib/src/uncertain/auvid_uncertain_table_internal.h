@@ -57,11 +57,11 @@ enum {
  *   deviation  member of auvid_uncertain_config_t; 0: there is no column
  *   from       INPUT_FROM_<from>
  *   equations  of which DoF: a sum of names; or of those with thrust
- *              (ACTUATED), quadratic drag (DRAGGED), no constant force as parameter (UNFORCED; in
- *              roll and pitch it is that of the weight), or in a model of roll or pitch only
- *              (TILTED): where the model has neither, both are small. With an arm ahead turns of
- *              pitch look like heave, and with a DVL at an angle speed does, which turns a vehicle
- *              that moves ahead (Munk moment)
+ *              (ACTUATED), drag (DRAGGED), quadratic drag (SQUARE), no constant force as free
+ *              parameter (UNFORCED; in roll and pitch it is that of the weight), or in a model of
+ *              roll or pitch only (TILTED): where the model has neither, both are small. With an
+ *              arm ahead turns of pitch look like heave, and with a DVL at an angle speed does,
+ *              which turns a vehicle that moves ahead (Munk moment)
  *   prior      the column's standard deviation: AS_CONFIGURED, or by a function of
  *              auvid_uncertain_table.c; then the cause's value is in the unit of the COLUMN(), or
  *              RELATIVE(), as configured
@@ -133,7 +133,7 @@ enum {
     ROW(INPUT_PORT, gravity_m, WEIGHT, ROLL + YAW, RELATIVE(table_weight), MOUNTING,               \
         "the centre of gravity is to port, by ", "the centre of gravity is to starboard, by ",     \
         "m", UNCERTAIN_TRIM)                                                                       \
-    ROW(INPUT_CROSS_FLOW, cross_flow, HULL, DRAGGED, RELATIVE(table_cross_flow), INFLOW,           \
+    ROW(INPUT_CROSS_FLOW, cross_flow, HULL, SQUARE, RELATIVE(table_cross_flow), INFLOW,            \
         "drag grows with the speed of the other axes", "drag falls with the speed of the others",  \
         NULL, "the model's drag is that of each axis alone")
 
@@ -162,6 +162,15 @@ static inline const auvid_uncertain_row_t *auvid_uncertain_row(int input)
 
 /** Returns the configured standard deviation of an input. */
 auvid_real_t auvid_uncertain_configured(const auvid_uncertain_t *u, int input);
+
+/** Returns DoF j's drag at 1 m/s or rad/s, of one curve for both directions, by the last solution.
+ */
+auvid_real_t auvid_uncertain_mean_drag(const auvid_uncertain_t *u, const auvid_metric_t *m, int j);
+
+/** Write linear and quadratic drag of DoF j's hull: those of the last solution, with what the
+ * asymmetry has of them. */
+void auvid_uncertain_hull_drag(const auvid_uncertain_t *u, const auvid_metric_t *m, int j,
+                               auvid_real_t size[2]);
 
 /** Returns the linear part of DoF j's drag at 1 m/s or rad/s, by the last solution. */
 auvid_real_t auvid_uncertain_linear_part(const auvid_uncertain_t *u, const auvid_metric_t *m,

@@ -153,8 +153,8 @@ static void test_the_reported_drag_is_that_of_each_direction(void)
     e->pi[AUVID_G500_X_UU] = AUVID_C(-100.0);
     uncertain.causes.asymmetry[AUVID_SURGE] = AUVID_C(0.1);
     uncertain.causes.asymmetry_sigma[AUVID_SURGE] = AUVID_C(0.01);
-    uncertain.causes.one_way[AUVID_SURGE][0][1] = AUVID_C(100.0);
-    uncertain.causes.one_way[AUVID_SURGE][1][1] = AUVID_C(100.0);
+    uncertain.causes.one_way[AUVID_SURGE][0][1] = AUVID_C(1.0);
+    uncertain.causes.one_way[AUVID_SURGE][1][1] = AUVID_C(1.0);
     for (int tick = 0; tick < 24 * CYCLE && points < 6; ++tick) {
         TEST_ASSERT_EQUAL(AUVID_OK, auvid_node_report(&node, 0, frame, &count));
         for (int i = 0; i < count; ++i) {

@@ -150,6 +150,27 @@ static void test_the_dead_band_is_relative_to_the_largest_force_in_either_direct
 }
 
 /* It depends on the thrusters, which set tau_max only when they are attached. */
+/* Of surge: has it asymmetry and cross-flow drag if these are fixed? */
+static void expect_drag_inputs(bool linear, double square, bool asymmetry, bool cross_flow)
+{
+    const auvid_metric_t *m = &chain.id.metric;
+    cfg.id.metric.free &= ~(1u << AUVID_G500_X_U | 1u << AUVID_G500_X_UU);
+    cfg.id.metric.free |= linear ? 1u << AUVID_G500_X_U : 0u;
+    cfg.id.metric.fixed[AUVID_G500_X_UU] = (auvid_real_t)square;
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&chain.id, &cfg.id));
+    TEST_ASSERT_EQUAL(AUVID_OK, attach());
+    TEST_ASSERT_EQUAL(asymmetry, auvid_uncertain_has(&storage, m, INPUT_ASYMMETRY, AUVID_SURGE));
+    TEST_ASSERT_EQUAL(cross_flow, auvid_uncertain_has(&storage, m, INPUT_CROSS_FLOW, AUVID_SURGE));
+}
+
+static void test_drag_that_is_fixed_has_its_uncertain_inputs_if_it_is_not_zero(void)
+{
+    expect_drag_inputs(true, 0.0, true, false);
+    expect_drag_inputs(true, -100.0, true, true);
+    expect_drag_inputs(false, -100.0, true, true);
+    expect_drag_inputs(false, 0.0, false, false);
+}
+
 static void test_the_first_length_is_that_of_the_thrusters(void)
 {
     auvid_allocation_config_t short_arms = cfg.thrusters;
@@ -283,6 +304,7 @@ int main(void)
     RUN_TEST(test_a_prior_out_of_range_is_refused);
     RUN_TEST(test_thrusters_that_are_not_initialised_are_refused);
     RUN_TEST(test_the_dead_band_is_relative_to_the_largest_force_in_either_direction);
+    RUN_TEST(test_drag_that_is_fixed_has_its_uncertain_inputs_if_it_is_not_zero);
     RUN_TEST(test_the_first_length_is_that_of_the_thrusters);
     RUN_TEST(test_more_columns_than_there_is_room_for_are_refused);
 #if AUVID_MAX_THRUSTERS >= 8

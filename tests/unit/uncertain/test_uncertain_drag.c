@@ -22,13 +22,13 @@ void tearDown(void)
 {
 }
 
-/* Of all directions and speeds: how many mean forces are off by more than a tenth; how many forces
- * in one direction are. Each is identifiable, and the latter within its half-width. */
-static void count_off(int off[2])
+/* Of so many directions, at all speeds: how many mean forces are off by more than a tenth; how many
+ * forces in one direction are. Each is identifiable, and the latter within its half-width. */
+static void count_off(int directions, int off[2])
 {
     off[0] = off[1] = 0;
     for (int k = 1; k < FIELD_PARTS; ++k) {
-        for (int d = 0; d < FIELD_DIRECTIONS; ++d) {
+        for (int d = 0; d < directions; ++d) {
             double speed = field_part[k] * record.truth.speed[d / 2][d % 2];
             double truth = field_drag(record.truth.one_way[d % 2], d / 2, d % 2 ? -speed : speed);
             const field_force_t *force = &record.one_way[k][d];
@@ -48,10 +48,80 @@ static void test_each_direction_of_an_asymmetric_hull_has_its_own_drag(void)
         prepare((field_vehicle_t)vehicle, FIELD_EXCITED, 4);
         choose("drag_asymmetry", 0.2);
         identify();
-        count_off(off);
+        count_off(FIELD_DIRECTIONS, off);
         TEST_ASSERT_GREATER_THAN(2 * FIELD_DIRECTIONS / 2, off[0]);
         TEST_ASSERT_EQUAL(0, off[1]);
     }
+}
+
+/* Of a hull that has half of its drag more forward than backward, or the other way round. */
+static void test_the_asymmetry_is_that_of_the_hull(void)
+{
+    for (int vehicle = 0; vehicle < FIELD_ANY; ++vehicle) {
+        prepare((field_vehicle_t)vehicle, FIELD_EXCITED, 4);
+        choose("drag_asymmetry", 0.4);
+        identify();
+        for (int e = 0; e < FIELD_EQUATIONS; ++e) {
+            int j = field_dof(e);
+            double truth = run.field.hull.asymmetry[j];
+            TEST_ASSERT_DOUBLE_WITHIN(0.05, truth, (double)record.causes.asymmetry[j]);
+        }
+    }
+}
+
+static int chosen;
+static double given;
+
+static bool fix_chosen(auvid_identifier_config_t *cfg)
+{
+    cfg->metric.free &= ~(1u << chosen);
+    cfg->metric.fixed[chosen] = (auvid_real_t)given;
+    return true;
+}
+
+static void test_a_parameter_that_is_known_leaves_the_others_right(void)
+{
+    static const int known[] = {AUVID_G500_M_U, AUVID_G500_W_B, AUVID_G500_X_U, AUVID_G500_X_UU};
+    field_sheet_t sheet;
+    field_sheet(FIELD_GIRONA500, 6, &sheet);
+    for (size_t k = 0; k < sizeof known / sizeof known[0]; ++k) {
+        prepare(FIELD_GIRONA500, FIELD_EXCITED, 6);
+        chosen = known[k];
+        given = sheet.parameter[chosen];
+        choose("current", 0.08);
+        field.configure = fix_chosen;
+        identify();
+        TEST_ASSERT_FALSE(record.estimated[chosen]);
+        for (int i = 0; i < SIM_PARAMETERS; ++i) {
+            if (record.flagged[i]) {
+                TEST_ASSERT_DOUBLE_WITHIN_MESSAGE(0.06, 0.0, error(i),
+                                                  auvid_girona500.parameter[i].name);
+            }
+        }
+        TEST_ASSERT_TRUE(record.flagged[AUVID_G500_M_V] && record.flagged[AUVID_G500_Z_WW]);
+    }
+}
+
+static bool bound_chosen(auvid_identifier_config_t *cfg)
+{
+    cfg->search.lower[chosen] = (auvid_real_t)given;
+    return true;
+}
+
+/* Then no cause is named, but each direction still has its own drag. */
+static void test_a_bound_leaves_the_asymmetry(void)
+{
+    int off[2];
+    prepare(FIELD_GIRONA500, FIELD_EXCITED, 4);
+    choose("drag_asymmetry", 0.2);
+    chosen = AUVID_G500_N_RR;
+    given = -15.0; /* the truth is -61 */
+    field.configure = bound_chosen;
+    identify();
+    TEST_ASSERT_EQUAL(AUVID_NOTE_AT_BOUND, record.note[AUVID_G500_N_RR]);
+    TEST_ASSERT_EQUAL(0, record.causes.named);
+    count_off(2, off); /* of surge */
+    TEST_ASSERT_TRUE(off[0] >= 3 && off[1] == 0);
 }
 
 /* It looks like asymmetry: the half-widths contain it. */
@@ -61,7 +131,7 @@ static void test_weaker_backward_thrust_is_within_the_half_width(void)
     prepare(FIELD_GIRONA500, FIELD_EXCITED, 5);
     choose("thrust_backward", 0.05);
     identify();
-    count_off(off);
+    count_off(FIELD_DIRECTIONS, off);
 }
 
 /* Place of a variance in the packed covariance. */
@@ -86,10 +156,10 @@ static void use_known_estimate(void)
     estimate.covariance[variance_of(quadratic)] = AUVID_C(9.0);
     causes.asymmetry[AUVID_SURGE] = AUVID_C(0.1);
     causes.asymmetry_sigma[AUVID_SURGE] = AUVID_C(0.02);
-    causes.one_way[AUVID_SURGE][0][0] = AUVID_C(21.0);
-    causes.one_way[AUVID_SURGE][0][1] = AUVID_C(42.0);
-    causes.one_way[AUVID_SURGE][1][0] = AUVID_C(19.0);
-    causes.one_way[AUVID_SURGE][1][1] = AUVID_C(38.0);
+    causes.one_way[AUVID_SURGE][0][0] = AUVID_C(0.35);
+    causes.one_way[AUVID_SURGE][0][1] = AUVID_C(0.7);
+    causes.one_way[AUVID_SURGE][1][0] = AUVID_C(0.32);
+    causes.one_way[AUVID_SURGE][1][1] = AUVID_C(0.64);
 }
 
 static void surge_at(double speed)
@@ -104,7 +174,7 @@ static void test_force_and_its_half_width_follow_the_asymmetry(void)
 {
     for (int backward = 0; backward < 2; ++backward) {
         double v = backward ? -0.5 : 0.5, square = backward ? -0.25 : 0.25;
-        double column = backward ? 19.0 * 0.5 + 38.0 * 0.25 : 21.0 * 0.5 + 42.0 * 0.25;
+        double column = backward ? 19.2 * 0.5 + 38.4 * 0.25 : 21.0 * 0.5 + 42.0 * 0.25;
         double base = -20.0 * v - 40.0 * square, force = base - 0.1 * column;
         double scale = fmax(force / base, 1.0), own = 0.02 * column;
         use_known_estimate();
@@ -148,6 +218,23 @@ static void test_what_is_not_known_changes_nothing(void)
     use_known_estimate();
     causes.number = 2; /* of another estimate */
     the_mean_is_taken();
+}
+
+/* As auvid_calibrated_estimate does. */
+static void test_forces_of_an_estimate_in_other_newtons_are_in_these(void)
+{
+    use_known_estimate();
+    surge_at(-0.7);
+    auvid_drag_t supplied = drag;
+    for (int i = AUVID_G500_X_U; i <= AUVID_G500_X_UU; ++i) {
+        estimate.pi[i] *= AUVID_C(0.5);
+        estimate.covariance[variance_of(i)] *= AUVID_C(0.25);
+        estimate.confidence.thrust_error[i] *= AUVID_C(0.5);
+        estimate.confidence.dvl_error[i] *= AUVID_C(0.5);
+    }
+    surge_at(-0.7);
+    TEST_ASSERT_FLOAT_WITHIN(1e-4, 0.5 * supplied.force, drag.force);
+    TEST_ASSERT_FLOAT_WITHIN(1e-4, 0.5 * supplied.sigma, drag.sigma);
 }
 
 static void test_an_unknown_error_stays_unknown(void)
@@ -201,10 +288,14 @@ int main(void)
 {
     UNITY_BEGIN();
     RUN_TEST(test_each_direction_of_an_asymmetric_hull_has_its_own_drag);
+    RUN_TEST(test_the_asymmetry_is_that_of_the_hull);
+    RUN_TEST(test_a_parameter_that_is_known_leaves_the_others_right);
+    RUN_TEST(test_a_bound_leaves_the_asymmetry);
     RUN_TEST(test_weaker_backward_thrust_is_within_the_half_width);
     RUN_TEST(test_force_and_its_half_width_follow_the_asymmetry);
     RUN_TEST(test_the_limit_is_a_fifth_of_the_force_in_this_direction);
     RUN_TEST(test_what_is_not_known_changes_nothing);
+    RUN_TEST(test_forces_of_an_estimate_in_other_newtons_are_in_these);
     RUN_TEST(test_an_unknown_error_stays_unknown);
     RUN_TEST(test_motion_in_one_direction_shows_its_own_drag);
     RUN_TEST(test_errors_are_those_of_the_estimate);

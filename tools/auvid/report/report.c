@@ -66,8 +66,13 @@ void report_add_truth(result_t *result, const vehicle_sim_t *vehicle_sim)
     double truth[VEHICLE_SIM_PARAMETERS];
     vehicle_sim_truth(vehicle_sim, truth);
     result->has_truth = true;
-    if (vehicle_sim->causes.number > 0) {
+    if (vehicle_sim->causes.number > 0) { /* what the bus says, which has no asymmetry */
+        const auvid_causes_t own = result->causes;
         result->causes = vehicle_sim->causes;
+        result->causes.number = own.number;
+        memcpy(result->causes.asymmetry, own.asymmetry, sizeof own.asymmetry);
+        memcpy(result->causes.asymmetry_sigma, own.asymmetry_sigma, sizeof own.asymmetry_sigma);
+        memcpy(result->causes.one_way, own.one_way, sizeof own.one_way);
     }
     for (int i = 0; i < result->vehicle->parameters; ++i) {
         result->truth[i] = truth[i];
