@@ -192,6 +192,9 @@ add(["thruster_%d" % k for k in range(1, 6)], lambda y: [c * 16 / sag(y) for c i
 add(["voltage_V"], lambda y: [sag(y)]); drop(*WRENCH)' <train.csv >voltage.csv
 check "commands at a voltage that sags" \
     form 0 plain.json 1e-3 voltage.csv --vehicle voltage.ini --plain
+voltage() { "$AUVID" check voltage.csv --vehicle "$1" | grep -c 'warning  *voltage_V falls'; }
+check "  and no warning where the file knows the voltage" \
+    test "$(voltage girona500) $(voltage voltage.ini)" = "1 0"
 sed 's/^map = signed-square/map = signed-square\ndelay_s = 0.1/' \
     "$ROOT/tools/auvid/vehicles/girona500.ini" >late.ini
 change "$commands"'

@@ -119,7 +119,8 @@ enum {
     ROW(AUVID_UNCERTAIN_GAIN, gain, GAIN, ACTUATED, AS_CONFIGURED, COUNT, NULL, NULL, NULL, NULL)  \
     ROW(INPUT_DELAY, delay_s, THRUST, ACTUATED, AS_CONFIGURED, TIMING, UNCERTAIN_TIMING)           \
     ROW(INPUT_ASYMMETRY, asymmetry, HULL, DRAGGED, RELATIVE(table_asymmetry), ASYMMETRY,           \
-        "drag is larger forward, by ", "drag is smaller forward, by ", "%",                        \
+        "drag is larger in the positive direction, by ",                                           \
+        "drag is smaller in the positive direction, by ", "%",                                     \
         "the model's is the mean of both directions")                                              \
     ROW(INPUT_FORCE, force, HULL, UNFORCED, COLUMN(table_force), MOUNTING,                         \
         "a constant force acts, of ", "a constant force acts, of -", "N", UNCERTAIN_MOUNT)         \

@@ -324,6 +324,27 @@ static void test_heave_that_pitches_the_vehicle_is_no_reversed_thruster(void)
     TEST_ASSERT_EQUAL_MESSAGE(0, count(DOCTOR_ERROR), doctor.finding[0].text);
 }
 
+/* Errors of the thrusters' positions make such a moment, and its sign is not certain. */
+static void test_a_moment_that_the_model_does_not_need_is_no_error(void)
+{
+    static vehicle_t vehicle;
+    static auvid_vehicle_t pitches;
+    vehicle = *with_corners();
+    to_thrusters_of(&vehicle);
+    scale(CSV_NU + 4, -1.0);
+    scale(CSV_ATTITUDE + 1, -1.0);
+    has[CSV_POSITION + 2] = false;
+    examine_thrusters();
+    TEST_ASSERT_NOT_NULL(finding(DOCTOR_EITHER_SIGN));
+    TEST_ASSERT_EQUAL(DOCTOR_WARNING, finding(DOCTOR_EITHER_SIGN)->severity);
+    TEST_ASSERT_NOT_NULL(strstr(finding(DOCTOR_EITHER_SIGN)->text, "positions of the thrusters"));
+    pitches = *vehicle.model;
+    pitches.columns[AUVID_PITCH] = 1u;
+    vehicle.model = &pitches;
+    examine_thrusters();
+    TEST_ASSERT_EQUAL(DOCTOR_ERROR, finding(DOCTOR_EITHER_SIGN)->severity);
+}
+
 static void test_a_thruster_that_never_runs_is_named(void)
 {
     to_thrusters_of(with_corners());
@@ -463,6 +484,7 @@ int main(void)
     RUN_TEST(test_exchanged_forces_of_thrusters_have_no_columns);
     RUN_TEST(test_exchanged_thrusters_that_tilt_are_only_a_warning);
     RUN_TEST(test_heave_that_pitches_the_vehicle_is_no_reversed_thruster);
+    RUN_TEST(test_a_moment_that_the_model_does_not_need_is_no_error);
     RUN_TEST(test_a_thruster_that_never_runs_is_named);
     RUN_TEST(test_thrusters_that_come_rarely_are_slow);
     RUN_TEST(test_a_column_without_values_is_an_error);

@@ -272,6 +272,16 @@ bool doctor_is_pulse(const doctor_column_t *c)
     return c->n > 0.0 && c->min > PWM_MIN && c->max < PWM_MAX;
 }
 
+/* Is the voltage in the thrust, as the vehicle file says? */
+static bool thrust_follows_voltage(const doctor_t *d)
+{
+    bool follows = false;
+    for (int k = 0; d->use != NULL && d->use->vehicle != NULL && k < d->use->vehicle->maps; ++k) {
+        follows = follows || d->use->map[k].voltage_exponent > 0.0;
+    }
+    return follows;
+}
+
 static void find_limits(doctor_t *d)
 {
     for (int j = 0; j < 6 && d->inputs >= 0; ++j) {
@@ -291,7 +301,8 @@ static void find_limits(doctor_t *d)
         }
     }
     const doctor_column_t *v = &d->column[CSV_VOLTAGE];
-    if (d->has[CSV_VOLTAGE] && v->max > 0.0 && v->max - v->min > SAG * v->max) {
+    if (d->has[CSV_VOLTAGE] && !thrust_follows_voltage(d) && v->max > 0.0 &&
+        v->max - v->min > SAG * v->max) {
         doctor_add(d, DOCTOR_WARNING, DOCTOR_VOLTAGE, CSV_VOLTAGE, -1, NULL,
                    "voltage_V falls from %.1f to %.1f: thrust at a command falls with it: log the "
                    "thrust computed with the voltage",

@@ -240,6 +240,14 @@ static int velocity_is_wrong(const doctor_t *d, int j)
     return j == 5 && d->has[CSV_ATTITUDE + 2] ? -1 : 0;
 }
 
+/* Are the moments those of the thrusters, about an axis that the model has not? A few millimetres
+ * in their positions make them. */
+static bool moment_is_incidental(const doctor_t *d, int j)
+{
+    return d->use != NULL && d->use->vehicle != NULL && (j == 3 || j == 4) &&
+           d->use->vehicle->model->columns[j] == 0;
+}
+
 static void find_sign(doctor_t *d, int j)
 {
     const doctor_range_t *r = &d->pushed[j];
@@ -259,6 +267,11 @@ static void find_sign(doctor_t *d, int j)
         doctor_add(d, DOCTOR_ERROR, DOCTOR_INPUT_SIGN, d->inputs + j, CSV_NU + j, r,
                    "%s has the wrong sign: %s accelerates against it%s: %s", input, velocity, where,
                    d->use != NULL ? "reverse its thrusters, or exchange them" : "change its sign");
+    } else if (moment_is_incidental(d, j)) {
+        doctor_add(d, DOCTOR_WARNING, DOCTOR_EITHER_SIGN, d->inputs + j, CSV_NU + j, r,
+                   "%s accelerates against %s%s: its sign is wrong, or the positions of the "
+                   "thrusters are not exact; the model does not need it",
+                   velocity, input, where);
     } else {
         doctor_add(d, DOCTOR_ERROR, DOCTOR_EITHER_SIGN, d->inputs + j, CSV_NU + j, r,
                    "%s accelerates against %s%s: one of them has the wrong sign: change it",

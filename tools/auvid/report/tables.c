@@ -160,7 +160,7 @@ static void drag_row(const result_t *result, auvid_dof_t j, bool backward)
     putchar('\n');
 }
 
-/* The rows above contain it. */
+/* The forces above contain it. */
 static void print_asymmetry(const result_t *result)
 {
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
