@@ -120,8 +120,7 @@ enum {
     ROW(INPUT_DELAY, delay_s, THRUST, ACTUATED, AS_CONFIGURED, TIMING, UNCERTAIN_TIMING)           \
     ROW(INPUT_ASYMMETRY, asymmetry, HULL, DRAGGED, RELATIVE(table_asymmetry), ASYMMETRY,           \
         "drag is larger in the positive direction, by ",                                           \
-        "drag is smaller in the positive direction, by ", "%",                                     \
-        "the model's is the mean of both directions")                                              \
+        "drag is smaller in the positive direction, by ", "%", "the model's is the mean of both")  \
     ROW(INPUT_FORCE, force, HULL, UNFORCED, COLUMN(table_force), MOUNTING,                         \
         "a constant force acts, of ", "a constant force acts, of -", "N", UNCERTAIN_MOUNT)         \
     ROW(INPUT_CROSS, cross, HULL, SWAY + YAW, RELATIVE(table_cross), MOUNTING,                     \
