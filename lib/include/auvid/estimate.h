@@ -257,9 +257,10 @@ auvid_real_t auvid_estimate_covariance(const auvid_estimate_t *estimate,
  *
  * over the parameters of the kinds AUVID_PARAMETER_LINEAR_DRAG and _QUADRATIC_DRAG of this `dof`.
  * C, d_thrust and d_dvl are the estimate's covariance, confidence.thrust_error and .dvl_error.
- * Linear and quadratic drag are correlated: F may be known although neither of them is. Drag by
- * velocities of other DoF is not included. If the model has a current, the speed is that through
- * the water, but the largest speed in the data is the recorded one.
+ * Linear and quadratic drag are correlated: F may be known although neither of them is. It is the
+ * force of a motion like the recorded one: where other DoF moved, too, it contains the cross-flow
+ * drag that they added. If the model has a current, the speed is that through the water, but the
+ * largest speed in the data is the recorded one.
  * @param vehicle the estimate's model; averaged models, current.h and thrusters.h keep the
  * hull's drag
  * @param speed [m/s, rad/s], < 0: backward; up to +-AUVID_RECORDER_LARGEST. Reliable from 0.3 to 1
@@ -267,8 +268,8 @@ auvid_real_t auvid_estimate_covariance(const auvid_estimate_t *estimate,
  * @param drag written if AUVID_OK. A fixed parameter is exact; an unknown standard error makes
  * sigma and half_width AUVID_LARGEST
  * @return AUVID_OK; AUVID_ERR_NULL; AUVID_ERR_NO_DATA (no estimate yet); AUVID_ERR_NOT_FINITE
- * (speed); AUVID_ERR_RANGE (speed; the model has no drag in this DoF). Cost: O(n), 560 instructions
- * of a Cortex-M4F for Girona500. */
+ * (speed); AUVID_ERR_RANGE (speed; the model has no drag in this DoF). Cost: O(n), at most 0.8
+ * thousand instructions of a Cortex-M4F for Girona500. */
 auvid_status_t auvid_estimate_drag(const auvid_estimate_t *estimate, const auvid_vehicle_t *vehicle,
                                    auvid_dof_t dof, auvid_real_t speed, auvid_drag_t *drag);
 

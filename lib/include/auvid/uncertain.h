@@ -399,8 +399,8 @@ auvid_status_t auvid_uncertain_causes(const auvid_uncertain_t *u, auvid_causes_t
  * @param causes of the same estimate, else the asymmetry is not known
  * @param estimate, vehicle, dof, speed, drag as in auvid_estimate_drag; the estimate may be one of
  * auvid_calibrated_estimate
- * @return as auvid_estimate_drag. Cost: O(n), 0.7 thousand instructions of a Cortex-M4F for
- * Girona500. */
+ * @return as auvid_estimate_drag; AUVID_ERR_NULL also for causes. Cost: O(n), at most 1.7 thousand
+ * instructions of a Cortex-M4F for Girona500. */
 auvid_status_t auvid_causes_drag(const auvid_causes_t *causes, const auvid_estimate_t *estimate,
                                  const auvid_vehicle_t *vehicle, auvid_dof_t dof,
                                  auvid_real_t speed, auvid_drag_t *drag);

@@ -28,6 +28,7 @@ auvid_real_t auvid_uncertain_find_one_way(auvid_uncertain_t *u, int j, int k, au
     auvid_uncertain_hull_drag(u, m, j, size);
     auvid_real_t hull = size[0] + size[1], unit = hull / auvid_uncertain_mean_drag(u, m, j);
     if (!(hull > AUVID_C(0.0)) || !auvid_is_finite(unit)) {
+        auvid_clear(u->hidden[j], 2);
         return AUVID_C(0.0);
     }
     for (int d = 0; d < 2; ++d) {
