@@ -42,6 +42,19 @@ check "a known force makes nothing of a wrong log identifiable" \
     exits 3 fit reversed.csv --vehicle dive.ini --json
 check "  nor any drag force" sh -c '! grep -q "\"identifiable\": true" out'
 
+# ---- the dry mass is in SI, like the weight ----
+"$AUVID" demo --vehicle dive.ini --seed 1 --disturbance 1 --csv log.csv --json >demo.json
+awk -F, -v OFS=, 'NR > 1 { for (i = 11; i <= 16; ++i) $i *= 0.5 } { print }' log.csv >half.csv
+sed 's/^model = .*/&\ndry_mass_kg = 240/' dive.ini >dry.ini
+check "thrust told half as strong, with the dry mass" exits 0 fit half.csv --vehicle dry.ini --json
+check "  makes no mass impossible" is out '
+assert error("m_w") < 0.08 and P["m_w"]["identifiable"], P["m_w"]
+assert "so much is rare" in d["thrust"], d["thrust"]'
+sed 's/^weight_N = .*/weight_N = 10/' dry.ini >kilograms.ini
+check "a weight given as half of it" exits 3 fit log.csv --vehicle kilograms.ini --json
+check "  contradicts the dry mass" is out '
+assert d["thrust"].startswith("the known force contradicts"), d["thrust"]'
+
 # ---- the column of the log ----
 exits 0 fit strong1.csv --vehicle dive.ini --json >/dev/null
 cp out file.json

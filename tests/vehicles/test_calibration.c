@@ -491,6 +491,35 @@ static void test_estimates_that_cannot_be_converted_are_refused(void)
     TEST_ASSERT_EQUAL_MEMORY(&before, &si, sizeof si);
 }
 
+static void test_a_force_in_another_unit_is_refused(void)
+{
+    double p[3][3] = {{64.0, 0.0, 0.0}, {0.0, 25.0, 0.0}, {0.0, 0.0, 1e-4}};
+    double pi[3] = {720.0, -80.0, 3.1}; /* it is k */
+    auvid_estimate_t told;
+    make_estimate(&told, pi, p, 0.05);
+    TEST_ASSERT_EQUAL(AUVID_ERR_RANGE, auvid_calibrated_estimate(&model, &told, &si));
+    pi[2] = 0.32;
+    make_estimate(&told, pi, p, 0.05);
+    TEST_ASSERT_EQUAL(AUVID_ERR_RANGE, auvid_calibrated_estimate(&model, &told, &si));
+    pi[2] = 2.9;
+    make_estimate(&told, pi, p, 0.05);
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_calibrated_estimate(&model, &told, &si));
+}
+
+static void test_a_mass_in_si_below_the_dry_mass_refutes_the_force(void)
+{
+    double p[3][3] = {{64.0, 0.0, 0.0}, {0.0, 25.0, 0.0}, {0.0, 0.0, 1e-4}};
+    const double pi[3] = {720.0, -80.0, 1.6}; /* 450 kg +- 11 kg in SI */
+    auvid_estimate_t told;
+    make_estimate(&told, pi, p, 0.05);
+    model.dry_mass_kg = AUVID_C(450.0);
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_calibrated_estimate(&model, &told, &si));
+    model.dry_mass_kg = AUVID_C(500.0);
+    TEST_ASSERT_EQUAL(AUVID_ERR_RANGE, auvid_calibrated_estimate(&model, &told, &si));
+    told.identified = 1u << AUVID_G500_Z_W | 1u << N; /* a mass that is not known */
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_calibrated_estimate(&model, &told, &si));
+}
+
 /* ---- calibration dives ---- */
 
 /* Hangs the force on, or takes it off: in the simulation, and for the model. */
@@ -623,6 +652,8 @@ int main(int argc, char **argv)
     RUN_TEST(test_data_that_hardly_show_the_scale_do_not_convert);
     RUN_TEST(test_without_a_known_force_the_estimate_stays);
     RUN_TEST(test_estimates_that_cannot_be_converted_are_refused);
+    RUN_TEST(test_a_force_in_another_unit_is_refused);
+    RUN_TEST(test_a_mass_in_si_below_the_dry_mass_refutes_the_force);
     RUN_TEST(test_a_weight_corrects_thrust_that_is_told_20_percent_too_strong);
     RUN_TEST(test_a_pull_calibrates_the_thrusters_of_its_axis);
     RUN_TEST(test_a_weight_that_never_changes_is_not_separable_from_the_trim);

@@ -379,6 +379,10 @@ typedef struct {
     auvid_vehicle_t vehicle;      /**< model for identifier, metric and validation */
     const auvid_vehicle_t *other; /* the wrapped model */
     auvid_parameter_t parameter[AUVID_MAX_PARAMETERS]; /**< parameters of `vehicle` */
+    auvid_real_t
+        dry_mass_kg; /**< the caller may set it after auvid_calibrated_init, instead of that
+                                   of auvid_identifier_config_t, which is in the unit of the
+                                   supplied thrust; 0: not known */
     auvid_known_change_t change[AUVID_KNOWN_CHANGES];
     uint32_t changes; /* so far */
     uint8_t k;        /**< number of k_tau */
@@ -428,7 +432,8 @@ void auvid_calibrated_clear(auvid_calibrated_t *c);
  * twice the prior's: *si is *estimate with k = 1 of unknown error, and after any change of the
  * force no constant force is identifiable); AUVID_ERR_NULL (also `estimate`, if there is none);
  * AUVID_ERR_STATE (not initialised); AUVID_ERR_NO_DATA (no estimate yet); AUVID_ERR_RANGE (k is not
- * above 0.2: the force has another sign or size than it was given). Cost: O(n^2). */
+ * within 1/3..3, or a mass in SI is below dry_mass_kg by more than its half-width: the force has
+ * another sign, size or unit than it was given, and no number is known in SI). Cost: O(n^2). */
 auvid_status_t auvid_calibrated_estimate(const auvid_calibrated_t *c,
                                          const auvid_estimate_t *estimate, auvid_estimate_t *si);
 

@@ -32,7 +32,8 @@
 /* Largest variance of k, relative to that of its prior: then its error is at least a tenth smaller
  * than without the data. */
 #define LARGEST_VARIANCE AUVID_C(4.0)
-#define LEAST_K AUVID_C(0.2)
+#define LEAST_K AUVID_C(0.33333333)
+#define LARGEST_K AUVID_C(3.0)
 
 /* Steps by which the acceleration includes that of the weight: an error of m / M each. */
 enum { CALIBRATED_STEPS = 8 };
@@ -340,6 +341,22 @@ static void calibrated_convert_all(auvid_estimate_t *si, const calibrated_scale_
     c->uncertainty.thrust_scale = part;
 }
 
+/* Is the force as given possible: is k, and are the masses in SI not below the dry mass? Their
+ * half-widths are those of the supplied thrust's unit, with its considered scale. */
+static bool calibrated_is_possible(const auvid_calibrated_t *c, const auvid_estimate_t *estimate,
+                                   const calibrated_scale_t *scale)
+{
+    bool possible = scale->k >= LEAST_K && scale->k <= LARGEST_K;
+    for (int i = 0; i < c->vehicle.parameters && possible; ++i) {
+        auvid_real_t mass = estimate->pi[i] + scale->column[i] * scale->shift;
+        auvid_real_t half = AUVID_CONFIDENCE_HALF_WIDTH * estimate->confidence.sigma[i];
+        possible = c->parameter[i].kind != AUVID_PARAMETER_MASS ||
+                   (estimate->identified >> i & 1u) == 0 ||
+                   mass + half >= scale->k * c->dry_mass_kg;
+    }
+    return possible;
+}
+
 /* The data do not show k. A force that never changed is in the constant forces. */
 static void calibrated_leave(const auvid_calibrated_t *c, auvid_estimate_t *si)
 {
@@ -378,7 +395,7 @@ auvid_status_t auvid_calibrated_estimate(const auvid_calibrated_t *c,
         calibrated_combine(&scale, estimate, k);
         seen = scale.variance <= LARGEST_VARIANCE * scale.prior;
     }
-    if (seen && !(scale.k >= LEAST_K)) {
+    if (seen && !calibrated_is_possible(c, estimate, &scale)) {
         return AUVID_ERR_RANGE;
     }
     memmove(si, estimate, sizeof *si);

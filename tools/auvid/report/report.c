@@ -56,8 +56,9 @@ void report_gather(result_t *result, const auvid_identifier_t *id, uint64_t seed
     }
     result->inputs_estimated = id->attached.uncertain != NULL;
     if (id->attached.uncertain != NULL) {
-        result->over_priors = (double)id->attached.uncertain->scale;
         (void)auvid_uncertain_causes(id->attached.uncertain, &result->causes);
+        result->over_priors =
+            result->causes.contradicted ? 0.0 : (double)id->attached.uncertain->scale;
     }
 }
 
@@ -97,6 +98,8 @@ void report_calibrate(result_t *result, const auvid_calibrated_t *calibrated)
     }
 }
 
+#define LARGE_OFF 25.0 /* of the thrust [%]: data sheets are seldom so wrong */
+
 bool report_thrust(const result_t *result, char *text, size_t size)
 {
     const auvid_estimate_t *e = &result->estimate;
@@ -109,8 +112,10 @@ bool report_thrust(const result_t *result, char *text, size_t size)
             (void)snprintf(
                 text, size,
                 "the known force says that thrust is %.1f %% %s than supplied (+- %.1f %%): "
-                "parameters are in SI",
-                off, k > 1.0 ? "weaker" : "stronger", half);
+                "parameters are in SI%s",
+                off, k > 1.0 ? "weaker" : "stronger", half,
+                off > LARGE_OFF ? "; check the force and the thrusters' data: so much is rare"
+                                : "");
         } else {
             (void)snprintf(text, size,
                            "the known force agrees with the supplied thrust (+- %.1f %%): "
@@ -121,7 +126,7 @@ bool report_thrust(const result_t *result, char *text, size_t size)
     case REPORT_CONTRADICTED:
         (void)snprintf(text, size,
                        "the known force contradicts the motion (k_tau %.2f): check its sign, size "
-                       "and time",
+                       "in newtons, and time",
                        k);
         return true;
     case REPORT_UNSEEN:
@@ -301,14 +306,15 @@ static void add_loop_option(const result_t *result, char *text, size_t size)
 }
 
 /* What would be configured, where a better thrust scale is asked for: auvid enlarges it by the
- * square of over_priors. */
+ * square of over_priors, if that is above 1. */
 static void add_scale_option(const result_t *result, char *text, size_t size)
 {
     static const char before[] = "calibrate thrust to ";
     const char *asked = strstr(text, before);
     if (asked != NULL && result->over_priors > 0.0) {
         double wanted = 0.01 * strtod(asked + sizeof before - 1, NULL);
-        double scale = wanted / (result->over_priors * result->over_priors);
+        double enlarged = fmax(result->over_priors, 1.0);
+        double scale = wanted / (enlarged * enlarged);
         size_t used = strlen(text);
         (void)snprintf(text + used, size - used,
                        " (1 sigma), or measure it and give --thrust-scale %g",

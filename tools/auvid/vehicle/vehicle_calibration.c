@@ -137,6 +137,8 @@ auvid_status_t vehicle_use_known_force(auvid_identifier_config_t *cfg,
         cfg->vehicle = cfg->metric.vehicle = &calibrated->vehicle;
         cfg->metric.free |= 1u << calibrated->k;
         cfg->metric.fixed[calibrated->k] = AUVID_C(1.0);
+        calibrated->dry_mass_kg = cfg->dry_mass_kg;
+        cfg->dry_mass_kg = AUVID_C(0.0);
     }
     return status;
 }
