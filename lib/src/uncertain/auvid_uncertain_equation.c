@@ -284,7 +284,7 @@ static void uncertain_prepare_slopes(uncertain_t *u, const auvid_metric_t *m, in
     auvid_real_t a[AUVID_MAX_PARAMETERS], mass = AUVID_C(0.0);
     auvid_real_t zz = uncertain_product(u, j, e->order - 1, e->order - 1, weight);
     auvid_real_t ee = weight[0] * squares[0] + weight[1] * squares[1];
-    auvid_real_t most = LARGEST_THRUST_ERROR * zz;
+    auvid_real_t most = auvid_metric_is_excited(m, j) ? LARGEST_THRUST_ERROR * zz : AUVID_C(0.0);
     auvid_real_t gamma = uncertain_gamma(u, j, zz, weight, p->slope);
     auvid_confidence_acceleration_row(m->cfg.vehicle, j, &p->regressor, a);
     auvid_zero(&p->regressor, sizeof p->regressor); /* the factor is there from now on */
@@ -469,6 +469,22 @@ int auvid_uncertain_eliminated(const auvid_uncertain_t *u, int j)
     return auvid_uncertain_tilts(j) ? u->equation[j].inputs : u->equation[j].own;
 }
 
+bool auvid_uncertain_is_left_out(const uncertain_t *u, const auvid_metric_t *m, int j)
+{
+    const auvid_uncertain_equation_t *e = &u->equation[j];
+    const uint8_t *index = auvid_metric_row_parameters(m, j);
+    bool scaled = (u->fixes >> j & 1u) != 0;
+    if (auvid_metric_is_excited(m, j)) {
+        return false;
+    }
+    for (int k = e->inputs; k < e->order - 1; ++k, ++index) {
+        const auvid_parameter_t *parameter = &m->cfg.vehicle->parameter[*index];
+        scaled |= (int)parameter->dof != j && parameter->kind == AUVID_PARAMETER_MASS &&
+                  auvid_uncertain_product(u, j, k, k) > AUVID_C(0.0);
+    }
+    return auvid_uncertain_tilts(j) || !scaled;
+}
+
 /* Is column k of a parameter of roll or pitch in another equation, or the other way round, or of an
  * equation that is not solved? Its value is that of the last pass, or its ratio to the mass. */
 static bool uncertain_is_known(const uncertain_t *u, const auvid_metric_t *m, int j, int k)
@@ -480,7 +496,7 @@ static bool uncertain_is_known(const uncertain_t *u, const auvid_metric_t *m, in
     int parameter = auvid_metric_row_parameters(m, j)[k - e->inputs];
     int of = (int)m->cfg.vehicle->parameter[parameter].dof;
     return auvid_uncertain_tilts(j) != auvid_uncertain_tilts(of) ||
-           (of != j && auvid_uncertain_is_left_out(m, of));
+           (of != j && auvid_uncertain_is_left_out(u, m, of));
 }
 
 /* The side of column k. */

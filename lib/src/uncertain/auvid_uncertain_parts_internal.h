@@ -107,12 +107,10 @@ void auvid_uncertain_keep_own(auvid_uncertain_t *u, const auvid_metric_t *m, int
 /** Rotate row i of the DoF's factor, of no column that is eliminated, into the joint factor. */
 void auvid_uncertain_transfer(auvid_uncertain_t *u, const auvid_metric_t *m, int j, int i);
 
-/** Is DoF j roll or pitch without a moment? Its equation is left out, see auvid_uncertain_solve.c.
- */
-static inline bool auvid_uncertain_is_left_out(const auvid_metric_t *m, int j)
-{
-    return auvid_uncertain_tilts(j) && !auvid_metric_is_excited(m, j);
-}
+/** Is DoF j's equation left out, as it says nothing of the scale of its terms? It has no thrust, and
+ * is that of roll or pitch, or has neither the mass of another DoF nor a fixed parameter. See
+ * auvid_uncertain_solve.c. */
+bool auvid_uncertain_is_left_out(const auvid_uncertain_t *u, const auvid_metric_t *m, int j);
 
 /** Is the motion through the water another one than the measured, by these inputs? */
 static inline bool auvid_uncertain_moves(const auvid_uncertain_t *u)
