@@ -305,12 +305,15 @@ auvid_status_t auvid_node_take(auvid_node_t *node, const auvid_can_frame_t *fram
     }
     auvid_can_kind_t kind = auvid_can_kind(&node->cfg.ids, frame->id);
     auvid_can_node_kind_t received = auvid_can_node_kind(kind);
-    if (received == AUVID_CAN_NODE_KINDS || node_is_echo(node, kind, frame)) {
+    if (received == AUVID_CAN_NODE_KINDS) {
         return AUVID_UNUSED;
     }
     auvid_node_received_t *of = &node->received[received];
     auvid_can_message_t message;
     auvid_status_t status = auvid_can_unpack(&node->cfg.ids, frame, &message);
+    if (status == AUVID_OK && node_is_echo(node, kind, frame)) {
+        return AUVID_UNUSED;
+    }
     if (status == AUVID_OK) {
         status = auvid_can_follow(&of->counter, &of->started, message.counter, &of->lost);
     }

@@ -218,6 +218,9 @@ void auvid_metric_set_up(auvid_metric_t *metric, const auvid_metric_config_t *cf
     metric->cfg = *cfg;
     memset((unsigned char *)metric + sizeof metric->cfg, 0, sizeof *metric - sizeof metric->cfg);
     metric_lay_out(metric);
+    if (auvid_metric_stores_rows(metric)) { /* a checkpoint contains those that are not written */
+        memset(cfg->rows, 0, (size_t)(cfg->sets + 1) * cfg->set_rows * sizeof *cfg->rows);
+    }
     metric->cfg.vehicle->path->make_filter(metric);
     memcpy(metric->result.delay_s, metric->cfg.delay_s, sizeof metric->result.delay_s);
     metric->result.first_order_lag = metric->cfg.first_order_lag;

@@ -318,8 +318,9 @@ static void test_rows_are_part_of_it_and_other_storage_is_refused(void)
     cfg.metric.rows = store[0];
     cfg.metric.sets = 8;
     init(&id);
-    make(); /* with the same contents of its storage */
+    make(); /* whose init clears the storage */
     TEST_ASSERT_EQUAL_UINT32(ROWS, auvid_get_word(saved + 20));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_checkpoint_restore(&id, saved, bytes));
     cfg.metric.rows = store[1];
     init(&id);
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_checkpoint_restore(&id, saved, bytes));
@@ -335,6 +336,20 @@ static void test_rows_are_part_of_it_and_other_storage_is_refused(void)
     cfg.vehicle = &auvid_girona500;
     init(&id);
     check_refused(AUVID_ERR_MODEL, saved, bytes);
+}
+
+static void test_storage_need_not_be_zero_before_init(void)
+{
+    static auvid_row_t store[ROWS];
+    static auvid_vehicle_t vehicle;
+    vehicle = by_residual_girona500();
+    cfg.vehicle = &vehicle;
+    cfg.metric.rows = store;
+    cfg.metric.sets = 8;
+    memset(store, 0xff, sizeof store);
+    init(&id);
+    bytes = save(&id, saved, sizeof saved);
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_checkpoint_restore(&id, saved, bytes));
 }
 
 /* Stages of a run, set directly. */
@@ -446,6 +461,7 @@ int main(void)
     RUN_TEST(test_one_of_another_model_is_refused);
     RUN_TEST(test_one_of_another_configuration_is_refused);
     RUN_TEST(test_rows_are_part_of_it_and_other_storage_is_refused);
+    RUN_TEST(test_storage_need_not_be_zero_before_init);
     RUN_TEST(test_an_armed_guard_is_restored_disarmed_a_latched_one_latched);
     RUN_TEST(test_plan_thrusters_and_limits_are_those_of_init);
     RUN_TEST(test_work_in_an_unknown_phase_ends);
