@@ -3,9 +3,11 @@
 # within its prior, must neither shrink the other masses nor make all inputs suspect.
 . "$(dirname "$0")/common.sh"
 
-awk '/^```ini/ { on = 1; next } /^```/ { if (on) exit } on' "$ROOT/tools/auvid/README.md" >minnow.ini
+awk '/^```ini/ { on = 1; next } /^```/ { if (on) exit } on' \
+    "$ROOT/tools/auvid/README.md" >minnow.ini
 drifts() { # SEED: the log of a dive in the current
-    "$AUVID" demo --vehicle minnow.ini --lag 0.15 --disturbance 0.2 --seed "$1" --csv still.csv >out 2>&1
+    "$AUVID" demo --vehicle minnow.ini --lag 0.15 --disturbance 0.2 --seed "$1" \
+        --csv still.csv >out 2>&1
     awk -F, -v OFS=, 'NR > 1 && $5 != "" { $5 += 0.06 * cos($4) + 0.05 * sin($4) }
         NR > 1 && $6 != "" { $6 += 0.05 * cos($4) - 0.06 * sin($4) } { print }' still.csv
 }

@@ -107,8 +107,8 @@ void auvid_uncertain_keep_own(auvid_uncertain_t *u, const auvid_metric_t *m, int
 /** Rotate row i of the DoF's factor, of no column that is eliminated, into the joint factor. */
 void auvid_uncertain_transfer(auvid_uncertain_t *u, const auvid_metric_t *m, int j, int i);
 
-/** Is DoF j's equation left out, as it says nothing of the scale of its terms? It has no thrust, and
- * is that of roll or pitch, or has neither the mass of another DoF nor a fixed parameter. See
+/** Is DoF j's equation left out, as it says nothing of the scale of its terms? It has no thrust,
+ * and is that of roll or pitch, or has neither the mass of another DoF nor a fixed parameter. See
  * auvid_uncertain_solve.c. */
 bool auvid_uncertain_is_left_out(const auvid_uncertain_t *u, const auvid_metric_t *m, int j);
 
