@@ -409,6 +409,33 @@ check "  are gaps" grep -q ' [1-9] gaps over 0.5 s' out
 check "  or not" exits 0 fit outages.csv --plain --max-gap 0.8
 check "  by --max-gap" grep -q ' 0 gaps over 0.8 s' out
 
+# A DVL of 5 Hz that loses half of its samples: the rows go on.
+change '
+import random
+random.seed(4)
+kept = {k for k in range(0, 100000, 10) if random.random() < 0.5}
+empty(VELOCITY, lambda k: k not in kept)' <train.csv >lossy.csv
+check "half of the velocities of 5 Hz are lost" exits 0 fit lossy.csv --plain --json
+check "  which costs a part of the log" is out '
+assert d["log"]["gaps"] == 0
+assert all(P[n]["identifiable"] for n in ("m_u", "m_v", "m_w")), P
+assert all(error(n) < 0.1 for n in ("m_u", "m_v", "m_w"))'
+check "  of the log that is bridged for half a second" exits 3 fit lossy.csv --plain --max-gap 0.4
+check "  nothing is left, and the remedy is --max-gap" grep -Eq \
+    'the log: the velocity .* has [0-9]+ gaps over 0.4 s .*: fit --max-gap [01].* bridges most' out
+lacks() {
+    ! grep -Eq "$1" "$2"
+}
+check "  not a longer log" lacks 'too short|record for longer' out
+check "check says what is lost" exits 0 check lossy.csv
+check "  by gaps between velocities" grep -Eq \
+    'the velocity \(u_mps \.\.\) has [0-9]+ gaps over 1 s \(usually a sample each 0\.[2-4]' out
+change 'r = [y for y in r if y[0] % 8 > 0.8]
+empty(VELOCITY, lambda k: k % 10)' <train.csv >no_rows.csv
+check "gaps of 0.8 s in the rows" exits 0 fit no_rows.csv --plain --json
+check "  end a record, also where velocities are as far apart" is out '
+assert any("rows were lost to gaps" in m for m in d["missing"]), d["missing"]'
+
 # ---- any length ----
 piped() {
     cat train.csv | "$AUVID" fit /dev/stdin --plain --json >out && same_result plain.json

@@ -76,6 +76,7 @@ typedef enum {
     DOCTOR_VOLTAGE,         /**< the supply voltage sags */
     DOCTOR_TIME,            /**< time goes back or stands still */
     DOCTOR_GAPS,            /**< rows are missing */
+    DOCTOR_VELOCITY_GAPS,   /**< velocities are missing between rows (value: part lost) */
     DOCTOR_SLOW,            /**< rows are too far apart for this vehicle */
     DOCTOR_SHORT,           /**< too little data */
     DOCTOR_MOTION,          /**< seconds of usable motion of each DoF */

@@ -9,7 +9,14 @@
 #include "doctor_report.h"
 #include "../base/json_string.h"
 #include "../base/report_error.h"
+#include "../log/velocity_times.h"
 #include "../vehicle/vehicle_calibration.h"
+
+/* Part of a log that gaps between velocities cost. */
+#define MUCH_LOST 0.1
+#define ALL_LOST 0.95
+/* Usual time between velocities beyond which fit bridges none of them [s]. */
+#define SLOWEST_S 1.0
 
 static const char *const severity_name[] = {"note", "warning", "error"};
 
@@ -56,16 +63,52 @@ static const char *const code_name[DOCTOR_CODES] = {
     [DOCTOR_VOLTAGE] = "voltage",
     [DOCTOR_TIME] = "time",
     [DOCTOR_GAPS] = "gaps",
+    [DOCTOR_VELOCITY_GAPS] = "velocity_gaps",
     [DOCTOR_SLOW] = "slow",
     [DOCTOR_SHORT] = "short",
     [DOCTOR_MOTION] = "motion",
 };
 
+/* Names velocities that are further apart than fit bridges. Sets the part of the log that this
+ * costs. */
+static void find_velocity_gaps(doctor_t *d, const velocity_times_t *times, log_t *log)
+{
+    velocity_gaps_t gaps;
+    char remedy[80];
+    double usual_s = velocity_times_usual(times);
+    double gap_s =
+        log->gap_s > 0.0 ? log->gap_s : velocity_gap_s(usual_s, velocity_times_row_s(times), 0.0);
+    velocity_times_gaps(times, gap_s, &gaps);
+    log->lost = gaps.lost;
+    if (gaps.gaps == 0) {
+        return;
+    }
+    (void)snprintf(remedy, sizeof remedy, "fit --max-gap %g bridges most of them", gaps.bridge_s);
+    doctor_finding_t *f = doctor_add(
+        d,
+        gaps.lost > ALL_LOST    ? DOCTOR_ERROR
+        : gaps.lost > MUCH_LOST ? DOCTOR_WARNING
+                                : DOCTOR_NOTE,
+        DOCTOR_VELOCITY_GAPS, CSV_NU, -1, NULL,
+        "the velocity (u_mps ..) has %zu gap%s over %.2g s (usually a sample each "
+        "%.2g s; the longest gap %.1f s): each one ends a record, and about %.0f %% "
+        "of the log is lost: %s",
+        gaps.gaps, gaps.gaps > 1 ? "s" : "", gap_s, usual_s, times->longest_s, 100.0 * gaps.lost,
+        gaps.bridge_s > 0.0   ? remedy
+        : usual_s > SLOWEST_S ? "log the velocity at 1 Hz or faster"
+                              : "log the velocity without dropouts");
+    if (f != NULL) {
+        f->value = gaps.lost;
+    }
+}
+
 /* Reads a whole open log. dry_mass_kg: see doctor_dry_mass. Returns 0, or EXIT_REFUSED after one
  * line on stderr. */
-static int examine(doctor_t *doctor, csv_log_t *log, const log_use_t *use, double dry_mass_kg)
+static int examine(doctor_t *doctor, log_t *of, const log_use_t *use, double dry_mass_kg)
 {
     csv_row_t row;
+    csv_log_t *log = &of->csv;
+    velocity_times_t times = {0};
     int status = csv_rewind(log);
     if (status != 0) {
         return status;
@@ -78,8 +121,10 @@ static int examine(doctor_t *doctor, csv_log_t *log, const log_use_t *use, doubl
     }
     while ((status = csv_next(log, &row)) == 0) {
         doctor_feed(doctor, &row);
+        velocity_times_row(&times, &row);
     }
     if (status == CSV_END) {
+        find_velocity_gaps(doctor, &times, of);
         doctor_finish(doctor);
         status = 0;
     }
@@ -157,16 +202,16 @@ static bool has_wrench(const csv_log_t *log)
 
 int doctor_check(const char *file, const options_t *options)
 {
-    csv_log_t log = {0};
+    log_t log = {0};
     log_use_t use = {0};
     doctor_t *doctor = malloc(sizeof *doctor);
     if (doctor == NULL) {
         return report_error("check: not enough memory");
     }
-    int status = csv_open(&log, file);
+    int status = csv_open(&log.csv, file);
     bool thrusters =
-        status == 0 && options->whole && log_use_thrusters(&use, options->vehicle, log.has);
-    if (status == 0 && options->whole && !thrusters && has_wrench(&log)) {
+        status == 0 && options->whole && log_use_thrusters(&use, options->vehicle, log.csv.has);
+    if (status == 0 && options->whole && !thrusters && has_wrench(&log.csv)) {
         report_warning("%s: no columns thruster_1 ..: forces and moments are examined instead",
                        file);
     } else if (status == 0 && options->whole && !thrusters) {
@@ -178,12 +223,12 @@ int doctor_check(const char *file, const options_t *options)
                          : examine(doctor, &log, thrusters ? &use : NULL,
                                    options->whole ? (double)options->vehicle->dry_mass_kg : 0.0);
     if (status == 0) {
-        warn_known_forces(&log, options);
-        csv_notes(&log);
-        (options->json ? print_json : print_text)(doctor, &log);
+        warn_known_forces(&log.csv, options);
+        csv_notes(&log.csv);
+        (options->json ? print_json : print_text)(doctor, &log.csv);
         status = doctor->usable ? 0 : 1;
     }
-    csv_close(&log);
+    csv_close(&log.csv);
     free(doctor);
     return status;
 }
@@ -212,7 +257,8 @@ static bool is_wrong(const doctor_t *doctor)
     bool wrong = false;
     for (int i = 0; i < doctor->findings; ++i) {
         const doctor_finding_t *f = &doctor->finding[i];
-        bool few = f->code == DOCTOR_SHORT || f->code == DOCTOR_GAPS || f->code == DOCTOR_SLOW;
+        bool few = f->code == DOCTOR_SHORT || f->code == DOCTOR_GAPS || f->code == DOCTOR_SLOW ||
+                   f->code == DOCTOR_VELOCITY_GAPS;
         wrong = wrong || (f->severity == DOCTOR_ERROR && !few);
     }
     return wrong;
@@ -224,7 +270,7 @@ int doctor_warn(log_t *log, const log_use_t *use, double dry_mass_kg, report_fin
     if (doctor == NULL) {
         return report_error("%s: not enough memory", log->csv.path);
     }
-    int status = examine(doctor, &log->csv, use, dry_mass_kg);
+    int status = examine(doctor, log, use, dry_mass_kg);
     status = status != 0 ? status : doctor_tell(doctor, log->csv.path, findings);
     log->wrong = status == 0 && is_wrong(doctor);
     log->shift_us = status == 0 ? (int64_t)(1e6 * doctor->shift_s) : 0;

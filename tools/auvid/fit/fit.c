@@ -30,6 +30,18 @@ static const char *first_error(const job_t *job)
     return NULL;
 }
 
+/* The sentence on the gaps between velocities, if most of a log is lost to them; else NULL. */
+static const char *velocity_gaps(const job_t *job)
+{
+    const report_findings_t *findings = &job->findings;
+    for (int i = 0; i < findings->count && job->velocity_gaps; ++i) {
+        if (strcmp(findings->at[i].code, "velocity_gaps") == 0) {
+            return findings->at[i].sentence;
+        }
+    }
+    return NULL;
+}
+
 /* Are the logs that are used wrong? If one is, all are: see fit_read_logs. */
 static bool has_wrong_log(const job_t *job)
 {
@@ -54,7 +66,8 @@ static const char *why_nothing(const job_t *job, const result_t *result,
         return "the velocities are too coarse, or stuck";
     }
     if (result->estimate.number == 0 || result->estimate.identified == 0) {
-        return "no input varies enough in an unbroken part of the log";
+        return job->velocity_gaps ? "velocities are too far apart: see missing"
+                                  : "no input varies enough in an unbroken part of the log";
     }
     if (result->estimate.not_converged) {
         return "the search did not converge";
@@ -239,12 +252,16 @@ static void find_remedy(job_t *job, const auvid_identifier_t *id)
     const survey_t *survey = &job->survey;
     const auvid_estimate_t *e = auvid_identifier_estimate(id);
     bool empty = id->metric.sets.recorded == 0 && job->use.dofs != 0;
-    const char *words = "";
+    const char *words = "", *velocity = velocity_gaps(job);
     if (empty && survey->gaps == 0 && survey->input_gaps > 0) {
         (void)snprintf(job->remedy, sizeof job->remedy,
                        "the log: inputs are up to %.2f s apart, %g s are bridged: log them at 5 Hz "
                        "or faster, or give a longer --max-gap",
                        survey->input_s, survey->gap_s);
+        return;
+    }
+    if (empty && velocity != NULL) {
+        (void)snprintf(job->remedy, sizeof job->remedy, "the log: %s", velocity);
         return;
     }
     if (has_no_velocity(job)) {
@@ -272,6 +289,7 @@ static void gather(const job_t *job, const fitted_t *fitted, result_t *result)
         result->why[j] = job->why[j];
         if (!excited && job->why[j] == NULL) {
             result->why[j] = id->metric.sets.recorded > 0 ? "input hardly varies"
+                             : job->velocity_gaps         ? "velocities are too far apart"
                              : job->survey.gaps > 0       ? "no 6 s without a gap in the log"
                              : job->survey.input_gaps > 0 ? "inputs are too far apart"
                                                           : "the log is too short";

@@ -12,6 +12,7 @@
 #include "../options/options.h"
 #include "replay.h"
 #include "../log/survey.h"
+#include "../log/velocity_times.h"
 #include "../report/report.h"
 
 /** A model identified from the logs. */
@@ -40,6 +41,7 @@ typedef struct {
     uint32_t free;                            /**< bit i: parameter i is identified */
     auvid_real_t fixed[AUVID_MAX_PARAMETERS]; /**< values of the other parameters */
     const char *path[OPTIONS_LOGS];           /**< of the training logs */
+    bool velocity_gaps;                       /**< most of a log is lost to them */
     int logs_left_out;                        /**< beside these: they have errors */
     double shift_s[OPTIONS_LOGS + 1]; /**< of the inputs of each log, the held-out one last */
     uint8_t left_out; /**< bit j: the velocity of DoF j is useless in one of the logs */
@@ -49,7 +51,7 @@ typedef struct {
     trace_t trace;                    /**< of the held-out log */
     report_maps_t maps;               /**< the comparison of --map auto */
     report_findings_t findings;       /**< what is wrong with the training logs */
-    char remedy[160];                 /**< the only advice; empty: none */
+    char remedy[400];                 /**< the only advice; empty: none */
     double error[2];                  /**< cross-validation errors of the two; < 0: none */
 } job_t;
 
@@ -61,6 +63,9 @@ static inline bool fit_in_commands(const job_t *job)
 
 /** Dry mass: that of --dry-mass, or of the vehicle; 0: not known, or of no use for commands. */
 double fit_dry_mass_kg(const job_t *job);
+
+/** Longest time between velocities in one record, after the survey [s]. */
+double fit_velocity_gap_s(const job_t *job);
 
 /** Refuses bounds that leave no room above the dry mass. Returns 0, or EXIT_REFUSED after one line
  * on stderr. */

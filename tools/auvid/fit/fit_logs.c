@@ -310,13 +310,15 @@ static int survey_log(const job_t *job, survey_t *survey, log_t *log)
 static int survey_all(job_t *job)
 {
     survey_t test;
-    int status = survey_begin(&job->survey, job->options->max_gap_s);
+    double row_gap_s = velocity_row_gap_s(job->options->max_gap_s);
+    int status = survey_begin(&job->survey, row_gap_s);
+    job->use.gap_us = (uint32_t)(1e6 * row_gap_s + 0.5);
     for (int i = 0; i < job->train.logs && status == 0; ++i) {
         status = survey_log(job, &job->survey, &job->log[i]);
     }
     status = status != 0 ? status : check_thrust(job);
     if (status == 0 && job->test.logs > 0) {
-        status = survey_begin(&test, job->options->max_gap_s);
+        status = survey_begin(&test, row_gap_s);
         status = status != 0 ? status : survey_log(job, &test, &job->test_log);
         survey_end(&test);
     }
@@ -355,7 +357,9 @@ static int examine_logs(job_t *job)
     int status = 0;
     for (int i = 0; i < job->train.logs + job->test.logs && status == 0; ++i) {
         log_t *log = i < job->train.logs ? &job->log[i] : &job->test_log;
+        log->gap_s = fit_velocity_gap_s(job);
         status = doctor_warn(log, thrusters, fit_dry_mass_kg(job), &job->findings);
+        job->velocity_gaps = job->velocity_gaps || (i < job->train.logs && log->lost > 0.5);
     }
     if (status == 0) {
         keep_right_logs(job);

@@ -14,8 +14,6 @@
 #define SHORTEST_SET 20
 /* Capacity of the ring in rows (metric_config.h). */
 #define MAX_ROWS 60000u
-/* Longest time between samples of a slow velocity sensor [us]. */
-#define LONGEST_GAP_US 1.5e6
 /* Largest component of a current [m/s]. */
 #define MAX_CURRENT AUVID_C(1.5)
 
@@ -85,22 +83,19 @@ int fit_choose_free(job_t *job)
                : status;
 }
 
-/* Longest time between samples [us]. A velocity that usually comes that late, or nearly so, must
- * not break the record each time, if there are rows in between. */
-static double gap_us(const job_t *job)
+double fit_velocity_gap_s(const job_t *job)
 {
     const survey_t *survey = &job->survey;
-    double gap = 1e6 * job->options->max_gap_s, usual = survey_velocity_us(survey);
-    double row = 1e6 * survey->span_s / fmax((double)survey->rows, 1.0);
-    return usual > 0.8 * gap && row < 0.5 * usual ? fmax(gap, fmin(1.5 * usual, LONGEST_GAP_US))
-                                                  : gap;
+    return velocity_gap_s(1e-6 * survey_velocity_us(survey),
+                          survey->span_s / fmax((double)survey->rows, 1.0),
+                          job->options->max_gap_s);
 }
 
 /* Velocity is sampled at the times of the rows. Only if these are further apart than the cells is
  * it interpolated. */
 static void set_velocity_time(const job_t *job, auvid_identifier_config_t *cfg)
 {
-    double interval = fmin(survey_velocity_us(&job->survey), gap_us(job));
+    double interval = fmin(survey_velocity_us(&job->survey), 1e6 * fit_velocity_gap_s(job));
     cfg->metric.velocity_us = interval >= cfg->recorder.cell_us ? (uint32_t)interval : 0u;
 }
 
@@ -187,7 +182,8 @@ static void configure(const job_t *job, const auvid_vehicle_t *vehicle, decouple
     cfg->exact_inputs = options->plain || options->literal;
     cfg->metric.closed_loop = options->closed_loop;
     cfg->metric.open_loop = options->open_loop;
-    cfg->recorder.gap_us = (uint32_t)fmax(cfg->recorder.cell_us, gap_us(job));
+    cfg->recorder.gap_us =
+        (uint32_t)fmax(cfg->recorder.cell_us, 1e6 * fit_velocity_gap_s(job) + 0.5);
     cfg->recorder.input = options->linear_input ? AUVID_INPUT_LINEAR : AUVID_INPUT_HOLD;
     memcpy(cfg->metric.tau_max, job->tau_max, sizeof job->tau_max);
     cfg->metric.free = job->free;

@@ -30,6 +30,8 @@ typedef struct {
     double gain[AUVID_DOF_COUNT];   /**< of the commands: newtons per unit; 0: not known */
     auvid_calibrated_t *calibrated; /**< model with a known force; NULL: no force is known */
     thrust_map_t map[AUVID_MAX_THRUSTERS]; /**< of the thrusters' groups: log_use_map */
+    uint32_t gap_us; /**< longest time between rows with attitude, and with inputs; 0: as between
+                          velocities */
     bool square; /**< the force of an axis is the signed square of its command: log_use_map */
 } log_use_t;
 
@@ -40,6 +42,8 @@ typedef struct {
     double held_s;     /**< time for which a velocity is held in the rows; 0: it is not held */
     bool wrong;        /**< it contradicts itself, or the vehicle; not: it is too short or slow */
     uint8_t left_out;  /**< bit j: the velocity of DoF j is too coarse, or stuck */
+    double gap_s;      /**< longest time between its velocities; 0: that of velocity_gap_s */
+    double lost;       /**< part that is lost because velocities are further apart, 0 to 1 */
     int64_t shift_us;  /**< inputs act so much later than their rows say; negative: earlier */
     vehicle_calibration_t calibration[VEHICLE_CALIBRATIONS]; /**< known forces of this log */
     int calibrations;

@@ -88,7 +88,7 @@ typedef struct {
     const vehicle_t *thrusters;          /**< of this vehicle; NULL: not known */
     const auvid_vehicle_t *model;        /**< default Girona500 */
     double dry_mass_kg;                  /**< 0: not known */
-    double max_gap_s;                    /**< default 0.5 */
+    double max_gap_s;                    /**< 0: not given */
     uint8_t closed_loop;                 /**< bit j: DoF j is in closed loop */
     uint8_t open_loop;                   /**< bit j: DoF j is in open loop */
     double gain[AUVID_DOF_COUNT];        /**< newtons per unit of command; 0: not given */

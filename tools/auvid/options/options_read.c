@@ -263,8 +263,7 @@ int options_read(options_t *options, int count, char **argument, const char *com
                            .disturbance_N = -1.0,
                            .thrust_scale = -1.0,
                            .dvl_scale = -1.0,
-                           .delay_s = -1.0,
-                           .max_gap_s = 0.5};
+                           .delay_s = -1.0};
     while (next(&r)) {
         if (r.name == NULL) {
             if (words == NULL || words->count == words->room) {
