@@ -195,6 +195,24 @@ check "commands at a voltage that sags" \
 voltage() { "$AUVID" check voltage.csv --vehicle "$1" | grep -c 'warning  *voltage_V falls'; }
 check "  and no warning where the file knows the voltage" \
     test "$(voltage girona500) $(voltage voltage.ini)" = "1 0"
+# no_voltage COMMAND: it warns of a voltage that is missing, or zero.
+no_voltage() {
+    "$AUVID" "$1" "$2" --vehicle voltage.ini >out 2>&1
+    grep -q 'warning.* voltage_V is missing, or always 0: the thrust is that of 16 V, and not' out
+}
+change 'drop("voltage_V")' <voltage.csv >no_voltage.csv
+change 'for y in r: y[C["voltage_V"]] = 0' <voltage.csv >zero_voltage.csv
+change 'for y in r: y[C["voltage_V"]] *= 1000' <voltage.csv >millivolts.csv
+for log in no zero; do
+    check "${log}_voltage.csv: check says that thrust is not corrected" \
+        no_voltage check "${log}_voltage.csv"
+    check "  fit, too" no_voltage fit "${log}_voltage.csv"
+done
+check "a voltage in millivolts" rejects 'voltage_V is up to 1[56][0-9]+, but .* belongs to 16 V: give' \
+    fit millivolts.csv --vehicle voltage.ini
+check "  of check" exits 1 check millivolts.csv --vehicle voltage.ini
+check "  is the error, and not the commands" sh -c \
+    'grep -Eq "error +voltage_V is up to 1[56][0-9]+" out && ! grep -q zero_command out'
 sed 's/^map = signed-square/map = signed-square\ndelay_s = 0.1/' \
     "$ROOT/tools/auvid/vehicles/girona500.ini" >late.ini
 change "$commands"'

@@ -102,13 +102,27 @@ static void find_velocity_gaps(doctor_t *d, const velocity_times_t *times, log_t
     }
 }
 
+/* Names a voltage that the vehicle file needs, but the log does not have. One in another unit is
+ * named with the thrust. */
+static void find_voltage(doctor_t *d, log_use_t *use, double largest_V)
+{
+    char text[LOG_THRUST_TEXT];
+    if (use != NULL) {
+        use->voltage_V = largest_V;
+        if (log_voltage_judge(use, text, sizeof text) < 0) {
+            (void)doctor_add(d, DOCTOR_WARNING, DOCTOR_VOLTAGE, CSV_VOLTAGE, -1, NULL, "%s", text);
+        }
+    }
+}
+
 /* Reads a whole open log. dry_mass_kg: see doctor_dry_mass. Returns 0, or EXIT_REFUSED after one
  * line on stderr. */
-static int examine(doctor_t *doctor, log_t *of, const log_use_t *use, double dry_mass_kg)
+static int examine(doctor_t *doctor, log_t *of, log_use_t *use, double dry_mass_kg)
 {
     csv_row_t row;
     csv_log_t *log = &of->csv;
     velocity_times_t times = {0};
+    double largest_V = 0.0;
     int status = csv_rewind(log);
     if (status != 0) {
         return status;
@@ -122,9 +136,12 @@ static int examine(doctor_t *doctor, log_t *of, const log_use_t *use, double dry
     while ((status = csv_next(log, &row)) == 0) {
         doctor_feed(doctor, &row);
         velocity_times_row(&times, &row);
+        largest_V =
+            csv_has(&row, CSV_VOLTAGE) ? fmax(largest_V, row.value[CSV_VOLTAGE]) : largest_V;
     }
     if (status == CSV_END) {
         find_velocity_gaps(doctor, &times, of);
+        find_voltage(doctor, use, largest_V);
         doctor_finish(doctor);
         status = 0;
     }
@@ -264,7 +281,7 @@ static bool is_wrong(const doctor_t *doctor)
     return wrong;
 }
 
-int doctor_warn(log_t *log, const log_use_t *use, double dry_mass_kg, report_findings_t *findings)
+int doctor_warn(log_t *log, log_use_t *use, double dry_mass_kg, report_findings_t *findings)
 {
     doctor_t *doctor = malloc(sizeof *doctor);
     if (doctor == NULL) {

@@ -249,8 +249,9 @@ static int open_further(job_t *job, log_t *log, const char *path)
 
 /* ---- what is excited ---- */
 
-static int check_thrust(const job_t *job)
+static int check_thrust(job_t *job)
 {
+    job->use.voltage_V = job->survey.voltage_V;
     char text[LOG_THRUST_TEXT];
     bool right = !log_has_thrusters(&job->use) ||
                  log_thrust_judge(&job->use, job->survey.largest_thrust, text, sizeof text) == 0;
@@ -353,7 +354,7 @@ static void keep_right_logs(job_t *job)
 /* Looks for slips in the logs. */
 static int examine_logs(job_t *job)
 {
-    const log_use_t *thrusters = log_has_thrusters(&job->use) ? &job->use : NULL;
+    log_use_t *thrusters = log_has_thrusters(&job->use) ? &job->use : NULL;
     int status = 0;
     for (int i = 0; i < job->train.logs + job->test.logs && status == 0; ++i) {
         log_t *log = i < job->train.logs ? &job->log[i] : &job->test_log;

@@ -13,6 +13,9 @@
 /* Beyond these the forces are in another unit, or commands. */
 #define OTHER_UNIT 2.0
 #define LEAST_THRUST 0.02
+/* A voltage beyond these, relative to that of the map, is in another unit, or of a single cell. */
+#define LARGEST_VOLTAGE 3.0
+#define SMALLEST_VOLTAGE 0.4
 /* A velocity counts as repeated before this part of the usual time between two new ones. */
 #define HELD_PART 0.75
 
@@ -111,8 +114,40 @@ static const char *thrust_remedy(const log_use_t *use, double relative)
                : "correct full_command, or forward_N and backward_N, in the vehicle file";
 }
 
+int log_voltage_judge(const log_use_t *use, char *text, size_t size)
+{
+    const thrust_map_t *map = NULL;
+    for (int i = 0; i < AUVID_MAX_THRUSTERS && use->kind == INPUT_THRUSTER_COMMAND; ++i) {
+        bool follows = i < use->vehicle->maps && use->map[i].voltage_exponent > 0.0 &&
+                       use->map[i].voltage_V > 0.0;
+        map = map == NULL && follows ? &use->map[i] : map;
+    }
+    if (map == NULL) {
+        return 0;
+    }
+    double relative = use->voltage_V / map->voltage_V;
+    if (!(relative > 0.0)) {
+        (void)snprintf(text, size,
+                       "voltage_V is missing, or always 0: the thrust is that of %g V, and not "
+                       "corrected, though %s has voltage_exponent: log the voltage of the supply",
+                       map->voltage_V, use->vehicle->word);
+        return -1;
+    }
+    if (relative > LARGEST_VOLTAGE || relative < SMALLEST_VOLTAGE) {
+        (void)snprintf(text, size,
+                       "voltage_V is up to %.5g, but the thrust of %s belongs to %g V: give the "
+                       "voltage of the supply in volts, or correct voltage_V in the vehicle file",
+                       use->voltage_V, use->vehicle->word, map->voltage_V);
+        return 1;
+    }
+    return 0;
+}
+
 int log_thrust_judge(const log_use_t *use, double largest_N, char *text, size_t size)
 {
+    if (log_voltage_judge(use, text, size) > 0) {
+        return 1;
+    }
     const auvid_allocation_config_t *cfg = &use->allocation.cfg;
     double capacity = 0.0, most = thrust_varies(use) ? MOST_VARYING_THRUST : MOST_THRUST;
     for (int k = 0; k < cfg->thrusters; ++k) {

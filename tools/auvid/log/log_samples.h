@@ -30,7 +30,8 @@ typedef struct {
     double gain[AUVID_DOF_COUNT];   /**< of the commands: newtons per unit; 0: not known */
     auvid_calibrated_t *calibrated; /**< model with a known force; NULL: no force is known */
     thrust_map_t map[AUVID_MAX_THRUSTERS]; /**< of the thrusters' groups: log_use_map */
-    uint32_t gap_us; /**< longest time between rows with attitude, and with inputs; 0: as between
+    double voltage_V; /**< largest voltage of the log, for log_voltage_judge; 0: it has none */
+    uint32_t gap_us;  /**< longest time between rows with attitude, and with inputs; 0: as between
                           velocities */
     bool square; /**< the force of an axis is the signed square of its command: log_use_map */
 } log_use_t;
@@ -115,9 +116,14 @@ void log_wrench(const log_use_t *use, const double *input, double voltage_V,
 
 enum { LOG_THRUST_TEXT = 400 };
 
+/** Is the voltage of the log (use->voltage_V) what the maps of the vehicle need? Returns 0; or 1 if
+ * it is in another unit, -1 if there is none, and writes a sentence with the remedy. */
+int log_voltage_judge(const log_use_t *use, char *text, size_t size);
+
 /** Is the largest force of the log's thrusters of the size that the vehicle's have? Returns 0; or 1
  * if it is too large, -1 if it is too small, and writes a sentence with the remedy. Too large is
- * above 110 %; above 200 % where a measured speed or a voltage determines the force. */
+ * above 110 %; above 200 % where a measured speed or a voltage determines the force. A voltage in another
+ * unit is too large, too. */
 int log_thrust_judge(const log_use_t *use, double largest_N, char *text, size_t size);
 
 /** Starts at the first row. Returns 0, or EXIT_REFUSED after one line on stderr. */

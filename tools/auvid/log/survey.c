@@ -134,6 +134,7 @@ static void take_inputs(survey_t *survey, const csv_row_t *row, const log_use_t 
         last->input[k] = csv_has(row, column) ? row->value[column] : last->input[k];
     }
     last->voltage_V = csv_has(row, CSV_VOLTAGE) ? row->value[CSV_VOLTAGE] : last->voltage_V;
+    survey->voltage_V = fmax(survey->voltage_V, last->voltage_V);
     log_wrench(use, last->input, last->voltage_V, wrench, force_N);
     for (int k = 0; k < AUVID_MAX_THRUSTERS; ++k) {
         survey->largest_thrust = fmax(survey->largest_thrust, fabs((double)force_N[k]));

@@ -16,6 +16,7 @@ typedef struct {
     double span_s;                   /**< sum of the logs' lengths */
     double largest[AUVID_DOF_COUNT]; /**< of the inputs, as wrench */
     double largest_thrust;           /**< of a thruster [N], if these are the inputs */
+    double voltage_V;                /**< largest voltage; 0: none */
     uint64_t end_us;                 /**< time of the last row in the replay */
     double gap_s;                    /**< longest time between rows without a gap */
     uint32_t *intervals;             /**< private: counts of the times between velocities [us] */
