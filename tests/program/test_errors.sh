@@ -183,6 +183,8 @@ throttle=thruster_1,thruster_2,thruster_3,thruster_4,thruster_5
 log "$v,$throttle,thruster_6" 0,0,0,0,0,0,0,0,0,0,0 1,1,1,1,1,1,1,1,1,1,1
 check "a thruster too many" rejects 'there is a column thruster_6: girona500 has 5 thrusters' \
     fit log.csv --thrusters girona500
+check "  check refuses it, too" refuses 'there is a column thruster_6: girona500 has 5 thrusters' \
+    check log.csv --vehicle girona500
 log "$v,${throttle//,/_N,}_N" 0,0,0,0,0,0,0,0,0,0 1,1,1,1,1,1,1,1,1,1
 check "commands in the columns of newtons" rejects \
     'largest force of a thruster is 1 N, .* up to 154 N: are the columns .* in newtons' \

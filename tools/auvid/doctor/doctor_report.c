@@ -196,16 +196,28 @@ static void print_text(const doctor_t *d, const csv_log_t *log)
     printf("%s\n", d->verdict);
 }
 
-/* A force that is known at no time of the log has no effect. */
-static void warn_known_forces(const csv_log_t *log, const options_t *options)
+/* A force that is known at no time of the log has no effect: refused, as by fit. */
+static int check_known_forces(const csv_log_t *log, const options_t *options)
 {
     vehicle_calibration_t known[VEHICLE_CALIBRATIONS];
     char text[300];
     int count =
         options->whole ? vehicle_calibrations_of(options->vehicle, log->path, true, known) : 0;
-    if (vehicle_calibrations_miss(known, count, log->first_s, log->last_s, text, sizeof text)) {
-        report_warning("%s: %s", log->path, text);
+    return vehicle_calibrations_miss(known, count, log->first_s, log->last_s, text, sizeof text)
+               ? report_error("%s: %s", log->path, text)
+               : 0;
+}
+
+/* Takes the thrusters of the vehicle as inputs, if the log has them: all of them, as for fit. */
+static int take_thrusters(const csv_log_t *log, const vehicle_t *vehicle, log_use_t *use,
+                          bool *thrusters)
+{
+    bool any = false;
+    *thrusters = log_use_thrusters(use, vehicle, log->has);
+    for (int k = 0; k < log_inputs(use); ++k) {
+        any = any || log->has[log_input(use, k)];
     }
+    return any ? log_check_thrusters(use, log) : 0;
 }
 
 static bool has_wrench(const csv_log_t *log)
@@ -225,9 +237,11 @@ int doctor_check(const char *file, const options_t *options)
     if (doctor == NULL) {
         return report_error("check: not enough memory");
     }
+    bool thrusters = false;
     int status = csv_open(&log.csv, file);
-    bool thrusters =
-        status == 0 && options->whole && log_use_thrusters(&use, options->vehicle, log.csv.has);
+    if (status == 0 && options->whole) {
+        status = take_thrusters(&log.csv, options->vehicle, &use, &thrusters);
+    }
     if (status == 0 && options->whole && !thrusters && has_wrench(&log.csv)) {
         report_warning("%s: no columns thruster_1 ..: forces and moments are examined instead",
                        file);
@@ -239,8 +253,8 @@ int doctor_check(const char *file, const options_t *options)
     status = status != 0 ? status
                          : examine(doctor, &log, thrusters ? &use : NULL,
                                    options->whole ? (double)options->vehicle->dry_mass_kg : 0.0);
+    status = status != 0 ? status : check_known_forces(&log.csv, options);
     if (status == 0) {
-        warn_known_forces(&log.csv, options);
         csv_notes(&log.csv);
         (options->json ? print_json : print_text)(doctor, &log.csv);
         status = doctor->usable ? 0 : 1;

@@ -69,25 +69,6 @@ static int no_inputs(const job_t *job, const csv_log_t *log)
                         log->path, six ? "K_Nm M_Nm " : "", six ? "cmd_roll cmd_pitch " : "");
 }
 
-/* Each thruster of the vehicle needs its column, and there may be no other. */
-static int check_thrusters(const job_t *job, const csv_log_t *log)
-{
-    const log_use_t *use = &job->use;
-    int first = use->kind == INPUT_THRUST ? CSV_THRUSTER_N : CSV_THRUSTER;
-    char why[80];
-    (void)snprintf(why, sizeof why, ": %s has %d thrusters", use->vehicle->word, log_inputs(use));
-    for (int k = 0; k < CSV_THRUSTERS; ++k) {
-        if (k < log_inputs(use) && !log->has[log_input(use, k)]) {
-            return csv_missing(log, log_input(use, k), why);
-        }
-        if (k >= log_inputs(use) && log->has[first + k]) {
-            return report_error("%s:%zu:1: there is a column %s%s", log->path, log->header,
-                                csv_name[first + k], why);
-        }
-    }
-    return 0;
-}
-
 /* All thrusters have one delay, because the recorder has one stream of inputs. */
 static int take_delay(job_t *job)
 {
@@ -226,7 +207,7 @@ static int check_columns(const job_t *job, csv_log_t *log)
                             "units of command",
                             log->path);
     }
-    int status = log_has_thrusters(&job->use) ? check_thrusters(job, log) : 0;
+    int status = log_has_thrusters(&job->use) ? log_check_thrusters(&job->use, log) : 0;
     if (status == 0 && job->options->current && !log->has[CSV_ATTITUDE + 2]) {
         status = csv_missing(log, CSV_ATTITUDE + 2, ": --current needs the heading");
     }

@@ -4,6 +4,8 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "../base/report_error.h"
+
 /* The attitude is not propagated for longer [s]. */
 #define PROPAGATION_S 1.0
 /* Relative to a thruster's largest force: room for the noise of a command at its limit. */
@@ -37,6 +39,23 @@ bool log_use_thrusters(log_use_t *use, const vehicle_t *vehicle, const bool has[
     }
     (void)log_use_map(use, THRUST_MAP_NEWTON);
     return all;
+}
+
+int log_check_thrusters(const log_use_t *use, const csv_log_t *log)
+{
+    int first = use->kind == INPUT_THRUST ? CSV_THRUSTER_N : CSV_THRUSTER;
+    char why[80];
+    (void)snprintf(why, sizeof why, ": %s has %d thrusters", use->vehicle->word, log_inputs(use));
+    for (int k = 0; k < CSV_THRUSTERS; ++k) {
+        if (k < log_inputs(use) && !log->has[log_input(use, k)]) {
+            return csv_missing(log, log_input(use, k), why);
+        }
+        if (k >= log_inputs(use) && log->has[first + k]) {
+            return report_error("%s:%zu:1: there is a column %s%s", log->path, log->header,
+                                csv_name[first + k], why);
+        }
+    }
+    return 0;
 }
 
 bool log_use_map(log_use_t *use, thrust_map_kind_t kind)

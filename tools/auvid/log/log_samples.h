@@ -99,6 +99,10 @@ bool log_has_thrusters(const log_use_t *use);
  * false if the columns of one of them are missing, or its allocation cannot be used. */
 bool log_use_thrusters(log_use_t *use, const vehicle_t *vehicle, const bool has[CSV_COLUMNS]);
 
+/** Has the log the columns of the vehicle's thrusters: one for each, and no other? Needs kind,
+ * vehicle and allocation. Returns 0, or EXIT_REFUSED after one line on stderr. */
+int log_check_thrusters(const log_use_t *use, const csv_log_t *log);
+
 /** Chooses the map from commands to forces: linear or signed-square; THRUST_MAP_NEWTON: as
  * configured, which is the vehicle's for thrusters, linear for axes. Needs kind and vehicle.
  * Returns false if no map is replaced, because the inputs are forces already. */

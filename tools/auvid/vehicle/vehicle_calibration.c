@@ -80,10 +80,11 @@ bool vehicle_calibrations_miss(const vehicle_calibration_t *calibration, int cou
     for (int i = 0; i < count; ++i) {
         const vehicle_calibration_t *c = &calibration[i];
         if (c->from_s > last_s || c->to_s <= first_s) {
-            (void)snprintf(text, size,
-                           "[calibration.%d] of the vehicle file is from %.9g to %.9g s, this log "
-                           "from %.9g to %.9g s: correct its times, or name its log: log = FILE",
-                           c->number, c->from_s, c->to_s, first_s, last_s);
+            (void)snprintf(
+                text, size,
+                "[calibration.%d] of the vehicle file is from %.12g to %.12g s, this log "
+                "from %.12g to %.12g s: correct its times, or name its log: log = FILE",
+                c->number, c->from_s, c->to_s, first_s, last_s);
             return true;
         }
     }
