@@ -67,6 +67,11 @@ check "a directory" rejects '\.: Is a directory' fit .
 check "empty file" rejects 'log.csv:1:1: the file is empty' fit log.csv
 printf '\n\n' >log.csv
 check "nothing but empty lines" rejects 'log.csv:1:1: the file is empty' fit log.csv
+log '# my dive' '# in the pool'
+check "nothing but comments" rejects 'log.csv:2:1: no header after the comments' fit log.csv
+log '# my dive' '# t, in s' t_s,u_mps,X_N 0,0,0 0.1,fast,0
+check "comments count as lines" rejects "log.csv:5:5: u_mps: 'fast' is not a number" fit log.csv
+check "  of check, too" refuses "log.csv:5:5: u_mps: 'fast' is not a number" check log.csv
 log "$header"
 check "a header and no row" rejects 'log.csv:1:1: no row after the header' fit log.csv
 log "$header" 0,0,0

@@ -401,6 +401,12 @@ assert d["model"] == "Fossen, 6 DoF, decoupled"
 masses = [P[n]["estimate"] for n in list(P)[:6]]
 assert all(abs(x / y - 1) < 0.02 for x, y in zip(masses, [20, 21, 22, 2, 3, 4])), masses'
 
+# ---- comments ----
+{ printf '# my dive\n\n# t_s is in seconds\n'; cat train.csv; } >comments.csv
+check "comments before the header" form 0 plain.json 1e-9 comments.csv --plain
+sed '1s/^/# /' train.csv >hash.csv
+check "a header that begins with #" form 0 plain.json 1e-9 hash.csv --plain
+
 # ---- several logs ----
 change 'for y in r: y[C["Y_N"]] = -y[C["Y_N"]]' <train.csv >sign.csv
 check "a log with an error beside one without" exits 0 fit sign.csv train.csv --plain --json

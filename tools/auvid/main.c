@@ -198,6 +198,7 @@ static const char columns_help[] =
     "as zero. Angles are in radians. A degree of freedom whose input does not vary is ignored.\n"
     "ref_surge ref_sway ref_heave ref_roll ref_pitch ref_yaw: velocity or rate of the\n"
     "reference of a controller along its own axes, which identifies a vehicle in closed loop.\n"
+    "Lines before the header that begin with # are comments.\n"
     "An empty cell is no new sample, so each sensor may have its own rate. Velocities that are\n"
     "held between samples are recognised. Several logs are records of their own. weight_N: a\n"
     "weight in water that hangs on the vehicle for a part of the log calibrates the thrust.\n"

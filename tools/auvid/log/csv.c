@@ -35,7 +35,10 @@ int csv_rewind(csv_log_t *log)
 {
     log->rows = 0;
     int status = csv_lines_rewind(&log->lines);
-    return status != 0 ? status : csv_lines_next(&log->lines);
+    while (status == 0 && log->lines.line < log->header) { /* comments, and the header */
+        status = csv_lines_next(&log->lines);
+    }
+    return status;
 }
 
 /* Converts a plain decimal number, as strtod does but faster. A mantissa and a power of ten that

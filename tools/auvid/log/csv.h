@@ -85,7 +85,8 @@ typedef struct {
 /** csv_next: there are no more rows. */
 enum { CSV_END = 1 };
 
-/** Opens a log and reads its header. The column t_s must exist. Unknown columns are ignored. What
+/** Opens a log and reads its header, past comments: lines that begin with #, unless the first
+ * column after it is t_s. The column t_s must exist. Unknown columns are ignored. What
  * cannot be read twice (a pipe) is copied to a temporary file. Returns 0, or EXIT_REFUSED after one
  * line on stderr; then there is nothing to close. */
 int csv_open(csv_log_t *log, const char *path);

@@ -159,13 +159,37 @@ static int no_time(csv_log_t *log, const char *separator)
     return csv_missing(log, CSV_T, why);
 }
 
+/* Reads the line of the header, past comments. *line: the header; some programs begin it with #,
+ * as if it were a comment. */
+static int find_header(csv_log_t *log, char **line)
+{
+    static const char blanks[] = " \t#";
+    bool comment = false;
+    int status = csv_lines_next(&log->lines);
+    while (status == 0 && log->lines.start[0] == '#') {
+        char *name = log->lines.start + strspn(log->lines.start, blanks);
+        size_t length = strlen(csv_name[CSV_T]);
+        if (strncmp(name, csv_name[CSV_T], length) == 0 && name[length] == ',') {
+            *line = name;
+            return 0;
+        }
+        comment = true;
+        status = csv_lines_next(&log->lines);
+    }
+    *line = log->lines.start;
+    return status != CSV_END ? status
+           : comment
+               ? report_error("%s:%zu:1: no header after the comments", log->path, log->lines.line)
+               : report_error("%s:1:1: the file is empty", log->path);
+}
+
 int csv_read_header(csv_log_t *log)
 {
-    int status = csv_lines_next(&log->lines);
+    char *rest = NULL;
+    int status = find_header(log, &rest);
     if (status != 0) {
-        return status == CSV_END ? report_error("%s:1:1: the file is empty", log->path) : status;
+        return status;
     }
-    char *rest = log->lines.start;
     const char *separator = other_separator(rest);
     log->header = log->lines.line;
     log->fields = 1;

@@ -15,6 +15,7 @@ import csv
 import datetime
 import itertools
 import math
+import re
 from typing import Callable, NamedTuple
 
 from auvid.log_error import LogError, UsageError
@@ -136,6 +137,18 @@ def _whole_lines(file, recording):
                                    "out")
 
 
+def _header(lines, time):
+    """The header of a table, past comments: lines that begin with #. One with the column of the
+    time is the header: some programs write it so. -> (number of comments, header)"""
+    comments, line = 0, next(lines, "")
+    while line.startswith("#"):
+        header = line.lstrip("# ")
+        if time in (name.strip() for name in re.split("[,;\t]", header)):
+            return comments, header
+        comments, line = comments + 1, next(lines, "")
+    return comments, line
+
+
 def read_csv(path, options):
     """A .csv by its map. An empty cell means: no new sample. -> Recording"""
     recording, entries = Recording(path, "CSV"), options.map
@@ -145,7 +158,7 @@ def read_csv(path, options):
     entries.setdefault("t_s", Entry("t_s", 1.0, 0.0))
     with path.open(encoding="utf-8-sig", newline="") as file:
         lines = _whole_lines(file, recording)
-        first = next(lines, "")
+        comments, first = _header(lines, entries["t_s"].source)
         separator = max(",;\t", key=first.count)
         rows = csv.DictReader(itertools.chain([first], lines), skipinitialspace=True,
                               delimiter=separator)
@@ -161,12 +174,12 @@ def read_csv(path, options):
             text = row[entry.source]
             if separator != ",":
                 text = text.replace(",", ".")  # a decimal comma
-            return entry.factor * _number(rows.line_num, entry, text) + entry.offset
+            return entry.factor * _number(comments + rows.line_num, entry, text) + entry.offset
         groups = grouped(entries)
         for row in rows:
             if None in row.values() or None in row:
-                raise LogError(f"line {rows.line_num}: the row does not have the {len(header)} "
-                               "columns of the header: correct it, or remove it")
+                raise LogError(f"line {comments + rows.line_num}: the row does not have the "
+                               f"{len(header)} columns of the header: correct it, or remove it")
             t = value(row, "t_s")
             for name, columns in groups:
                 if all(row[entries[c].source].strip() for c in columns):

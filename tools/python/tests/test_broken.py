@@ -260,6 +260,14 @@ def test_semicolons_or_tabs_may_separate_columns_with_decimal_commas(tmp_path, c
         assert status == 0 and np.allclose(rows["u_mps"], 0.3 * (np.arange(99) % 5)), said
 
 
+@pytest.mark.parametrize("before", ["# my dive\n# the time, in ms\n", "# ", "# my dive\n#"])
+def test_comments_before_the_header_are_skipped(before, tmp_path, convert):
+    (tmp_path / "map.ini").write_text(MAP)
+    (tmp_path / "dive.csv").write_text(before + TABLE)
+    status, said, rows = convert(tmp_path / "dive.csv", "--map", str(tmp_path / "map.ini"))
+    assert status == 0 and np.allclose(rows["u_mps"], 0.3 * (np.arange(99) % 5)), said
+
+
 @pytest.mark.parametrize("cut", [2, 6])  # within the last number, and within the row
 def test_a_table_that_is_cut_off_is_read_up_to_the_cut(cut, tmp_path, convert):
     (tmp_path / "map.ini").write_text(MAP)
@@ -309,6 +317,8 @@ TABLES = [  # map, table, exit status, what is said
     (MAP, TABLE.replace("vx", "speed"), 1, "no column vx (for u_mps) in the header; its columns"),
     (MAP, TABLE.replace(",6,3,1", ",fast,3,1"), 1,
      "line 5: vy: 'fast' is not a number"),
+    (MAP, "# my dive\n# a pool\n" + TABLE.replace(",6,3,1", ",fast,3,1"), 1,
+     "line 7: vy: 'fast' is not a number"),
     (MAP, TABLE.replace(",6,3,1", ",6,3"), 1, "line 5: the row does not have the 5 columns of"),
     (MAP, TABLE + "".join(ROWS), 1,
      "time goes back from 9.800 to 0.000 s: the log holds two recordings; split it"),
