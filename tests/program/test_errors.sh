@@ -224,7 +224,8 @@ printf '%s\n0,0,0\n' "$header" >good.csv
 log "$header" 0,0,0 1,1,1
 check "a second training log is read as strictly" rejects 'good.csv:2:1: only one row' \
     fit log.csv good.csv
-check "and a third that is missing" rejects 'none.csv: No such file' fit log.csv log.csv none.csv
+{ cat log.csv && echo 2,1,1; } >more.csv
+check "and a third that is missing" rejects "none.csv: No such file" fit log.csv more.csv none.csv
 for bad in surge surge= surge=x surge=0 surge=-1 surge=nan =5 north=5; do
     check "--gain $bad" refuses 'is not AXIS=NEWTONS' fit log.csv "--gain=$bad"
 done

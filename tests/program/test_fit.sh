@@ -442,7 +442,7 @@ ln -s commands.csv same.csv
 check "a training log validates nothing" exits 0 fit commands.csv --plain --validate same.csv
 check "  which a warning says" grep -qx \
     'auvid: warning: same.csv: the estimate is from this log: this is no validation; .*' err
-cp commands.csv other.csv
+sed 2d commands.csv >other.csv
 check "tables" exits 0 fit commands.csv --plain --validate other.csv
 check "  no line is longer than 100 columns" awk 'length > 100 { exit 1 }' out
 check "  name the unit of the parameters" grep -q 'units of command' out

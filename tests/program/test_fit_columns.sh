@@ -425,6 +425,12 @@ check "two logs" exits 0 fit first.csv second.csv --plain --json
 check "  are one with a gap" same_result gap.json
 check "  of the same kind of inputs" rejects 'commands.csv:1:1: no input column of the same kind' \
     fit first.csv commands.csv
+ln -s first.csv link.csv && cp first.csv copy.csv
+for log in first link copy; do
+    check "  $log.csv is first.csv, given twice" rejects \
+        "$log.csv: the estimate is from this log already \(first.csv\): this is no further log" \
+        fit first.csv second.csv $log.csv --plain
+done
 check "  each named in the heading" exits 0 fit first.csv second.csv --plain
 check "  which says how many gaps" grep -q 'fit: first.csv, second.csv$' out
 change 'r = [y for y in r if y[0] % 10 > 0.7]' <train.csv >outages.csv

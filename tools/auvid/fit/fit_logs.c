@@ -349,10 +349,49 @@ static int examine_logs(job_t *job)
     return status;
 }
 
+/* Have two files the same bytes? */
+static bool is_copy(const char *a, const char *b)
+{
+    FILE *one = fopen(a, "rb"), *other = fopen(b, "rb");
+    bool same = one != NULL && other != NULL;
+    int c = 0;
+    while (same && c != EOF) {
+        c = getc(one);
+        same = c == getc(other);
+    }
+    if (one != NULL) {
+        (void)fclose(one);
+    }
+    if (other != NULL) {
+        (void)fclose(other);
+    }
+    return same;
+}
+
+/* Are two paths of one file, or of a file and its copy? */
 static bool is_same_file(const char *a, const char *b)
 {
     struct stat x, y;
-    return stat(a, &x) == 0 && stat(b, &y) == 0 && x.st_dev == y.st_dev && x.st_ino == y.st_ino;
+    if (stat(a, &x) != 0 || stat(b, &y) != 0) {
+        return false;
+    }
+    return (x.st_dev == y.st_dev && x.st_ino == y.st_ino) ||
+           (S_ISREG(x.st_mode) && S_ISREG(y.st_mode) && x.st_size == y.st_size && is_copy(a, b));
+}
+
+/* The same rows twice would only make the intervals too small. */
+static int check_twice(const options_t *options)
+{
+    for (int i = 1; i < options->trains; ++i) {
+        for (int k = 0; k < i; ++k) {
+            if (is_same_file(options->train[k], options->train[i])) {
+                return report_error("%s: the estimate is from this log already (%s): this is no "
+                                    "further log; give it once",
+                                    options->train[i], options->train[k]);
+            }
+        }
+    }
+    return 0;
 }
 
 static int open_test_log(job_t *job)
@@ -376,6 +415,7 @@ int fit_read_logs(job_t *job)
     job->test = (log_set_t){.log = &job->test_log, .logs = options->validate != NULL};
     memcpy(job->use.gain, options->gain, sizeof job->use.gain);
     int status = csv_open(&job->log[0].csv, options->train[0]);
+    status = status != 0 ? status : check_twice(options);
     status = status != 0 ? status : find_inputs(job);
     status = status != 0 ? status : check_columns(job, &job->log[0].csv);
     (void)log_use_map(&job->use, THRUST_MAP_NEWTON);
