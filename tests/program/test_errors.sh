@@ -126,6 +126,13 @@ log t_s,u_mps,X_N,u_mps 0,0,0,0 1,1,1,1
 check "a second column of the same name" rejects 'log.csv:1:15: duplicate column u_mps' fit log.csv
 log "$header" 0,0,0 0.1,fast,0 0.2,0,0
 check "text in a number" rejects "log.csv:3:5: u_mps: 'fast' is not a number" fit log.csv
+log t_s,u_mps,X_N 2026-05-01T12:00:00.25Z,0,0 2026-05-01T12:00:01Z,0,0
+check "a date in t_s" rejects 'log.csv:2:1: t_s: .* is a date, .*: auvid-log --map converts it' \
+    fit log.csv
+log t_s,u_mps,X_N 0,0, 0,,1 0.1,1,
+check "rows of one time that fill different columns" rejects \
+    "log.csv:3:1: t_s: '0' is that of the row before, .* other columns: merge the rows of one" \
+    fit log.csv
 log "$header" 0,0,0 0.1,0,1.2.3
 check "two points in a number" rejects "log.csv:3:7: X_N: '1.2.3' is not a number" fit log.csv
 log "$header" 0,0,0 0.1,0,1e5N

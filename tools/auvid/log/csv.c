@@ -14,6 +14,8 @@
 #define SET_BACK_S 1.0   /* rows in disorder are closer together [s] */
 #define NORM_ERROR 0.05  /* largest error of a quaternion's norm */
 
+_Static_assert(CSV_COLUMNS <= 64, "a bit for each column: filled()");
+
 int csv_open(csv_log_t *log, const char *path)
 {
     *log = (csv_log_t){.path = path};
@@ -79,6 +81,14 @@ static int refuse(const csv_log_t *log, const char *field, int column, const cha
                         csv_field_column(&log->lines, field), csv_name[column], field, trouble);
 }
 
+/* Is a text a date with a time, as 2026-05-01T12:00:00Z? */
+static bool is_date(const char *text)
+{
+    const char *colon = strchr(text, ':');
+    return colon != NULL && colon[strspn(colon, "0123456789:.,+-Z ")] == '\0' && text[0] >= '0' &&
+           text[0] <= '9';
+}
+
 /* Converts a field. Returns what is wrong with it, or NULL. */
 static const char *convert(const char *field, double *value)
 {
@@ -103,23 +113,42 @@ static int read_value(const csv_log_t *log, const char *field, int column, csv_r
         return column == CSV_T ? refuse(log, field, column, "is empty") : 0;
     }
     const char *trouble = convert(field, &row->value[column]);
+    if (trouble != NULL && column == CSV_T && is_date(field)) {
+        trouble = "is a date, not seconds: auvid-log --map converts it (unit = ISO 8601)";
+    }
     if (trouble == NULL && column != CSV_T && fabs(row->value[column]) > LARGEST) {
         trouble = "is beyond +-1e6";
     }
     return trouble == NULL ? 0 : refuse(log, field, column, trouble);
 }
 
-/* Checks the time of the row and keeps it. */
-static int take_time(csv_log_t *log, const char *field, double t)
+/* The columns that a row fills, but for the time: bit c. */
+static uint64_t filled(const csv_row_t *row)
 {
+    uint64_t mask = 0;
+    for (int c = CSV_T + 1; c < CSV_COLUMNS; ++c) {
+        mask |= (uint64_t)csv_has(row, c) << c;
+    }
+    return mask;
+}
+
+/* Checks the time of the row and keeps it. */
+static int take_time(csv_log_t *log, const char *field, const csv_row_t *row)
+{
+    double t = row->value[CSV_T];
+    uint64_t before = log->filled;
     const char *trouble = NULL;
+    log->filled = filled(row);
     if (log->rows > 0 && t <= log->last_s) {
         /* after a clock that was set, or a second recording, sorting would mix the rows of both */
         trouble = t < log->last_s - SET_BACK_S ? "goes back by more than a second: split the log "
                                                  "here"
                   : t < log->last_s ? "goes back: sort the rows by time, or split the log here"
-                                    : "does not advance: remove repeated rows, or log more "
-                                      "digits of the time";
+                  : (log->filled & before) == 0
+                      ? "is that of the row before, which fills other columns: merge the rows of "
+                        "one time, as auvid-log --map does"
+                      : "does not advance: remove repeated rows, or log more "
+                        "digits of the time";
     } else if (log->rows > 0 && t - log->first_s > LARGEST_TIME) {
         trouble = "is more than 1e9 s after the first row, as if it were not in seconds";
     }
@@ -184,7 +213,7 @@ static int read_row(csv_log_t *log, csv_row_t *row)
         return report_error("%s:%zu:%zu: the row has more than %d columns", log->path, row->line,
                             csv_field_column(&log->lines, rest), log->fields);
     }
-    int status = take_time(log, time_field, row->value[CSV_T]);
+    int status = take_time(log, time_field, row);
     return status == 0 && log->quaternion ? take_quaternion(log, row) : status;
 }
 

@@ -17,6 +17,7 @@
 #include <math.h>
 #include <stdbool.h>
 #include <stddef.h>
+#include <stdint.h>
 #include <stdio.h>
 
 #include "csv_lines.h"
@@ -80,6 +81,7 @@ typedef struct {
     int fields;      /* number of fields in the header */
     int *column;     /* [fields] column of the log, or -1 */
     bool quaternion; /* the attitude is computed from it */
+    uint64_t filled; /* bit c: the last row has a value of column c */
 } csv_log_t;
 
 /** csv_next: there are no more rows. */
