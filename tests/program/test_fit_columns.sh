@@ -183,6 +183,12 @@ sed 's/^map = signed-square/map = rpm\nfull_command = 1200/' \
 change "$commands"'
 add(["rpm_%d" % k for k in range(1, 6)], lambda y: [1200 * c for c in commands(y)])
 drop(*WRENCH)' <train.csv >speed.csv
+sed '1s/thruster_/rpm_/g' throttle.csv >speeds.csv
+for command in fit check; do
+    check "speeds, but the file has another map: $command" one_line $((command == fit ? 1 : 2)) \
+        'the log has rpm_1 .., but the thrusters of girona500 need thruster_1 ..: .*map = rpm' \
+        $command speeds.csv --vehicle girona500
+done
 check "speeds of propellers" form 0 plain.json 1e-3 speed.csv --vehicle speed.ini --plain
 sed 's/^map = signed-square/map = signed-square\nvoltage_V = 16\nvoltage_exponent = 2/' \
     "$ROOT/tools/auvid/vehicles/girona500.ini" >voltage.ini
@@ -334,7 +340,8 @@ h = [names.get(n, n) for n in h]' <train.csv >commands.csv
 gains="--gain surge=200 --gain sway=200 --gain heave=200 --gain=yaw=50"
 # shellcheck disable=SC2086
 check "the doctor needs the inputs of the thrusters, or forces" refuses \
-    '--vehicle needs the inputs of each thruster' check commands.csv --vehicle girona500
+    'no input column of the thrusters of girona500 \(thruster_1 .*merge the files by t_s' \
+    check commands.csv --vehicle girona500
 check "commands with a gain for each axis" form 0 plain.json 1e-3 commands.csv --plain $gains
 check "  have the units of forces" is out 'assert P["m_u"]["unit"] == "kg"'
 check "a gain is missing" rejects 'cmd_yaw has no gain' fit commands.csv --gain surge=1 \

@@ -246,9 +246,7 @@ int doctor_check(const char *file, const options_t *options)
         report_warning("%s: no columns thruster_1 ..: forces and moments are examined instead",
                        file);
     } else if (status == 0 && options->whole && !thrusters) {
-        status = report_error("%s:1:1: --vehicle needs the inputs of each thruster of %s "
-                              "(thruster_1 .. or thruster_1_N ..)",
-                              file, options->vehicle->word);
+        status = log_no_thrusters(&use, &log.csv);
     }
     status = status != 0 ? status
                          : examine(doctor, &log, thrusters ? &use : NULL,

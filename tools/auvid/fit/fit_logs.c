@@ -64,9 +64,13 @@ static bool acts(const job_t *job, const csv_log_t *log, int j)
 static int no_inputs(const job_t *job, const csv_log_t *log)
 {
     bool six = job->options->model->columns[AUVID_ROLL] != 0;
-    return report_error("%s:1:1: no input column (X_N Y_N Z_N %sN_Nm, or cmd_surge cmd_sway "
-                        "cmd_heave %scmd_yaw) in the header",
-                        log->path, six ? "K_Nm M_Nm " : "", six ? "cmd_roll cmd_pitch " : "");
+    return job->use.vehicle != NULL
+               ? log_no_thrusters(&job->use, log)
+               : report_error("%s:%zu:1: no input column (X_N Y_N Z_N %sN_Nm, or cmd_surge "
+                              "cmd_sway cmd_heave %scmd_yaw) in the header; if another file has "
+                              "them, merge the files by t_s",
+                              log->path, log->header, six ? "K_Nm M_Nm " : "",
+                              six ? "cmd_roll cmd_pitch " : "");
 }
 
 /* All thrusters have one delay, because the recorder has one stream of inputs. */
@@ -138,14 +142,14 @@ static int find_inputs(job_t *job)
         return status;
     }
     if (!wrench && !command) {
-        return thrusters ? report_error("%s:1:1: the inputs are those of thrusters: name their "
+        return thrusters ? report_error("%s:%zu:1: the inputs are those of thrusters: name their "
                                         "vehicle (--thrusters, --vehicle)",
-                                        log->path)
+                                        log->path, log->header)
                          : no_inputs(job, log);
     }
     return job->options->has_gain && job->use.kind != INPUT_COMMAND
-               ? report_error("%s:1:1: --gain needs commands (cmd_*), but the log has forces",
-                              log->path)
+               ? report_error("%s:%zu:1: --gain needs commands (cmd_*), but the log has forces",
+                              log->path, log->header)
                : 0;
 }
 
@@ -222,8 +226,10 @@ static int open_further(job_t *job, log_t *log, const char *path)
 {
     int status = csv_open(&log->csv, path);
     if (status == 0 && !has_inputs(&log->csv, job)) {
-        status = report_error("%s:1:1: no input column of the same kind as in %s (%s ..)", path,
-                              job->log[0].csv.path, csv_name[log_input(&job->use, 0)]);
+        status = report_error("%s:%zu:1: no input column of the same kind as in %s (%s ..); if "
+                              "it is of other sensors, merge the files by t_s",
+                              path, log->csv.header, job->log[0].csv.path,
+                              csv_name[log_input(&job->use, 0)]);
     }
     return status != 0 ? status : check_columns(job, &log->csv);
 }

@@ -58,6 +58,24 @@ int log_check_thrusters(const log_use_t *use, const csv_log_t *log)
     return 0;
 }
 
+int log_no_thrusters(const log_use_t *use, const csv_log_t *log)
+{
+    log_use_t commands = *use;
+    commands.kind = INPUT_THRUSTER_COMMAND;
+    int first = log_input(&commands, 0), other = first == CSV_RPM ? CSV_THRUSTER : CSV_RPM;
+    if (log->has[other]) {
+        return report_error("%s:%zu:1: the log has %s .., but the thrusters of %s need %s ..: "
+                            "correct map in their [group.NAME] (%s), or the names of the columns",
+                            log->path, log->header, csv_name[other], use->vehicle->word,
+                            csv_name[first],
+                            other == CSV_RPM ? "map = rpm" : "linear, signed-square, table");
+    }
+    return report_error("%s:%zu:1: no input column of the thrusters of %s (%s .., or "
+                        "thruster_1_N .. in newtons) in the header; if another file has them, "
+                        "merge the files by t_s",
+                        log->path, log->header, use->vehicle->word, csv_name[first]);
+}
+
 bool log_use_map(log_use_t *use, thrust_map_kind_t kind)
 {
     bool any = false;

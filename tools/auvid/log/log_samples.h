@@ -103,6 +103,10 @@ bool log_use_thrusters(log_use_t *use, const vehicle_t *vehicle, const bool has[
  * vehicle and allocation. Returns 0, or EXIT_REFUSED after one line on stderr. */
 int log_check_thrusters(const log_use_t *use, const csv_log_t *log);
 
+/** Reports that a log has no inputs of the vehicle's thrusters, and which columns are wanted. Needs
+ * vehicle. Returns EXIT_REFUSED. */
+int log_no_thrusters(const log_use_t *use, const csv_log_t *log);
+
 /** Chooses the map from commands to forces: linear or signed-square; THRUST_MAP_NEWTON: as
  * configured, which is the vehicle's for thrusters, linear for axes. Needs kind and vehicle.
  * Returns false if no map is replaced, because the inputs are forces already. */
