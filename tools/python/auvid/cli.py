@@ -14,6 +14,10 @@ READERS = {".bin": "dataflash.read", ".tlog": "tlog.read", ".ulg": "ulog.read",
 OPTIONS = {"map": ("bag", "column_map"), "only": ("bag", "tlog"), "frames": ("bag",),
            "clock": ("bag",), "vehicle": ("bag", "dataflash", "tlog", "ulog")}
 
+#: What to do instead of an option that a reader does not know.
+REMEDIES = {("vehicle", ".csv"): ": give a thruster that pushes against its direction in the file "
+            "sign = -1 in the map"}
+
 
 class Parser(argparse.ArgumentParser):
     def error(self, message):
@@ -41,7 +45,8 @@ def _parser():
                         ".ulg (PX4), .db3, .mcap or folder (ROS 2, BlueOS), .csv with --map")
     parser.add_argument("-o", dest="output", type=pathlib.Path, required=True, metavar="DIVE.csv")
     parser.add_argument("--vehicle", type=pathlib.Path, metavar="FILE.ini", help="give thruster_1 "
-                        ".. the directions of this vehicle file, for auvid fit --vehicle")
+                        ".. the directions of this vehicle file, for auvid fit --vehicle; not of a "
+                        ".csv")
     parser.add_argument("--resample", type=_resample, metavar="HZ|velocity", help="rows at this "
                         "rate, or at the times of the velocity: motion is interpolated, commands "
                         "are held. Default: a row per sample; an empty cell means no new sample")
@@ -67,7 +72,8 @@ def _reader(options):
     module, function = READERS[suffix].split(".")
     for name, modules in OPTIONS.items():
         if getattr(options, name) is not None and module not in modules:
-            raise UsageError(f"{dive}: --{name} is not for a {suffix}")
+            remedy = REMEDIES.get((name, suffix), "")
+            raise UsageError(f"{dive}: --{name} is not for a {suffix}{remedy}")
     return getattr(importlib.import_module(f"auvid.{module}"), function)
 
 

@@ -360,6 +360,8 @@ def test_wrong_usage_is_told_in_a_line_with_status_2(tmp_path, convert):
     (tmp_path / "dive.csv").write_text("t_s\n")
     status, said, _ = convert(tmp_path / "dive.csv")
     assert status == 2 and "a .csv needs --map" in said
+    status, said, _ = convert(tmp_path / "dive.csv", "--map", "map.ini", "--vehicle", "mine.ini")
+    assert status == 2 and "--vehicle is not for a .csv: give a thruster that" in said, said
 
 
 def test_a_log_is_never_overwritten(tmp_path, short, capsys):
