@@ -186,6 +186,11 @@ check "replay reads the bus" exits 0 replay minnow.log --vehicle minnow.ini --se
 check "  and finds the same" is out '
 n = json.load(open("node.json"))
 assert [p["estimate"] for p in d["parameters"]] == [p["estimate"] for p in n["parameters"]]'
+replay_unnamed() {
+    "$AUVID" replay minnow.log --sets 4 >out 2>err || true
+    sed -n 1p err | grep -q 'minnow.log: the log is compared with the vehicle girona500, because'
+}
+check "  without its vehicle it says first which it takes" replay_unnamed
 sed '/^\[truth\]/,$d' minnow.ini >real.ini
 check "without truth: fit" exits 0 fit minnow.csv --vehicle real.ini --json
 for command in "demo" "vehicle --bus vcan0" "node --bus memory"; do

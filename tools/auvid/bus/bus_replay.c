@@ -217,12 +217,28 @@ static void warn_left_out(const run_t *run)
     }
 }
 
+/* The estimate, the allocation and the axes are those of one vehicle: errors of a log may be those
+ * of another one. */
+static void warn_vehicle(const run_t *run)
+{
+    bool error = run->different > 0;
+    for (int i = 0; i < run->doctor.findings; ++i) {
+        error = error || run->doctor.finding[i].severity == DOCTOR_ERROR;
+    }
+    if (error && !run->options->whole) {
+        report_warning("%s: the log is compared with the vehicle %s, because none is named: give "
+                       "that of the log first, with --vehicle FILE.ini",
+                       run->options->log, run->options->vehicle->word);
+    }
+}
+
 static int report(run_t *run)
 {
     static result_t result;
     report_gather(&result, &run->own.node.id, run->options->seed);
     bus_identifier_calibrate(&run->own, &result);
     doctor_finish(&run->doctor);
+    warn_vehicle(run);
     if (doctor_tell(&run->doctor, run->options->log, &run->findings) != 0) {
         return EXIT_REFUSED;
     }

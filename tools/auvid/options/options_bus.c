@@ -20,6 +20,7 @@ static int bus_option(reader_t *r, options_t *options)
         return take_flag(r, &options->realtime);
     }
     if (option_is(r, "--vehicle")) {
+        options->whole = true;
         return take_vehicle(r, options, false);
     }
     return -1;
@@ -85,6 +86,7 @@ static int replay_option(reader_t *r, options_t *options)
         return take_loop(r, options);
     }
     if (option_is(r, "--vehicle")) {
+        options->whole = true;
         return take_vehicle(r, options, false);
     }
     if (option_is(r, "--prior")) {
