@@ -408,6 +408,15 @@ assert d["model"] == "Fossen, 6 DoF, decoupled"
 masses = [P[n]["estimate"] for n in list(P)[:6]]
 assert all(abs(x / y - 1) < 0.02 for x, y in zip(masses, [20, 21, 22, 2, 3, 4])), masses'
 
+# ---- a DVL ahead of the origin ----
+change '
+for y in r: y[C["v_mps"]] += 0.4 * y[C["r_radps"]]; y[C["w_mps"]] -= 0.4 * y[C["q_radps"]]' \
+    <train.csv >lever.csv
+check "a lever arm that is not in the velocities" \
+    sh -c "'$AUVID' fit lever.csv --thrusters girona500 >out 2>err || true"
+check "  is named" grep -q 'the DVL is further ahead than configured, by .* measure its lever arm' out
+check "  with what a log needs, once" test "$(grep -c 'subtract omega x arm' err)" = 1
+
 # ---- comments ----
 { printf '# my dive\n\n# t_s is in seconds\n'; cat train.csv; } >comments.csv
 check "comments before the header" form 0 plain.json 1e-9 comments.csv --plain

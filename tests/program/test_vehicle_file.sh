@@ -155,7 +155,7 @@ check "--json with --header" refuses 'cannot be combined' check minnow.ini --jso
 check "check reports" exits 0 check minnow.ini
 check "  the largest wrench" grep -Eq '^  surge +-18\.0 +24\.0 N +6\.0 N' out
 check "  what cannot be given" grep -Eq '^  sway +not possible without another force or moment' out
-check "  what is missing" grep -q 'dvl_lever_m: the DVL is taken to be at the origin' out
+check "  what is missing" grep -q 'dvl_lever_m: on board the DVL is taken to be at' out
 check "  and what would help" \
     grep -Eq '^ +[0-9.]+ %  0.5 N of weight in water for 60 s' out
 check "check --json" exits 0 check minnow.ini --json
@@ -232,6 +232,13 @@ check "  a log has velocities of the origin" exits 0 fit mounted.csv --vehicle m
 check "    no warning with --plain" sh -c '! grep -q mount err'
 exits 3 fit mounted.csv --vehicle mounted.ini --thrusters mounted.ini
 check "    else fit says that it must" grep -q '\[mount\] of the vehicle file is not applied' err
+awk -F, -v OFS=, 'NR == 1 { for (i = 1; i <= NF; i++) if ($i == "psi_rad") at = i }
+    NR > 1 { $at = -$at } { print }' mounted.csv >wrong.csv
+check "    check says it of a log with errors" exits 1 check wrong.csv --vehicle mounted.ini
+check "      as fit does" grep -q '\[mount\] of the vehicle file is not applied' err
+sed '/^\[excitation\]/,/^$/d' minnow.ini >log_only.ini
+check "a file for logs needs no lever arm" exits 0 check log_only.ini
+check "  indeed" sh -c '! grep -q dvl_lever_m out'
 
 # ---- a vehicle of 1200 kg ----
 sed -E 's/^dry_mass_kg = .*/dry_mass_kg = 1200/; s/^(forward|backward)_N = .*/\1_N = 400/

@@ -101,8 +101,8 @@ static void print_missing(const vehicle_t *v)
         {is_beyond(v),
          "[group.NAME] force_N is beyond forward_N or backward_N of a thruster: which "
          "one is right?"},
-        {is_zero(v->mount.dvl_lever, 3),
-         "[mount] dvl_lever_m: the DVL is taken to be at the origin of the body"},
+        {v->has_excitation && is_zero(v->mount.dvl_lever, 3),
+         "[mount] dvl_lever_m: on board the DVL is taken to be at the origin of the body"},
     };
     puts("\n  missing");
     for (size_t i = 0; i < sizeof all / sizeof all[0]; ++i) {

@@ -256,6 +256,9 @@ int doctor_check(const char *file, const options_t *options)
         csv_notes(&log.csv);
         (options->json ? print_json : print_text)(doctor, &log.csv);
         status = doctor->usable ? 0 : 1;
+        if (status != 0 && options->whole) {
+            vehicle_warn_mount(options->vehicle, file);
+        }
     }
     csv_close(&log.csv);
     free(doctor);

@@ -246,6 +246,20 @@ static void gather_logs(const job_t *job, const replay_inputs_t *inputs, result_
     result->remedy = job->remedy[0] != '\0' ? job->remedy : NULL;
 }
 
+/* A lever arm in [mount] does not cure a log: the filter on board subtracts it, fit does not. */
+static void warn_lever_arm(const job_t *job, const result_t *result)
+{
+    char text[300];
+    for (unsigned k = 0; report_cause(result, k, text, sizeof text); ++k) {
+        if (strstr(text, "lever arm") != NULL) {
+            report_warning("%s: for a lever arm of the DVL, subtract omega x arm from the "
+                           "velocities of the log ([mount] is for the filter on board)",
+                           job->log[0].csv.path);
+            return;
+        }
+    }
+}
+
 /* What must be done before any other advice. */
 static void find_remedy(job_t *job, const auvid_identifier_t *id)
 {
@@ -315,6 +329,7 @@ static int run(job_t *job)
     find_remedy(job, id);
     gather(job, fitted, &result);
     warn_too_long(job, id);
+    warn_lever_arm(job, &result);
     if (job->known_force) { /* before the model gets the forces of the held-out log */
         report_calibrate(&result, &fitted->calibrated);
         job->use.calibrated = &fitted->calibrated;

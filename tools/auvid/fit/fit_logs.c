@@ -191,19 +191,6 @@ static void ignore_unused(const job_t *job, csv_log_t *log)
     }
 }
 
-/* A user may take the lever arm for corrected. */
-static void warn_mount(const job_t *job, const csv_log_t *log)
-{
-    const auvid_real_t *lever = job->options->vehicle->mount.dvl_lever;
-    bool away = fabs((double)lever[0]) + fabs((double)lever[1]) + fabs((double)lever[2]) > 0.0;
-    if (away && !job->options->plain) {
-        report_warning(
-            "%s: [mount] of the vehicle file is not applied to a log: its velocities must "
-            "be those of the body's origin",
-            log->path);
-    }
-}
-
 static int check_columns(const job_t *job, csv_log_t *log)
 {
     if (fit_in_commands(job) && job->options->dry_mass_kg > 0.0) {
@@ -217,7 +204,9 @@ static int check_columns(const job_t *job, csv_log_t *log)
     }
     status = status != 0 ? status : check_velocities(job, log);
     ignore_unused(job, log);
-    warn_mount(job, log);
+    if (!job->options->plain) {
+        vehicle_warn_mount(job->options->vehicle, log->path);
+    }
     return status;
 }
 

@@ -304,3 +304,13 @@ double vehicle_file_thrust(const vehicle_t *vehicle, const thrust_map_t *map, in
     const vehicle_thruster_t *t = &vehicle->thruster[i];
     return thrust_map_force(&map[t->map], t->forward_N, t->backward_N, command, voltage_V);
 }
+
+void vehicle_warn_mount(const vehicle_t *vehicle, const char *log)
+{
+    const auvid_real_t *lever = vehicle->mount.dvl_lever;
+    if (fabs((double)lever[0]) + fabs((double)lever[1]) + fabs((double)lever[2]) > 0.0) {
+        report_warning("%s: [mount] of the vehicle file is not applied to a log: its velocities "
+                       "must be those of the body's origin: subtract omega x dvl_lever_m",
+                       log);
+    }
+}

@@ -102,4 +102,8 @@ vehicle_t *vehicle_file_parse(const char *path, const char *text, size_t length,
 double vehicle_file_thrust(const vehicle_t *vehicle, const thrust_map_t *map, int i, double command,
                            double voltage_V);
 
+/** Warns that [mount] is not applied to a log, if there is one: a user may take the lever arm for
+ * corrected. */
+void vehicle_warn_mount(const vehicle_t *vehicle, const char *log);
+
 #endif
