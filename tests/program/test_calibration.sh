@@ -96,7 +96,7 @@ check "a weight at no time of the log" rejects \
 awk -F, -v OFS=, '{ for (i = 1; i <= 5; ++i) $(NF + 1) = NR == 1 ? "thruster_" i "_N" : sin(NR / i)
                     print }' strong1.csv >thrusters.csv
 check "  or of a log that is checked" refuses \
-    'thrusters.csv: \[calibration\.1\] of the vehicle file is from 900 to 950 s, this log from 0.2' \
+    'thrusters.csv: \[calibration\.1\] of the vehicle file is from 900 to 950 s, this log' \
     check thrusters.csv --vehicle outside.ini
 
 # ---- on a bus: the same file, times from the first tick ----

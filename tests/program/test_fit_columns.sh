@@ -214,7 +214,7 @@ for log in no zero; do
         no_voltage check "${log}_voltage.csv"
     check "  fit, too" no_voltage fit "${log}_voltage.csv"
 done
-check "a voltage in millivolts" rejects 'voltage_V is up to 1[56][0-9]+, but .* belongs to 16 V: give' \
+check "a voltage in millivolts" rejects 'voltage_V is up to 1[56][0-9]+, but .* to 16 V: give' \
     fit millivolts.csv --vehicle voltage.ini
 check "  of check" exits 1 check millivolts.csv --vehicle voltage.ini
 check "  is the error, and not the commands" sh -c \
@@ -414,7 +414,7 @@ for y in r: y[C["v_mps"]] += 0.4 * y[C["r_radps"]]; y[C["w_mps"]] -= 0.4 * y[C["
     <train.csv >lever.csv
 check "a lever arm that is not in the velocities" \
     sh -c "'$AUVID' fit lever.csv --thrusters girona500 >out 2>err || true"
-check "  is named" grep -q 'the DVL is further ahead than configured, by .* measure its lever arm' out
+check "  is named" grep -q 'the DVL is further ahead than configured, by .* its lever arm' out
 check "  with what a log needs, once" test "$(grep -c 'subtract omega x arm' err)" = 1
 
 # ---- comments ----

@@ -123,7 +123,7 @@ typedef struct {
     replay_inputs_t *inputs;
     bool works;
     auvid_identifier_t *id;
-    rows_t rows;
+    rows_t last;
 } feed_t;
 
 void replay_note_change(replay_inputs_t *inputs, const auvid_identifier_t *id, uint64_t t_us)
@@ -157,14 +157,14 @@ static void feed(void *context, const log_sample_t *now)
         (void)auvid_instruments_reference(&f->inputs->instruments, now->t_us, now->reference);
     }
     if (now->has_attitude) {
-        break_at_gap(f->use, &id->recorder, now->t_us, &f->rows.attitude_us);
+        break_at_gap(f->use, &id->recorder, now->t_us, &f->last.attitude_us);
         (void)auvid_identifier_attitude(id, now->t_us, now->attitude, now->nu + AUVID_ROLL);
     }
     if (now->velocity != 0) {
         (void)auvid_identifier_velocity(id, now->t_us, now->nu, now->velocity);
     }
     if (now->has_input) {
-        break_at_gap(f->use, &id->recorder, now->input_us, &f->rows.input_us);
+        break_at_gap(f->use, &id->recorder, now->input_us, &f->last.input_us);
         (void)auvid_identifier_applied(id, now->input_us, now->wrench,
                                        has_thrusters ? now->force_N : thrust.force_N);
     }
@@ -187,7 +187,7 @@ typedef struct {
     void *context;
     bool gap;
     const log_use_t *use;
-    rows_t rows;
+    rows_t last;
 } cells_t;
 
 /* Records a sample and passes on the cells that it completes. */
@@ -197,14 +197,14 @@ static void record(void *context, const log_sample_t *now)
     auvid_sample_t cell;
     auvid_status_t status = AUVID_OK;
     if (now->has_attitude) {
-        break_at_gap(c->use, &c->recorder, now->t_us, &c->rows.attitude_us);
+        break_at_gap(c->use, &c->recorder, now->t_us, &c->last.attitude_us);
         (void)auvid_recorder_attitude(&c->recorder, now->t_us, now->attitude, now->nu + AUVID_ROLL);
     }
     if (now->velocity != 0) {
         (void)auvid_recorder_velocity(&c->recorder, now->t_us, now->nu, now->velocity);
     }
     if (now->has_input) {
-        break_at_gap(c->use, &c->recorder, now->input_us, &c->rows.input_us);
+        break_at_gap(c->use, &c->recorder, now->input_us, &c->last.input_us);
         (void)auvid_recorder_input(&c->recorder, now->input_us, now->wrench, NULL);
     }
     while (status == AUVID_OK || status == AUVID_GAP) {

@@ -130,8 +130,8 @@ int log_voltage_judge(const log_use_t *use, char *text, size_t size);
 
 /** Is the largest force of the log's thrusters of the size that the vehicle's have? Returns 0; or 1
  * if it is too large, -1 if it is too small, and writes a sentence with the remedy. Too large is
- * above 110 %; above 200 % where a measured speed or a voltage determines the force. A voltage in another
- * unit is too large, too. */
+ * above 110 %; above 200 % where a measured speed or a voltage determines the force. A voltage in
+ * another unit is too large, too. */
 int log_thrust_judge(const log_use_t *use, double largest_N, char *text, size_t size);
 
 /** Starts at the first row. Returns 0, or EXIT_REFUSED after one line on stderr. */
