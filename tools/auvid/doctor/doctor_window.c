@@ -32,15 +32,21 @@ static double slope(const doctor_t *d, int signal)
            WINDOW_S;
 }
 
-/* Body rates of the attitude (Fossen 2011, Eq. 2.26 inverted). */
+/* Body rates of the attitude (Fossen 2011, Eq. 2.26 inverted). A log without psi has its rate from
+ * q and r: roll and pitch of a tilted vehicle depend on it. The axis of r is not compared then. */
 static void turn_rates(const doctor_t *d, int first, double side, double out[3])
 {
     double phi = average(d, first), theta = average(d, first + 1);
     double roll = slope(d, first), pitch = slope(d, first + 1);
+    bool has_psi = d->has[CSV_ATTITUDE + 2], has_rates = d->has[CSV_NU + 4] && d->has[CSV_NU + 5];
     double yaw = side * slope(d, first + 2);
+    if (!has_psi) {
+        double q = average(d, CELL_NU + 4), r = side * average(d, CELL_NU + 5);
+        yaw = has_rates ? (q * sin(phi) + r * cos(phi)) / cos(theta) : NAN;
+    }
     out[0] = roll - yaw * sin(theta);
     out[1] = pitch * cos(phi) + yaw * cos(theta) * sin(phi);
-    out[2] = yaw * cos(theta) * cos(phi) - pitch * sin(phi);
+    out[2] = has_psi ? yaw * cos(theta) * cos(phi) - pitch * sin(phi) : NAN;
 }
 
 void doctor_to_body(const double a[3], const double world[3], double body[3])
