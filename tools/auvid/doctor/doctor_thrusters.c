@@ -21,6 +21,7 @@
 #define MIN_LEAD 8.0     /* of one thruster over the next one: else both are named */
 #define MAX_REST 0.02    /* share of the wrench with a slip that is no multiple of the told one */
 #define MIN_SCALING 0.05 /* by which a multiple differs from 1, if it is one */
+#define MAX_SCALING 3.0  /* .. and at most: the masses that follow are not so wrong unnoticed */
 #define NO_WRENCH 1e-3   /* share of the thrusters' own variances that is no wrench */
 
 enum {
@@ -424,7 +425,11 @@ static unsigned hidden(const doctor_t *d, const doctor_sums_t *s, int slip)
         if (!(both > 0.0 && told * with - both * both < MAX_REST * told * with)) {
             return 0;
         }
-        scaled |= (unsigned)(d->answers[j] && fabs(both / told - 1.0) > MIN_SCALING) << j;
+        double scaling = both / told; /* the masses that follow are wrong by it */
+        if (scaling > MAX_SCALING || scaling * MAX_SCALING < 1.0) {
+            return 0;
+        }
+        scaled |= (unsigned)(d->answers[j] && fabs(scaling - 1.0) > MIN_SCALING) << j;
     }
     return scaled;
 }
