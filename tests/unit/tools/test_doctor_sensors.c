@@ -360,14 +360,15 @@ static void test_a_reversed_thruster_that_is_alone_is_told_as_the_force_of_its_a
                  "the sway force of the thrusters has the wrong");
 }
 
-static void test_a_reversed_degree_of_freedom_is_told_as_force_of_the_thrusters(void)
+/* It is no slip of the thrusters that give the moment, though their exchange looks like it. */
+static void test_a_heading_and_its_rate_to_port_do_not_accuse_the_thrusters(void)
 {
     to_thrusters();
     scale(CSV_NU + 5, -1.0);
     scale(CSV_ATTITUDE + 2, -1.0);
     examine_thrusters();
-    assert_error(DOCTOR_INPUT_SIGN, CSV_WRENCH + 5,
-                 "the yaw moment of the thrusters has the wrong");
+    assert_error(DOCTOR_FRAME, CSV_ATTITUDE + 2, "psi_rad and r_radps are both positive to port");
+    TEST_ASSERT_EQUAL_MESSAGE(1, count(DOCTOR_ERROR), doctor.finding[1].text);
 }
 
 /* Without dry mass the limits of the thrusters show the unit. */
@@ -448,7 +449,7 @@ int main(void)
     RUN_TEST(test_a_column_without_values_is_an_error);
     RUN_TEST(test_exchanged_thrusters_of_one_axis_are_told_as_its_moment);
     RUN_TEST(test_a_reversed_thruster_that_is_alone_is_told_as_the_force_of_its_axis);
-    RUN_TEST(test_a_reversed_degree_of_freedom_is_told_as_force_of_the_thrusters);
+    RUN_TEST(test_a_heading_and_its_rate_to_port_do_not_accuse_the_thrusters);
     RUN_TEST(test_pulse_widths_need_a_vehicle_file_that_says_so);
     RUN_TEST(test_thrusters_that_hardly_act_are_a_warning);
     RUN_TEST(test_thrusters_that_stop_at_a_tenth_of_their_limits_are_in_kgf);

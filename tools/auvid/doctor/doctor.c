@@ -242,6 +242,7 @@ void doctor_finish(doctor_t *d)
     doctor_attitude_scan(d);
     doctor_travel_scan(d);
     doctor_inputs_scan(d);
+    doctor_mirror_scan(d);
     doctor_time(d);
     doctor_columns(d);
     doctor_velocity(d);

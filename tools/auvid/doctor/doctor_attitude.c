@@ -30,6 +30,11 @@ static const char *rate_name(int axis)
     return csv_name[CSV_NU + 3 + axis];
 }
 
+static bool has_pair(const doctor_t *d, int axis)
+{
+    return d->has[CSV_ATTITUDE + axis] && d->has[CSV_NU + 3 + axis];
+}
+
 /* Does an explanation explain more than chance? */
 static bool explains(const doctor_pair_t *p, double discord)
 {
@@ -57,15 +62,29 @@ static double sign_score(const doctor_t *d, const doctor_sums_t *s, int axis, in
     return axis == 2 && with > MAX_DISCORD ? 0.0 : ratio(p, doctor_discord(p, 1.0), with);
 }
 
-/* The same of roll and pitch if psi is reversed: then without slip either psi alone is, or what is
- * told is right for this axis. */
-static double reversed_score(const doctor_t *d, const doctor_sums_t *s, int axis, int *which)
+/* The same of roll or pitch, which the turn changes, too. A reversed heading, or another angle that
+ * is reversed with its rate, reverses that part (doctor_mirror.c): in a vehicle that hardly rolls
+ * it is the larger one, and roll alone would seem reversed. So both readings are compared, each with
+ * what it leaves in the other axis, whatever the sign of that. */
+static double tilt_score(const doctor_t *d, const doctor_sums_t *s, int axis, int *which)
 {
-    const doctor_pair_t *p = &s->turn[0][axis][axis], *other = &s->turn[2][axis][axis];
-    double clean = fmin(doctor_discord(p, 1.0), doctor_discord(other, 1.0));
-    (void)d;
+    static const int reading[2] = {0, 2};
+    int other = 1 - axis;
+    double with = 1.0, sum[2] = {HUGE_VAL, HUGE_VAL}; /* logarithms: as told, reversed */
     *which = 0;
-    return ratio(p, clean, doctor_discord(p, -1.0));
+    for (int k = 0; k < 2; ++k) {
+        const doctor_pair_t *own = &s->turn[reading[k]][axis][axis];
+        double rest = of_either_sign(&s->turn[reading[k]][other][other], 1.0);
+        double beside = has_pair(d, other) ? log(fmax(rest, BEST_DISCORD)) : 0.0;
+        double discord = doctor_discord(own, -1.0);
+        sum[0] = fmin(sum[0], log(doctor_discord(own, 1.0)) + beside);
+        if (log(fmax(discord, BEST_DISCORD)) + beside < sum[1]) {
+            sum[1] = log(fmax(discord, BEST_DISCORD)) + beside;
+            with = discord;
+        }
+    }
+    const doctor_pair_t *p = &s->turn[0][axis][axis];
+    return explains(p, with) ? doctor_ratio(p->n / DOCTOR_WINDOW, exp(sum[0]), exp(sum[1])) : 0.0;
 }
 
 /* which: 0 the angle is in degrees, 1 the rate is, 2 both are. */
@@ -150,11 +169,6 @@ static bool is_reordered(const doctor_t *d, double gain)
     return llr > MIN_LLR && (yaw < MAX_DISCORD || 2.0 - yaw < MAX_TWO_SLIPS);
 }
 
-static bool has_pair(const doctor_t *d, int axis)
-{
-    return d->has[CSV_ATTITUDE + axis] && d->has[CSV_NU + 3 + axis];
-}
-
 void doctor_attitude_scan(doctor_t *d)
 {
     char text[UNITS_TEXT];
@@ -166,8 +180,7 @@ void doctor_attitude_scan(doctor_t *d)
     }
     for (int i = 2; i >= 0; --i) {
         if (has_pair(d, i)) {
-            bool reversed = i < 2 && d->turned[2].llr > 0.0;
-            d->turned[i] = doctor_scan(d, reversed ? reversed_score : sign_score, i);
+            d->turned[i] = doctor_scan(d, i < 2 ? tilt_score : sign_score, i);
         }
         if (!(d->turned[i].llr > MIN_LLR)) {
             d->turned[i].llr = 0.0;
@@ -350,7 +363,7 @@ void doctor_attitude(doctor_t *d)
         return;
     }
     /* A reversed psi disturbs the other axes, and so what is said about them. */
-    bool found = d->turned[2].llr > 0.0 || find_units(d) || find_degrees(d);
+    bool found = d->turned[2].llr > 0.0 || doctor_mirror(d) || find_units(d) || find_degrees(d);
     doctor_range_t shift = doctor_scan(d, shift_score, 0);
     found = found || find_exchange(d, shift.llr) || find_shift(d, &shift);
     int before = d->findings;

@@ -199,8 +199,8 @@ void doctor_inputs_scan(doctor_t *d)
     }
 }
 
-/* Do the couplings v r (surge) and u r (sway) have their signs? In standard errors: above zero yes,
- * below zero no. An input with the wrong sign does not change them, a velocity does. */
+/* As doctor_coupling, of surge and sway with the inputs of these columns. An input with the wrong
+ * sign does not change them, a velocity does. */
 static double coupling(const doctor_t *d, const doctor_range_t *r, const int column[2])
 {
     doctor_sums_t sum;
@@ -214,6 +214,13 @@ static double coupling(const doctor_t *d, const doctor_range_t *r, const int col
         total += j == 0 ? g.t[COUPLING] : -g.t[COUPLING];
     }
     return total;
+}
+
+double doctor_coupling(const doctor_t *d, int first, int last)
+{
+    static const int own[2] = {0, 1};
+    doctor_range_t range = {.first = first, .last = last};
+    return coupling(d, &range, own);
 }
 
 /* Do both its force and the depth of a pitched hull say that u has the wrong sign? */
@@ -233,11 +240,11 @@ static int velocity_is_wrong(const doctor_t *d, int j)
     if ((j < 2 && doctor_overlap(r, &d->gone[j])) || (j == 0 && depth_reverses_surge(d))) {
         return 1;
     }
-    if (j < 2 && !(d->turned[2].llr > 0.0) && !(d->pushed[5].llr > 0.0)) {
+    if (j < 2 && !(d->turned[2].llr > 0.0) && !(d->pushed[5].llr > 0.0) && d->yaw_is_wrong <= 0) {
         double t = coupling(d, r, own);
         return t > MIN_COUPLING ? -1 : t < -MIN_COUPLING ? 1 : 0;
     }
-    return j == 5 && d->has[CSV_ATTITUDE + 2] ? -1 : 0;
+    return j == 5 && d->has[CSV_ATTITUDE + 2] ? d->yaw_is_wrong : 0;
 }
 
 /* Are the moments those of the thrusters, about an axis that the model has not? A few millimetres
@@ -271,6 +278,11 @@ static void find_sign(doctor_t *d, int j)
         doctor_add(d, DOCTOR_WARNING, DOCTOR_EITHER_SIGN, d->inputs + j, CSV_NU + j, r,
                    "%s accelerates against %s%s: its sign is wrong, or the positions of the "
                    "thrusters are not exact; the model does not need it",
+                   velocity, input, where);
+    } else if (j == 5 && d->has[CSV_ATTITUDE + 2]) {
+        doctor_add(d, DOCTOR_ERROR, DOCTOR_EITHER_SIGN, d->inputs + j, CSV_NU + j, r,
+                   "%s accelerates against %s%s: its sign is wrong, or psi_rad and r_radps are "
+                   "both positive to port: change the wrong ones",
                    velocity, input, where);
     } else {
         doctor_add(d, DOCTOR_ERROR, DOCTOR_EITHER_SIGN, d->inputs + j, CSV_NU + j, r,
@@ -435,6 +447,9 @@ static void take_long_lag(doctor_t *d)
 static bool rate_is_wrong(const doctor_t *d, int j)
 {
     int axis = j - 3;
+    if (j == 5 && d->yaw_is_wrong > 0) {
+        return true; /* see doctor_mirror.c */
+    }
     return axis >= 0 && doctor_overlap(&d->pushed[j], &d->turned[axis]);
 }
 

@@ -129,6 +129,9 @@ typedef struct {
 /** which of sunk: theta or u has the wrong sign. */
 enum { DOCTOR_PITCH_REVERSED = 2 };
 
+/** which of mirrored: not one of the axes 0 .. 2. */
+enum { DOCTOR_MIRROR_UNKNOWN = 3 };
+
 /** A range of blocks in which an explanation is better than that without slip. */
 typedef struct {
     double llr;      /* logarithm of the ratio of likelihoods; <= 0: none */
@@ -169,6 +172,8 @@ typedef struct {
     doctor_range_t pushed[6]; /* a velocity and its input have opposite signs there */
     doctor_range_t sunk;      /* depth and heave velocity have opposite signs there */
     doctor_range_t gone[2];   /* position and velocity, of surge and sway, likewise */
+    doctor_range_t mirrored;  /* an angle and its rate are both reversed there: which axis */
+    int yaw_is_wrong;         /* 1: psi and r are; -1: they are right; 0: not known */
     bool reordered;           /* the quaternion is x, y, z, w */
     bool degrees;             /* angles or rates are in degrees */
     bool in_world;            /* the velocities are to the north and east, .. */
@@ -267,12 +272,20 @@ void doctor_attitude(doctor_t *d);
  * less may be an error of other terms: an input that follows the pitch of a hull that swings. */
 bool doctor_moves(const doctor_sums_t *s, int j, double explained);
 void doctor_inputs_scan(doctor_t *d); /* doctor_inputs.c */
+/** Do the couplings v r (surge) and u r (sway) have their signs? In standard errors: above zero
+ * yes, below zero no. */
+double doctor_coupling(const doctor_t *d, int first, int last);
+void doctor_mirror_scan(doctor_t *d); /* doctor_mirror.c: after the other scans */
+/** Names an angle that is reversed with its rate. Returns whether there is one. */
+bool doctor_mirror(doctor_t *d);
 void doctor_inputs(doctor_t *d);
 void doctor_travel_scan(doctor_t *d); /* doctor_travel.c */
 void doctor_travel(doctor_t *d);
 /** Does the position change as if u and v were turned by this angle to starboard (1), as they are
  * (-1), or is that not known (0)? */
 int doctor_position_turns(const doctor_t *d, double angle);
+/** Does the position change as if psi were reversed? A log likelihood ratio; below zero: no. */
+double doctor_position_mirrored(const doctor_t *d);
 /** Does the depth change as if u had the wrong sign? */
 bool doctor_depth_reverses_surge(const doctor_t *d);
 void doctor_mounting_scan(doctor_t *d); /* doctor_mounting.c: after pushed is known */

@@ -375,7 +375,7 @@ bool doctor_thrusters(doctor_t *d)
     if (!(best.llr > (best.slip < EXCHANGES ? MIN_LLR : MIN_EXCHANGE_LLR) && best.llr > axes)) {
         return false;
     }
-    if (best.llr < d->world_llr) {
+    if (best.llr < d->world_llr || d->yaw_is_wrong > 0) {
         return false;
     }
     d->in_world = d->in_enu = false; /* which explains less */

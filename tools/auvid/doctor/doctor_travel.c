@@ -85,7 +85,7 @@ static double ground_score(const doctor_t *d, const doctor_sums_t *s, int axis, 
 
 bool doctor_depth_reverses_surge(const doctor_t *d)
 {
-    bool attitude = d->turned[1].llr > 0.0 || d->turned[2].llr > 0.0;
+    bool attitude = d->turned[1].llr > 0.0 || d->turned[2].llr > 0.0 || d->mirrored.llr > 0.0;
     return d->sunk.llr > 0.0 && d->sunk.which == PITCH_REVERSED && !attitude;
 }
 
@@ -119,6 +119,21 @@ int doctor_position_turns(const doctor_t *d, double angle)
     return !known ? 0 : turned > as_told ? 1 : -1;
 }
 
+double doctor_position_mirrored(const doctor_t *d)
+{
+    doctor_sums_t all;
+    double sum = 0.0;
+    doctor_sum(d, 0, d->blocks - 1, &all);
+    for (int i = 0; i < 2 && has_position(d); ++i) {
+        const doctor_pair_t *p = &all.ground[0][i][i];
+        if (doctor_is_fast(p)) {
+            sum += doctor_ratio(p->n / WINDOW_CELLS, doctor_discord(p, 1.0),
+                                doctor_discord(&all.ground[1][i][i], 1.0));
+        }
+    }
+    return sum;
+}
+
 void doctor_travel_scan(doctor_t *d)
 {
     if (has_depth(d)) {
@@ -143,8 +158,9 @@ static void find_depth(doctor_t *d)
         return; /* the latter two: see doctor_inputs.c */
     }
     doctor_where(d, r, where);
-    if (r->which == PITCH_REVERSED && (d->turned[1].llr > 0.0 || d->turned[2].llr > 0.0)) {
-        return; /* see doctor_attitude.c */
+    if (r->which == PITCH_REVERSED &&
+        (d->turned[1].llr > 0.0 || d->turned[2].llr > 0.0 || d->mirrored.llr > 0.0)) {
+        return; /* see doctor_attitude.c, doctor_mirror.c */
     }
     if (r->which == PITCH_REVERSED) {
         doctor_add(
@@ -206,7 +222,7 @@ static void find_height(doctor_t *d)
 /* Position against velocity. A velocity that runs against its input, too, is named there. */
 static void find_position(doctor_t *d, const doctor_sums_t *all)
 {
-    bool named = d->turned[2].llr > 0.0;
+    bool named = d->turned[2].llr > 0.0 || d->yaw_is_wrong > 0;
     for (int i = 0; i < 2; ++i) {
         named = named || (d->gone[i].llr > 0.0 && d->pushed[i].llr > 0.0);
     }
