@@ -20,6 +20,7 @@ void doctor_init(doctor_t *d, const bool has[CSV_COLUMNS])
     memset(d, 0, sizeof *d);
     memcpy(d->has, has, sizeof d->has);
     d->inputs = -1;
+    d->depth_scale = 1.0;
     for (int j = 5; j >= 0; --j) {
         d->inputs = has[CSV_WRENCH + j]                     ? CSV_WRENCH
                     : has[CSV_COMMAND + j] && d->inputs < 0 ? CSV_COMMAND

@@ -64,7 +64,7 @@ typedef enum {
     DOCTOR_THRUSTER_SIGN,   /**< a thruster has the wrong sign */
     DOCTOR_THRUSTER_SWAP,   /**< two thrusters are exchanged */
     DOCTOR_THRUSTER_HIDDEN, /**< a reversed or exchanged thruster would not be seen */
-    DOCTOR_SCALE,           /**< pulse widths as commands, velocities not in m/s, forces not in N */
+    DOCTOR_SCALE,           /**< another unit: pulse widths, velocities, forces, depth */
     DOCTOR_OFFSET,          /**< a velocity has a constant offset (value) */
     DOCTOR_HELD,            /**< velocities repeat their value */
     DOCTOR_OUTAGE,          /**< velocities stand still: no samples */

@@ -173,6 +173,7 @@ typedef struct {
     doctor_range_t sunk;      /* depth and heave velocity have opposite signs there */
     doctor_range_t gone[2];   /* position and velocity, of surge and sway, likewise */
     doctor_range_t mirrored;  /* an angle and its rate are both reversed there: which axis */
+    double depth_scale;       /* of depth_m: of its unit in a metre; 1: metres, or not known */
     int yaw_is_wrong;         /* 1: psi and r are; -1: they are right; 0: not known */
     bool reordered;           /* the quaternion is x, y, z, w */
     bool degrees;             /* angles or rates are in degrees */
@@ -254,7 +255,10 @@ double doctor_discord(const doctor_pair_t *p, double gain);
 /** Are both signals, rates over a second, well above the errors of the sensors? */
 bool doctor_is_fast(const doctor_pair_t *p);
 /** The rate of the depth, and what the velocities say of it (doctor_travel.c). */
-doctor_pair_t doctor_depth(const doctor_sums_t *s);
+doctor_pair_t doctor_depth(const doctor_t *d, const doctor_sums_t *s);
+/** Is depth_m in another unit than metres? Then the velocity over ground, which contains its rate, is
+ * not known. */
+bool doctor_depth_has_other_unit(const doctor_t *d);
 /** Correlation. */
 double doctor_correlation(const doctor_pair_t *p);
 /** Sweeps row k of a symmetric matrix of this size (Beaton 1964). Returns false if it depends on
@@ -263,6 +267,8 @@ bool doctor_sweep(double *m, int size, int k, double before);
 
 /* doctor_velocity.c */
 void doctor_velocity_add(doctor_t *d, const csv_row_t *row);
+/** Do the velocities drop to zero again and again, as in cells without a sample? */
+bool doctor_velocity_drops(const doctor_t *d);
 void doctor_velocity(doctor_t *d);
 
 /* The tests. *_scan writes turned, pushed .., the others add findings. */

@@ -70,7 +70,8 @@ static void find_at_rest(doctor_t *d, const doctor_pair_t *rest)
 void doctor_offset(doctor_t *d)
 {
     doctor_sums_t all;
-    bool position = d->has[CSV_POSITION] && d->has[CSV_POSITION + 1] && d->has[CSV_ATTITUDE + 2];
+    bool position = d->has[CSV_POSITION] && d->has[CSV_POSITION + 1] && d->has[CSV_ATTITUDE + 2] &&
+                    !doctor_depth_has_other_unit(d);
     for (int i = 0; i < d->findings; ++i) {
         if (d->finding[i].severity == DOCTOR_ERROR) {
             return; /* which may be the cause */

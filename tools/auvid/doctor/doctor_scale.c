@@ -52,13 +52,14 @@ static int unit_of(const doctor_pair_t *p)
 /* Unit of velocity i by position or depth, or by the accelerometer; -1: m/s, or not known. */
 static int unit_of_velocity(const doctor_t *d, const doctor_sums_t *all, int i, const char **by)
 {
-    bool position = d->has[CSV_POSITION] && d->has[CSV_POSITION + 1] && i < 2;
+    bool position = d->has[CSV_POSITION] && d->has[CSV_POSITION + 1] && i < 2 &&
+                    !doctor_depth_has_other_unit(d);
     bool force = d->has[CSV_SPECIFIC_FORCE + i] && fabs(d->unit - 1.0) < TOLERANCE;
     if (position && doctor_is_fast(&all->ground[0][i][i])) {
         *by = "the rates of north_m and east_m";
         return unit_of(&all->ground[0][i][i]);
     }
-    doctor_pair_t p = doctor_depth(all);
+    doctor_pair_t p = doctor_depth(d, all);
     if (i == 2 && d->has[CSV_POSITION + 2] && doctor_is_fast(&p)) {
         *by = "the rate of depth_m";
         return unit_of(&p);

@@ -16,6 +16,21 @@
 #define UNLIKE 0.5  /* .. and of those that do not */
 #define WINDOW_CELLS (2 * DOCTOR_WINDOW)
 
+#define SURE 0.86 /* correlation that shows the unit: of two slopes, one is 1.35 of the other */
+#define TOLERANCE 0.08 /* of a unit */
+#define LEAST 1e-9     /* of a residual, as in doctor_discord */
+
+/* Units of a depth, or of the pressure of sea water; one of fresh water is 2.5 % lighter. */
+static const struct {
+    double in_a_metre;
+    const char *name, *times;
+} unit[] = {{3.2808, "feet", "0.3048"},
+            {100.0, "centimetres or millibars", "0.01"},
+            {1000.0, "millimetres", "0.001"},
+            {0.1, "bars", "10"},
+            {10.0, "decimetres or kilopascals", "0.1"}};
+enum { DEPTH_UNITS = sizeof unit / sizeof unit[0] };
+
 enum { ONE, FROM_U, FROM_V, FROM_W, DEPTH_RATE, TOGETHER };
 
 /* Signs of the parts from u, v, w. */
@@ -29,14 +44,15 @@ enum {
 static const double depth_sign[DEPTH_CASES][3] = {
     {1.0, 1.0, 1.0}, {1.0, 1.0, -1.0}, {-1.0, 1.0, 1.0}, {-1.0, -1.0, -1.0}};
 
-static doctor_pair_t depth_pair(const doctor_sums_t *s, const double sign[3])
+/* The rate of the depth, of which this is a metre, and that of the velocities with these signs. */
+static doctor_pair_t depth_pair(const doctor_sums_t *s, const double sign[3], double metre)
 {
     doctor_pair_t p = {.n = s->depth[ONE][ONE],
-                       .a = s->depth[ONE][DEPTH_RATE],
-                       .aa = s->depth[DEPTH_RATE][DEPTH_RATE]};
+                       .a = s->depth[ONE][DEPTH_RATE] / metre,
+                       .aa = s->depth[DEPTH_RATE][DEPTH_RATE] / (metre * metre)};
     for (int i = 0; i < 3; ++i) {
         p.b += sign[i] * s->depth[ONE][FROM_U + i];
-        p.ab += sign[i] * s->depth[DEPTH_RATE][FROM_U + i];
+        p.ab += sign[i] * s->depth[DEPTH_RATE][FROM_U + i] / metre;
         for (int j = 0; j < 3; ++j) {
             p.bb += sign[i] * sign[j] * s->depth[FROM_U + i][FROM_U + j];
         }
@@ -44,9 +60,14 @@ static doctor_pair_t depth_pair(const doctor_sums_t *s, const double sign[3])
     return p;
 }
 
-doctor_pair_t doctor_depth(const doctor_sums_t *s)
+doctor_pair_t doctor_depth(const doctor_t *d, const doctor_sums_t *s)
 {
-    return depth_pair(s, depth_sign[AS_TOLD]);
+    return depth_pair(s, depth_sign[AS_TOLD], d->depth_scale);
+}
+
+bool doctor_depth_has_other_unit(const doctor_t *d)
+{
+    return fabs(d->depth_scale - 1.0) > 0.0;
 }
 
 bool doctor_is_fast(const doctor_pair_t *p)
@@ -55,22 +76,47 @@ bool doctor_is_fast(const doctor_pair_t *p)
     return p->aa - p->a * p->a / n > least && p->bb - p->b * p->b / n > least;
 }
 
+/* Cells of the velocity that are zero between samples, a slow sensor: an error of scale is left, and
+ * an explanation with other signs may hide it. So it must be better, too, if each one has its best
+ * scale: 1 - correlation is the concordance with that. */
 static double depth_score(const doctor_t *d, const doctor_sums_t *s, int axis, int *which)
 {
-    doctor_pair_t clean = depth_pair(s, depth_sign[AS_TOLD]);
-    double best = 0.0;
-    (void)d;
+    doctor_pair_t clean = doctor_depth(d, s);
+    double best = 0.0, clean_scaled = fmax(1.0 - doctor_correlation(&clean), LEAST);
     (void)axis;
     for (int k = 1; k < DEPTH_CASES; ++k) {
-        doctor_pair_t p = depth_pair(s, depth_sign[k]);
-        double discord = doctor_discord(&p, 1.0);
-        double llr = doctor_ratio(p.n / WINDOW_CELLS, doctor_discord(&clean, 1.0), discord);
+        doctor_pair_t p = depth_pair(s, depth_sign[k], d->depth_scale);
+        double discord = doctor_discord(&p, 1.0), windows = p.n / WINDOW_CELLS;
+        double scaled = fmax(1.0 - doctor_correlation(&p), LEAST);
+        double llr = fmin(doctor_ratio(windows, doctor_discord(&clean, 1.0), discord),
+                          doctor_ratio(windows, clean_scaled, scaled));
         if (llr > best && discord < MAX_DISCORD && doctor_is_fast(&p)) {
             best = llr;
             *which = k;
         }
     }
     return best;
+}
+
+/* The unit of depth_m, by the scale of its rate against the velocities, with the signs that fit
+ * best. The scale lies between two slopes. */
+static double depth_unit(const doctor_t *d, const doctor_sums_t *all)
+{
+    doctor_pair_t best = doctor_depth(d, all);
+    for (int k = 1; k < DEPTH_CASES; ++k) {
+        doctor_pair_t p = depth_pair(all, depth_sign[k], d->depth_scale);
+        best = doctor_correlation(&p) > doctor_correlation(&best) ? p : best;
+    }
+    double n = fmax(best.n, 1.0), aa = best.aa - best.a * best.a / n;
+    double bb = best.bb - best.b * best.b / n, scale = sqrt(aa / bb);
+    bool sure = best.n > DOCTOR_MIN_WINDOWS * WINDOW_CELLS && bb > MIN_RATE * MIN_RATE * n &&
+                doctor_correlation(&best) > SURE;
+    for (int k = 0; sure && k < DEPTH_UNITS; ++k) {
+        if (fabs(scale / unit[k].in_a_metre - 1.0) < TOLERANCE) {
+            return unit[k].in_a_metre;
+        }
+    }
+    return 1.0;
 }
 
 static double ground_score(const doctor_t *d, const doctor_sums_t *s, int axis, int *which)
@@ -97,9 +143,9 @@ static bool has_depth(const doctor_t *d)
 
 static bool has_position(const doctor_t *d)
 {
-    return !d->reordered && !d->degrees && !d->in_world && d->has[CSV_POSITION] &&
-           d->has[CSV_POSITION + 1] && d->has[CSV_ATTITUDE + 2] && d->has[CSV_NU] &&
-           d->has[CSV_NU + 1];
+    bool sound = !d->reordered && !d->degrees && !doctor_depth_has_other_unit(d);
+    return sound && !d->in_world && d->has[CSV_POSITION] && d->has[CSV_POSITION + 1] &&
+           d->has[CSV_ATTITUDE + 2] && d->has[CSV_NU] && d->has[CSV_NU + 1];
 }
 
 int doctor_position_turns(const doctor_t *d, double angle)
@@ -136,7 +182,10 @@ double doctor_position_mirrored(const doctor_t *d)
 
 void doctor_travel_scan(doctor_t *d)
 {
+    doctor_sums_t all;
+    doctor_sum(d, 0, d->blocks - 1, &all);
     if (has_depth(d)) {
+        d->depth_scale = !doctor_velocity_drops(d) ? depth_unit(d, &all) : 1.0;
         d->sunk = doctor_scan(d, depth_score, 0);
     }
     for (int i = 0; i < 2 && has_position(d); ++i) {
@@ -183,6 +232,18 @@ static void find_depth(doctor_t *d)
     }
 }
 
+static void find_unit(doctor_t *d)
+{
+    for (int k = 0; k < DEPTH_UNITS && doctor_depth_has_other_unit(d); ++k) {
+        if (!(fabs(d->depth_scale - unit[k].in_a_metre) > 0.0)) {
+            doctor_add(d, DOCTOR_WARNING, DOCTOR_SCALE, CSV_POSITION + 2, CSV_NU + 2, NULL,
+                       "depth_m changes %.4g times as fast as u_mps, v_mps and w_mps say, as if in "
+                       "%s: convert it to metres (times %s)",
+                       unit[k].in_a_metre, unit[k].name, unit[k].times);
+        }
+    }
+}
+
 static bool contradicts(const doctor_pair_t *p)
 {
     double n = p->n / WINDOW_CELLS, c = doctor_correlation(p);
@@ -210,7 +271,7 @@ static bool is_reflected(const doctor_sums_t *s)
 static void find_height(doctor_t *d)
 {
     const doctor_column_t *c = &d->column[CSV_POSITION + 2];
-    if (has_depth(d) && !(d->sunk.llr > 0.0) && c->n > 0.0 && c->max < -ABOVE_M) {
+    if (has_depth(d) && !(d->sunk.llr > 0.0) && c->n > 0.0 && c->max < -ABOVE_M * d->depth_scale) {
         doctor_add(
             d, DOCTOR_WARNING, DOCTOR_DEPTH_SIGN, CSV_POSITION + 2, CSV_NU + 2, NULL,
             "depth_m is negative in all rows (%.1f to %.1f), above the surface: if it is a height, "
@@ -246,11 +307,12 @@ void doctor_travel(doctor_t *d)
 {
     doctor_sums_t all;
     doctor_sum(d, 0, d->blocks - 1, &all);
+    find_unit(d);
     int before = d->findings;
     find_depth(d);
     bool turned = fabs(d->mounted) > 0.0; /* u and v contradict depth and position */
     if (has_depth(d) && d->findings == before && !(d->sunk.llr > 0.0) && !turned) {
-        doctor_pair_t p = depth_pair(&all, depth_sign[AS_TOLD]);
+        doctor_pair_t p = doctor_depth(d, &all);
         if (contradicts(&p)) {
             doctor_add(
                 d, DOCTOR_WARNING, DOCTOR_DEPTH, CSV_POSITION + 2, CSV_NU + 2, NULL,

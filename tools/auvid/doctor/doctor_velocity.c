@@ -57,6 +57,11 @@ void doctor_velocity_add(doctor_t *d, const csv_row_t *row)
     }
 }
 
+bool doctor_velocity_drops(const doctor_t *d)
+{
+    return d->drops >= MIN_DROPS;
+}
+
 void doctor_velocity(doctor_t *d)
 {
     for (int i = 0; i < 3; ++i) {
@@ -75,7 +80,7 @@ void doctor_velocity(doctor_t *d)
                        CSV_NU + i, -1, NULL, "%s", text);
         }
     }
-    if (d->drops >= MIN_DROPS) {
+    if (doctor_velocity_drops(d)) {
         doctor_add(d, DOCTOR_ERROR, DOCTOR_OUTLIER, CSV_NU, -1, NULL,
                    "the velocities drop from motion to exactly 0 %.0f times, for %.0f rows in all, "
                    "as if the sensor had no lock: leave these cells empty",
