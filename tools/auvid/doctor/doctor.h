@@ -53,6 +53,7 @@ typedef enum {
     DOCTOR_VELOCITY_EXCHANGED, /**< two velocities are exchanged */
     DOCTOR_EITHER_EXCHANGED,   /**< two inputs, or their velocities, are exchanged */
     DOCTOR_INPUT_SHIFT,        /**< motion is late (value > 0) against an input [s] */
+    DOCTOR_VELOCITY_SHIFT,     /**< u, v, w are late (value > 0) against r [s] */
     DOCTOR_INPUT_WITHOUT_EFFECT,
     DOCTOR_DEPTH_SIGN,      /**< depth and heave velocity have opposite signs */
     DOCTOR_DEPTH,           /**< depth and velocity contradict each other, unexplained */

@@ -16,18 +16,6 @@
 
 #define MIN_LLR 20.0 /* more than for the attitude: the disturbance is correlated over seconds */
 #define MIN_EACH 8.0
-#define MIN_SHIFT_LLR 25.0
-#define SHIFT_PER_WINDOW 0.05
-#define FIRST_LAG (DOCTOR_EARLY - 1) /* usual lags */
-#define LAST_LAG (DOCTOR_EARLY + DOCTOR_MOST_USUAL)
-#define SHORT_LAG (DOCTOR_EARLY + 3) /* usual lags that fit finds in any log */
-#define FEEDBACK_FIRST (DOCTOR_EARLY - 10)
-#define FEEDBACK_LAST (DOCTOR_EARLY - 4) /* the input follows the motion by this or more */
-#define USUAL_S 0.15                     /* motion may lead by this: stamps */
-#define USUAL_LAG_S 0.1                  /* .. and follows its input by this */
-#define FOUND_EARLY_S 0.45               /* fit finds the delay of motion that leads by less .. */
-#define FOUND_LATE_S 0.85                /* .. or follows by less */
-#define EARLY_S (DOCTOR_EARLY * DOCTOR_CELL_S)
 #define MIN_COUPLING 5.0 /* standard errors */
 #define QUIET 0.15       /* standard deviation of an input in a block, relative to the median, .. */
 #define UNEXCITED 0.15   /* .. and to the whole log */
@@ -49,7 +37,7 @@ static const char *input_name(const doctor_t *d, int j)
     return d->use != NULL ? of_thrusters[j] : csv_name[d->inputs + j];
 }
 
-static bool has_pair(const doctor_t *d, int j)
+bool doctor_has_input(const doctor_t *d, int j)
 {
     /* see doctor_world.c, doctor_mounting.c */
     bool other_axes = (j < 2 && (d->in_world || fabs(d->mounted) > 0.0)) || (j == 2 && d->in_enu);
@@ -78,41 +66,13 @@ static double sign_score(const doctor_t *d, const doctor_sums_t *s, int j, int *
     gain_t g;
     *which = 0;
     doctor_usual(s, j, &clean, &unused, &g);
-    double feedback = doctor_reversed(s, j, FEEDBACK_FIRST, FEEDBACK_LAST);
+    double feedback = doctor_reversed(s, j, DOCTOR_FEEDBACK_FIRST, DOCTOR_FEEDBACK_LAST);
     double against = doctor_reversed(s, j, d->lag[j] > DOCTOR_EARLY ? d->lag[j] - 1 : DOCTOR_EARLY,
                                      d->lag[j] > DOCTOR_EARLY ? d->lag[j] + 1 : DOCTOR_EARLY + 1);
     bool excited = input_variance(s, j) > UNEXCITED * UNEXCITED * d->input_variance[j];
     return excited && doctor_moves(s, j, g.without - against)
                ? doctor_gain_ratio(s, j, fmin(clean, feedback), against)
                : 0.0;
-}
-
-/* Of all DoF together, because all inputs have one clock. which: lag [cells] + DOCTOR_EARLY. */
-static double shift_score(const doctor_t *d, const doctor_sums_t *s, int unused, int *which)
-{
-    double score[DOCTOR_EARLY + DOCTOR_LATE + 1] = {0}, best = 0.0;
-    (void)unused;
-    for (int j = 0; j < 6; ++j) {
-        double clean, against;
-        gain_t g;
-        if (!has_pair(d, j) || s->count[j] < 1.0) {
-            continue;
-        }
-        doctor_usual(s, j, &clean, &against, &g);
-        clean = fmin(clean, doctor_reversed(s, j, FEEDBACK_FIRST, FEEDBACK_LAST));
-        for (int k = 0; k <= DOCTOR_EARLY + DOCTOR_LATE; ++k) {
-            doctor_regress(s, j, s->own[j][k], &g);
-            score[k] +=
-                doctor_gain_ratio(s, j, clean, g.b > 0.0 && g.drag > 0.0 ? g.with : g.without);
-        }
-    }
-    for (int k = 0; k <= DOCTOR_EARLY + DOCTOR_LATE; ++k) {
-        if ((k < FIRST_LAG || k > LAST_LAG) && score[k] > best) {
-            best = score[k];
-            *which = k;
-        }
-    }
-    return best;
 }
 
 /* pair: 6 i + j. */
@@ -175,11 +135,12 @@ void doctor_inputs_scan(doctor_t *d)
     for (int j = 0; j < 6; ++j) {
         double clean, against;
         gain_t g;
-        if (!has_pair(d, j)) {
+        if (!doctor_has_input(d, j)) {
             continue;
         }
         doctor_usual(&all, j, &clean, &against, &g);
-        against = fmin(against, doctor_reversed(&all, j, FEEDBACK_FIRST, FEEDBACK_LAST));
+        against =
+            fmin(against, doctor_reversed(&all, j, DOCTOR_FEEDBACK_FIRST, DOCTOR_FEEDBACK_LAST));
         /* also of a short log */
         double windows = all.count[j] / DOCTOR_WINDOW;
         d->answers[j] = clean > 0.0 && 0.5 * windows * log(against / clean) > MIN_EACH;
@@ -313,7 +274,7 @@ static bool find_exchange(doctor_t *d)
     doctor_range_t best = {0};
     int i = 0, j = 0;
     for (int pair = 0; pair < 36; ++pair) {
-        if (pair / 6 < pair % 6 && has_pair(d, pair / 6) && has_pair(d, pair % 6)) {
+        if (pair / 6 < pair % 6 && doctor_has_input(d, pair / 6) && doctor_has_input(d, pair % 6)) {
             doctor_range_t r = doctor_scan(d, exchange_score, pair);
             if (r.llr > best.llr) {
                 best = r;
@@ -348,101 +309,6 @@ static bool find_exchange(doctor_t *d)
     return true;
 }
 
-/* Least ratio for a shift: it explains more than a controller, whose output is also correlated with
- * motion far from the usual lags. */
-static double least_shift(const doctor_t *d, const doctor_range_t *range)
-{
-    doctor_sums_t sum;
-    double windows = 0.0;
-    doctor_sum(d, range->first, range->last, &sum);
-    for (int j = 0; j < 6; ++j) {
-        windows += has_pair(d, j) ? sum.count[j] / DOCTOR_WINDOW : 0.0;
-    }
-    return SHIFT_PER_WINDOW * windows;
-}
-
-/* Which velocities follow their shifted inputs? */
-static void shift_answers(doctor_t *d, const doctor_range_t *range)
-{
-    doctor_sums_t sum;
-    doctor_sum(d, range->first, range->last, &sum);
-    for (int j = 0; j < 6; ++j) {
-        gain_t g = {0};
-        if (has_pair(d, j)) {
-            doctor_regress(&sum, j, sum.own[j][range->which], &g);
-        }
-        d->answers[j] =
-            g.b > 0.0 && g.drag > 0.0 && doctor_gain_ratio(&sum, j, g.without, g.with) > MIN_EACH;
-    }
-}
-
-/* sign_llr: of all wrong signs together, which explain a shift as well, but less likely. */
-static bool find_shift(doctor_t *d, double sign_llr)
-{
-    doctor_range_t r = doctor_scan(d, shift_score, 0);
-    char where[48];
-    double lag_s = (r.which - DOCTOR_EARLY) * DOCTOR_CELL_S;
-    /* Between rows the input is not known. */
-    double row_s = doctor_interval_quantile(d, 0.5), late_s = LAST_LAG * DOCTOR_CELL_S;
-    bool usual = lag_s > -USUAL_S - row_s && lag_s < late_s - EARLY_S + row_s;
-    bool stays = r.first == 0 || r.last == d->blocks - 1; /* a clock is set, but not set back */
-    bool likely = r.llr > fmax(MIN_SHIFT_LLR, least_shift(d, &r)) && !(r.llr < sign_llr);
-    if (!likely || !stays || usual) {
-        return false;
-    }
-    bool whole = doctor_where(d, &r, where)[0] == '\0';
-    bool found = lag_s > -FOUND_EARLY_S && lag_s < FOUND_LATE_S;
-    doctor_finding_t *f =
-        doctor_add(d, whole || found ? DOCTOR_WARNING : DOCTOR_ERROR, DOCTOR_INPUT_SHIFT, d->inputs,
-                   CSV_NU, &r,
-                   "the velocities %s their inputs by %.1f s%s, %s%s: give all columns the time at "
-                   "which they were measured",
-                   lag_s < 0.0 ? "change before" : "follow", fabs(lag_s), where,
-                   lag_s < 0.0 ? "which no vehicle does" : "more than thrusters need",
-                   whole ? "; fit shifts the inputs by that" : "");
-    if (f != NULL) {
-        f->value = lag_s;
-    }
-    if (whole) {
-        d->shift_s = lag_s - USUAL_LAG_S;
-        shift_answers(d, &r);
-    }
-    return true;
-}
-
-/* A lag that is usual, but long: fit finds it only where the disturbances are small. */
-static void take_long_lag(doctor_t *d)
-{
-    doctor_range_t all = {.last = d->blocks - 1};
-    doctor_sums_t sum;
-    double score[LAST_LAG + 3] = {0};
-    int best = SHORT_LAG;
-    doctor_sum(d, all.first, all.last, &sum);
-    for (int j = 0; j < 6; ++j) {
-        double of_short = HUGE_VAL;
-        for (int k = FIRST_LAG; has_pair(d, j) && k <= LAST_LAG + 2; ++k) {
-            gain_t g;
-            doctor_regress(&sum, j, sum.own[j][k], &g);
-            double with = g.b > 0.0 && g.drag > 0.0 ? g.with : g.without;
-            of_short = k <= SHORT_LAG ? fmin(of_short, with) : of_short;
-            score[k] += k > SHORT_LAG ? doctor_gain_ratio(&sum, j, of_short, with) : 0.0;
-        }
-    }
-    for (int k = SHORT_LAG + 1; k <= LAST_LAG + 2; ++k) {
-        best = score[k] > score[best] ? k : best;
-    }
-    if (score[best] > fmax(MIN_SHIFT_LLR, least_shift(d, &all))) {
-        double lag_s = (best - DOCTOR_EARLY) * DOCTOR_CELL_S;
-        doctor_finding_t *f = doctor_add(
-            d, DOCTOR_NOTE, DOCTOR_INPUT_SHIFT, d->inputs, CSV_NU, &all,
-            "the velocities follow their inputs by %.1f s; fit shifts the inputs by that", lag_s);
-        if (f != NULL) {
-            f->value = lag_s;
-        }
-        d->shift_s = lag_s - USUAL_LAG_S;
-    }
-}
-
 /* Is the rate of DoF j known to be wrong from the attitude? */
 static bool rate_is_wrong(const doctor_t *d, int j)
 {
@@ -466,19 +332,21 @@ void doctor_inputs(doctor_t *d)
     }
     bool exchanged = find_exchange(d);
     bool frame = find_frame(d);
-    bool shifted = !exchanged && find_shift(d, sign_llr);
-    if (!exchanged && !shifted && !frame && !(sign_llr > 0.0)) {
-        take_long_lag(d);
+    /* One shift of all inputs does not mend a part of the motion that is late. */
+    bool late = !exchanged && doctor_late_velocity(d);
+    bool shifted = !exchanged && !late && doctor_shift(d, sign_llr);
+    if (!exchanged && !late && !shifted && !frame && !(sign_llr > 0.0)) {
+        doctor_long_lag(d);
     }
     if (d->use != NULL && sound && !exchanged && !frame && !(sign_llr > 0.0)) {
         doctor_thrusters_hidden(d);
     }
     for (int j = 0; j < 6; ++j) {
         bool pushed = d->pushed[j].llr > 0.0;
-        if (has_pair(d, j) && pushed && !shifted && !rate_is_wrong(d, j) &&
+        if (doctor_has_input(d, j) && pushed && !shifted && !rate_is_wrong(d, j) &&
             !(frame && (j == 1 || j == 2 || j >= 4))) {
             find_sign(d, j);
-        } else if (has_pair(d, j) && !d->answers[j] && !exchanged && !pushed && !shifted) {
+        } else if (doctor_has_input(d, j) && !d->answers[j] && !exchanged && !pushed && !shifted) {
             doctor_add(d, DOCTOR_NOTE, DOCTOR_INPUT_WITHOUT_EFFECT, d->inputs + j, CSV_NU + j, NULL,
                        "%s does not visibly follow %s: %s is not identified from this log",
                        csv_name[CSV_NU + j], input_name(d, j), axis_name[j]);

@@ -12,22 +12,24 @@
 #define DOCTOR_GRAVITY 9.81 /* [m/s2] */
 enum {
     DOCTOR_WINDOW = 5,
-    DOCTOR_RING = 16,        /* cells that are being filled */
-    DOCTOR_HISTORY = 64,     /* past windows */
-    DOCTOR_BLOCKS = 16,      /* even */
-    DOCTOR_LAGS = 15,        /* of attitude against rates: each way, in cells */
-    DOCTOR_EARLY = 20,       /* of an input against acceleration: cells that motion may lead .. */
-    DOCTOR_LATE = 20,        /* .. or trail */
-    DOCTOR_USUAL = 2,        /* cells by which motion usually trails .. */
-    DOCTOR_MOST_USUAL = 6,   /* .. and at most */
-    DOCTOR_DISTINCT = 48,    /* distinct values that are remembered of a column */
-    DOCTOR_MIN_WINDOWS = 30, /* independent ones, for a decision */
-    DOCTOR_INTERVALS = 64,   /* classes of row intervals */
-    DOCTOR_WORLD = 6,        /* surge and sway if the velocities are in north, east, down .. */
-    DOCTOR_ENU = 8,          /* .. or in east, north, up .. */
-    DOCTOR_AXES = 10,        /* .. after the six DoF */
-    DOCTOR_READINGS = 4,     /* of the attitude */
-    DOCTOR_MOUNT_TERMS = 11  /* X, Y, u, v, |V|u, |V|v, u r, v r, 1; accelerations of u, v */
+    DOCTOR_RING = 16,      /* cells that are being filled */
+    DOCTOR_HISTORY = 64,   /* past windows */
+    DOCTOR_BLOCKS = 16,    /* even */
+    DOCTOR_LAGS = 15,      /* of attitude against rates: each way, in cells */
+    DOCTOR_EARLY = 20,     /* of an input against acceleration: cells that motion may lead .. */
+    DOCTOR_LATE = 20,      /* .. or trail */
+    DOCTOR_USUAL = 2,      /* cells by which motion usually trails .. */
+    DOCTOR_MOST_USUAL = 6, /* .. and at most */
+    DOCTOR_FEEDBACK_FIRST = DOCTOR_EARLY - 10, /* lags of a controller: its output follows the .. */
+    DOCTOR_FEEDBACK_LAST = DOCTOR_EARLY - 4,   /* .. motion by 0.4 s or more */
+    DOCTOR_DISTINCT = 48,                      /* distinct values that are remembered of a column */
+    DOCTOR_MIN_WINDOWS = 30,                   /* independent ones, for a decision */
+    DOCTOR_INTERVALS = 64,                     /* classes of row intervals */
+    DOCTOR_WORLD = 6,       /* surge and sway if the velocities are in north, east, down .. */
+    DOCTOR_ENU = 8,         /* .. or in east, north, up .. */
+    DOCTOR_AXES = 10,       /* .. after the six DoF */
+    DOCTOR_READINGS = 4,    /* of the attitude */
+    DOCTOR_MOUNT_TERMS = 11 /* X, Y, u, v, |V|u, |V|v, u r, v r, 1; accelerations of u, v */
 };
 
 /** Signals of a cell. */
@@ -285,6 +287,15 @@ void doctor_mirror_scan(doctor_t *d); /* doctor_mirror.c: after the other scans 
 /** Names an angle that is reversed with its rate. Returns whether there is one. */
 bool doctor_mirror(doctor_t *d);
 void doctor_inputs(doctor_t *d);
+/** Has DoF j an input and a velocity that can be compared? */
+bool doctor_has_input(const doctor_t *d, int j);
+/** Finds inputs that are early or late. sign_llr: of all wrong signs together, which explain a shift
+ * as well, but less likely. Returns whether they are. */
+bool doctor_shift(doctor_t *d, double sign_llr); /* doctor_shift.c */
+/** Finds u, v, w that are late against r, or r against them. Returns whether they are. */
+bool doctor_late_velocity(doctor_t *d);
+/** Takes a lag that is usual, but long. */
+void doctor_long_lag(doctor_t *d);
 void doctor_travel_scan(doctor_t *d); /* doctor_travel.c */
 void doctor_travel(doctor_t *d);
 /** Does the position change as if u and v were turned by this angle to starboard (1), as they are

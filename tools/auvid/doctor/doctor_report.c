@@ -40,6 +40,7 @@ static const char *const code_name[DOCTOR_CODES] = {
     [DOCTOR_VELOCITY_EXCHANGED] = "velocity_exchanged",
     [DOCTOR_EITHER_EXCHANGED] = "either_exchanged",
     [DOCTOR_INPUT_SHIFT] = "input_shift",
+    [DOCTOR_VELOCITY_SHIFT] = "velocity_shift",
     [DOCTOR_INPUT_WITHOUT_EFFECT] = "input_without_effect",
     [DOCTOR_DEPTH_SIGN] = "depth_sign",
     [DOCTOR_DEPTH] = "depth",
