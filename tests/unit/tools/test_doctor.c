@@ -164,7 +164,7 @@ static void test_a_velocity_sensor_that_is_mounted_at_an_angle_is_named(void)
         has[CSV_POSITION] = has[CSV_POSITION + 1] = position > 0;
         for (int i = 0; i < 5; ++i) {
             turn(CSV_NU, angle[i]);
-            assert_only(DOCTOR_MOUNTING, CSV_NU, "the DVL is mounted at an angle");
+            assert_only(DOCTOR_MOUNTING, CSV_NU, "mounted at an angle: rotate the two columns");
             TEST_ASSERT_DOUBLE_WITHIN(3.0 * PI / 180.0, angle[i] * PI / 180.0, doctor.mounted);
             turn(CSV_NU, -angle[i]);
         }

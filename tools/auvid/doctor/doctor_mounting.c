@@ -87,7 +87,7 @@ void doctor_mounting(doctor_t *d)
         doctor_add(
             d, DOCTOR_ERROR, DOCTOR_MOUNTING, CSV_NU, CSV_NU + 1, NULL,
             "u_mps and v_mps are turned by about %.0f degrees to %s against the forces: the DVL "
-            "is mounted at an angle: configure its mounting, or rotate them: u_mps becomes "
+            "is mounted at an angle: rotate the two columns: u_mps becomes "
             "%.2f u_mps %c %.2f v_mps, v_mps becomes %.2f v_mps %c %.2f u_mps",
             fabs(d->mounted) / DEGREE, s > 0.0 ? "starboard" : "port", c, s > 0.0 ? '-' : '+',
             fabs(s), c, s > 0.0 ? '+' : '-', fabs(s));
