@@ -86,6 +86,21 @@ static void test_a_height_in_feet_is_named_as_both(void)
     TEST_ASSERT_EQUAL_MESSAGE(1, count(DOCTOR_ERROR), doctor.finding[1].text);
 }
 
+/* The pitch of the vehicle tells it. */
+static void test_a_velocity_and_a_depth_upwards_do_not_contradict_each_other(void)
+{
+    scale(CSV_NU + 2, -1.0);
+    scale(CSV_POSITION + 2, -1.0);
+    has[CSV_POSITION] = has[CSV_POSITION + 1] = false;
+    for (int i = 0; i < 3; ++i) {
+        has[CSV_SPECIFIC_FORCE + i] = false;
+    }
+    examine();
+    assert_error(DOCTOR_VELOCITY_SIGN, CSV_NU + 2, "w_mps and depth_m are both positive upwards");
+    TEST_ASSERT_EQUAL_MESSAGE(1, count(DOCTOR_ERROR), doctor.finding[1].text);
+    TEST_ASSERT_NULL(strstr(doctor.finding[0].text, "runs against depth"));
+}
+
 /* Zeros between the samples of a slower sensor: its averages are too small. */
 static void test_velocities_that_are_zero_between_samples_do_not_accuse_pitch(void)
 {
@@ -108,6 +123,7 @@ int main(void)
     RUN_TEST(test_the_unit_of_a_depth_is_named);
     RUN_TEST(test_a_depth_with_an_error_of_scale_has_no_other_unit_and_no_wrong_sign);
     RUN_TEST(test_a_height_in_feet_is_named_as_both);
+    RUN_TEST(test_a_velocity_and_a_depth_upwards_do_not_contradict_each_other);
     RUN_TEST(test_velocities_that_are_zero_between_samples_do_not_accuse_pitch);
     return UNITY_END();
 }

@@ -196,7 +196,9 @@ static int velocity_is_wrong(const doctor_t *d, int j)
     static const int own[2] = {0, 1};
     const doctor_range_t *r = &d->pushed[j];
     if (j == 2) {
-        return d->has[CSV_POSITION + 2] ? (doctor_overlap(r, &d->sunk) ? 1 : 0) : 0;
+        bool pitch = d->turned[1].llr > 0.0 || d->turned[2].llr > 0.0 || d->mirrored.llr > 0.0;
+        bool explained = d->sunk.which == DOCTOR_PITCH_REVERSED && pitch; /* w and depth agree */
+        return d->has[CSV_POSITION + 2] && doctor_overlap(r, &d->sunk) ? (explained ? -1 : 1) : 0;
     }
     if ((j < 2 && doctor_overlap(r, &d->gone[j])) || (j == 0 && depth_reverses_surge(d))) {
         return 1;
@@ -223,7 +225,13 @@ static void find_sign(doctor_t *d, int j)
     int wrong = velocity_is_wrong(d, j);
     char where[48];
     doctor_where(d, r, where);
-    if (wrong > 0) {
+    if (wrong > 0 && j == 2 && d->sunk.which == DOCTOR_PITCH_REVERSED) {
+        doctor_add(d, DOCTOR_ERROR, DOCTOR_VELOCITY_SIGN, CSV_NU + j, CSV_POSITION + 2, r,
+                   "w_mps and depth_m are both positive upwards%s: they agree, but w_mps "
+                   "accelerates against %s, and depth_m changes against u_mps and theta_rad: "
+                   "change both signs",
+                   where, input);
+    } else if (wrong > 0) {
         doctor_add(d, DOCTOR_ERROR, DOCTOR_VELOCITY_SIGN, CSV_NU + j, d->inputs + j, r,
                    "%s has the wrong sign: it accelerates against %s, and %s%s: change its sign",
                    velocity, input,
