@@ -289,6 +289,39 @@ static void test_a_quaternion_that_begins_with_x_is_named(void)
                 "order: name the columns qx, qy, qz, qw");
 }
 
+static void test_a_quaternion_that_turns_from_world_to_body_is_named(void)
+{
+    static const int right[4] = {0, 1, 2, 3};
+    to_quaternion(right);
+    for (int k = 0; k < ROWS; ++k) {
+        double *q = &rows[k].value[CSV_QUATERNION];
+        for (int i = 1; i < 4; ++i) {
+            q[i] *= -1.0;
+        }
+        csv_attitude(q[0], q[1], q[2], q[3], &rows[k].value[CSV_ATTITUDE]);
+    }
+    assert_only(DOCTOR_QUATERNION, CSV_QUATERNION,
+                "qw, qx, qy, qz turn from world to body: the attitude turns against p, q, r: "
+                "change the signs of qx, qy, qz");
+    for (int j = 3; j < 6; ++j) { /* such rates agree with it; they run against their inputs */
+        scale(CSV_NU + j, -1.0);
+    }
+    examine();
+    TEST_ASSERT_NULL(finding(DOCTOR_QUATERNION));
+}
+
+static void test_rates_that_are_all_reversed_do_not_accuse_the_quaternion(void)
+{
+    static const int right[4] = {0, 1, 2, 3};
+    to_quaternion(right);
+    for (int j = 3; j < 6; ++j) {
+        scale(CSV_NU + j, -1.0);
+    }
+    examine();
+    TEST_ASSERT_NULL(finding(DOCTOR_QUATERNION));
+    assert_error(DOCTOR_RATE_SIGN, CSV_NU + 5, "r_radps has the wrong sign");
+}
+
 static void test_a_quaternion_in_order_is_not_accused(void)
 {
     static const int right[4] = {0, 1, 2, 3};
@@ -364,6 +397,8 @@ int main(void)
     RUN_TEST(test_a_position_in_other_axes_is_named);
     RUN_TEST(test_a_depth_above_the_surface_may_be_a_height);
     RUN_TEST(test_a_quaternion_that_begins_with_x_is_named);
+    RUN_TEST(test_a_quaternion_that_turns_from_world_to_body_is_named);
+    RUN_TEST(test_rates_that_are_all_reversed_do_not_accuse_the_quaternion);
     RUN_TEST(test_a_quaternion_in_order_is_not_accused);
     RUN_TEST(test_the_position_shows_an_offset_of_a_velocity);
     RUN_TEST(test_a_current_is_no_offset);

@@ -139,8 +139,12 @@ void doctor_feed(doctor_t *d, const csv_row_t *row)
     }
     if (d->has[CSV_QUATERNION]) {
         const double *q = row->value + CSV_QUATERNION;
+        double norm = sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);
         csv_attitude(q[3], q[0], q[1], q[2], value + CELL_ORDER);
+        csv_attitude(q[0] / norm, -q[1] / norm, -q[2] / norm, -q[3] / norm, value + CELL_CONJUGATE);
+        /* fmax, fmin in the pitch pass over NaN */
         value[CELL_ORDER + 1] = isfinite(q[0]) ? value[CELL_ORDER + 1] : NAN;
+        value[CELL_CONJUGATE + 1] = isfinite(norm) ? value[CELL_CONJUGATE + 1] : NAN;
     }
     doctor_cells_add(d, t - d->start_s, value);
 }

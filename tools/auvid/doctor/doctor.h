@@ -43,7 +43,7 @@ typedef enum {
     DOCTOR_FRAME,              /**< signs as between FRD and FLU axes (NED and ENU) */
     DOCTOR_WORLD_FRAME,        /**< velocities to the north and east, not of body axes */
     DOCTOR_MOUNTING,           /**< the velocity sensor is turned about the vertical */
-    DOCTOR_QUATERNION,         /**< the quaternion is x, y, z, w */
+    DOCTOR_QUATERNION,         /**< the quaternion is x, y, z, w, or turns from world to body */
     DOCTOR_ATTITUDE_SHIFT,     /**< the attitude is late (value > 0) against the rates [s] */
     DOCTOR_ATTITUDE,           /**< attitude and rate contradict each other, unexplained */
     DOCTOR_INPUT_SIGN,         /**< an input has the wrong sign */

@@ -169,11 +169,31 @@ static bool is_reordered(const doctor_t *d, double gain)
     return llr > MIN_LLR && (yaw < MAX_DISCORD || 2.0 - yaw < MAX_TWO_SLIPS);
 }
 
+/* Does the quaternion turn from world to body? Of all axes together, and of the whole log. To first
+ * order of the angles it is the same if p, q, r are all reversed: their inputs tell. */
+static bool is_conjugated(const doctor_t *d)
+{
+    doctor_sums_t all;
+    double llr = 0.0, of_rates = 0.0;
+    doctor_sum(d, 0, d->blocks - 1, &all);
+    for (int i = 0; i < 3; ++i) {
+        const doctor_pair_t *told = &all.turn[0][i][i], *p = &all.turn[4][i][i];
+        double without = doctor_discord(told, 1.0);
+        if (has_pair(d, i)) {
+            llr += ratio(p, without, doctor_discord(p, 1.0));
+            of_rates += ratio(told, without, doctor_discord(told, -1.0));
+        }
+    }
+    return llr > MIN_LLR && llr > of_rates - MIN_LLR &&
+           doctor_discord(&all.turn[4][2][2], 1.0) < MAX_DISCORD;
+}
+
 void doctor_attitude_scan(doctor_t *d)
 {
     char text[UNITS_TEXT];
     d->reordered = d->has[CSV_QUATERNION] && has_pair(d, 2) &&
                    (is_reordered(d, 1.0) || is_reordered(d, 1.0 / DEGREES));
+    d->conjugated = d->has[CSV_QUATERNION] && has_pair(d, 2) && !d->reordered && is_conjugated(d);
     d->degrees = units_angle_judge(&d->units, text, sizeof text) >= 0;
     if (d->reordered || d->degrees) {
         return; /* there is no attitude */
@@ -360,6 +380,12 @@ void doctor_attitude(doctor_t *d)
         doctor_add(d, DOCTOR_ERROR, DOCTOR_QUATERNION, CSV_QUATERNION, CSV_NU + 5, NULL,
                    "qw, qx, qy, qz look like x, y, z, w: the attitude turns with p, q, r only in "
                    "that order: name the columns qx, qy, qz, qw");
+        return;
+    }
+    if (d->conjugated && !(d->pushed[5].llr > 0.0)) {
+        doctor_add(d, DOCTOR_ERROR, DOCTOR_QUATERNION, CSV_QUATERNION, CSV_NU + 5, NULL,
+                   "qw, qx, qy, qz turn from world to body: the attitude turns against p, q, r: "
+                   "change the signs of qx, qy, qz");
         return;
     }
     /* A reversed psi disturbs the other axes, and so what is said about them. */

@@ -12,32 +12,34 @@
 #define DOCTOR_GRAVITY 9.81 /* [m/s2] */
 enum {
     DOCTOR_WINDOW = 5,
-    DOCTOR_RING = 16,      /* cells that are being filled */
-    DOCTOR_HISTORY = 64,   /* past windows */
-    DOCTOR_BLOCKS = 16,    /* even */
-    DOCTOR_LAGS = 15,      /* of attitude against rates: each way, in cells */
-    DOCTOR_EARLY = 20,     /* of an input against acceleration: cells that motion may lead .. */
-    DOCTOR_LATE = 20,      /* .. or trail */
-    DOCTOR_USUAL = 2,      /* cells by which motion usually trails .. */
-    DOCTOR_MOST_USUAL = 6, /* .. and at most */
-    DOCTOR_FEEDBACK_FIRST = DOCTOR_EARLY - 10, /* lags of a controller: its output follows the .. */
-    DOCTOR_FEEDBACK_LAST = DOCTOR_EARLY - 4,   /* .. motion by 0.4 s or more */
-    DOCTOR_DISTINCT = 48,                      /* distinct values that are remembered of a column */
-    DOCTOR_MIN_WINDOWS = 30,                   /* independent ones, for a decision */
-    DOCTOR_INTERVALS = 64,                     /* classes of row intervals */
-    DOCTOR_WORLD = 6,       /* surge and sway if the velocities are in north, east, down .. */
-    DOCTOR_ENU = 8,         /* .. or in east, north, up .. */
-    DOCTOR_AXES = 10,       /* .. after the six DoF */
-    DOCTOR_READINGS = 4,    /* of the attitude */
-    DOCTOR_MOUNT_TERMS = 11 /* X, Y, u, v, |V|u, |V|v, u r, v r, 1; accelerations of u, v */
+    DOCTOR_RING = 16,        /* cells that are being filled */
+    DOCTOR_HISTORY = 64,     /* past windows */
+    DOCTOR_BLOCKS = 16,      /* even */
+    DOCTOR_LAGS = 15,        /* of attitude against rates: each way, in cells */
+    DOCTOR_EARLY = 20,       /* of an input against acceleration: cells that motion may lead .. */
+    DOCTOR_LATE = 20,        /* .. or trail */
+    DOCTOR_USUAL = 2,        /* cells by which motion usually trails .. */
+    DOCTOR_MOST_USUAL = 6,   /* .. and at most */
+    DOCTOR_DISTINCT = 48,    /* distinct values that are remembered of a column */
+    DOCTOR_MIN_WINDOWS = 30, /* independent ones, for a decision */
+    DOCTOR_INTERVALS = 64,   /* classes of row intervals */
+    DOCTOR_WORLD = 6,        /* surge and sway if the velocities are in north, east, down .. */
+    DOCTOR_ENU = 8,          /* .. or in east, north, up .. */
+    DOCTOR_AXES = 10,        /* .. after the six DoF */
+    DOCTOR_READINGS = 5,     /* of the attitude */
+    DOCTOR_MOUNT_TERMS = 11  /* X, Y, u, v, |V|u, |V|v, u r, v r, 1; accelerations of u, v */
 };
+
+/** Lags of a controller, whose output follows the motion by 0.4 s or more. */
+enum { DOCTOR_FEEDBACK_FIRST = DOCTOR_EARLY - 10, DOCTOR_FEEDBACK_LAST = DOCTOR_EARLY - 4 };
 
 /** Signals of a cell. */
 enum {
-    CELL_ANGLE,                   /* [rad], as if the log were in radians */
-    CELL_DEGREE = CELL_ANGLE + 3, /* [rad], as if the log were in degrees */
-    CELL_ORDER = CELL_DEGREE + 3, /* [rad], as if qw .. qz were x, y, z, w */
-    CELL_NU = CELL_ORDER + 3,
+    CELL_ANGLE,                      /* [rad], as if the log were in radians */
+    CELL_DEGREE = CELL_ANGLE + 3,    /* [rad], as if the log were in degrees */
+    CELL_ORDER = CELL_DEGREE + 3,    /* [rad], as if qw .. qz were x, y, z, w */
+    CELL_CONJUGATE = CELL_ORDER + 3, /* [rad], as if qw .. qz turned from world to body */
+    CELL_NU = CELL_CONJUGATE + 3,
     CELL_INPUT = CELL_NU + 6,
     CELL_POSITION = CELL_INPUT + 6,
     CELL_FORCE = CELL_POSITION + 3, /* specific force */
@@ -59,7 +61,8 @@ typedef struct {
 
 /** Averages over a window that ends with a cell, and rates over it. */
 typedef struct {
-    /* of the attitude: as logged; in degrees; psi reversed; another order of the quaternion */
+    /* of the attitude: as logged; in degrees; psi reversed; another order of the quaternion; its
+     * conjugate */
     double body_rate[DOCTOR_READINGS][3];
     double nu[DOCTOR_AXES], quadratic[DOCTOR_AXES], acceleration[DOCTOR_AXES], input[DOCTOR_AXES];
     double couple[DOCTOR_AXES][2]; /* coupling terms of each DoF */
@@ -178,6 +181,7 @@ typedef struct {
     double depth_scale;       /* of depth_m: of its unit in a metre; 1: metres, or not known */
     int yaw_is_wrong;         /* 1: psi and r are; -1: they are right; 0: not known */
     bool reordered;           /* the quaternion is x, y, z, w */
+    bool conjugated;          /* it turns from world to body, or p, q, r are all reversed */
     bool degrees;             /* angles or rates are in degrees */
     bool in_world;            /* the velocities are to the north and east, .. */
     bool in_enu;              /* .. the first one to the east, the third one upwards, .. */

@@ -122,6 +122,7 @@ static void make_window(const doctor_t *d, doctor_window_t *w)
     turn_rates(d, CELL_DEGREE, 1.0, w->body_rate[1]);
     turn_rates(d, CELL_ANGLE, -1.0, w->body_rate[2]);
     turn_rates(d, CELL_ORDER, 1.0, w->body_rate[3]);
+    turn_rates(d, CELL_CONJUGATE, 1.0, w->body_rate[4]);
     for (int j = 0; j < 3; ++j) {
         w->angle[j] = average(d, CELL_ANGLE + j);
     }
