@@ -63,9 +63,9 @@ static double sign_score(const doctor_t *d, const doctor_sums_t *s, int axis, in
 }
 
 /* The same of roll or pitch, which the turn changes, too. A reversed heading, or another angle that
- * is reversed with its rate, reverses that part (doctor_mirror.c): in a vehicle that hardly rolls
- * it is the larger one, and roll alone would seem reversed. So both readings are compared, each with
- * what it leaves in the other axis, whatever the sign of that. */
+ * is reversed with its rate, reverses that part (doctor_mirror.c). In a vehicle that hardly rolls
+ * it is the larger part, and roll alone would seem reversed. So both readings are compared, each
+ * with what it leaves in the other axis, whatever the sign of that. */
 static double tilt_score(const doctor_t *d, const doctor_sums_t *s, int axis, int *which)
 {
     static const int reading[2] = {0, 2};

@@ -262,8 +262,8 @@ double doctor_discord(const doctor_pair_t *p, double gain);
 bool doctor_is_fast(const doctor_pair_t *p);
 /** The rate of the depth, and what the velocities say of it (doctor_travel.c). */
 doctor_pair_t doctor_depth(const doctor_t *d, const doctor_sums_t *s);
-/** Is depth_m in another unit than metres? Then the velocity over ground, which contains its rate, is
- * not known. */
+/** Is depth_m not in metres? Then the velocity over ground, which contains its rate, is not
+ * known. */
 bool doctor_depth_has_other_unit(const doctor_t *d);
 /** Correlation. */
 double doctor_correlation(const doctor_pair_t *p);
@@ -293,8 +293,8 @@ bool doctor_mirror(doctor_t *d);
 void doctor_inputs(doctor_t *d);
 /** Has DoF j an input and a velocity that can be compared? */
 bool doctor_has_input(const doctor_t *d, int j);
-/** Finds inputs that are early or late. sign_llr: of all wrong signs together, which explain a shift
- * as well, but less likely. Returns whether they are. */
+/** Finds inputs that are early or late. sign_llr: of all wrong signs together, which explain a
+ * shift as well, but less likely. Returns whether they are. */
 bool doctor_shift(doctor_t *d, double sign_llr); /* doctor_shift.c */
 /** Finds u, v, w that are late against r, or r against them. Returns whether they are. */
 bool doctor_late_velocity(doctor_t *d);

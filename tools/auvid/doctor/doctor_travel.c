@@ -76,9 +76,9 @@ bool doctor_is_fast(const doctor_pair_t *p)
     return p->aa - p->a * p->a / n > least && p->bb - p->b * p->b / n > least;
 }
 
-/* Cells of the velocity that are zero between samples, a slow sensor: an error of scale is left, and
- * an explanation with other signs may hide it. So it must be better, too, if each one has its best
- * scale: 1 - correlation is the concordance with that. */
+/* An error of scale, such as that of cells that are zero between samples, may be smaller with other
+ * signs. So an explanation must also be better if each one has its best scale: then 1 - correlation
+ * is the concordance. */
 static double depth_score(const doctor_t *d, const doctor_sums_t *s, int axis, int *which)
 {
     doctor_pair_t clean = doctor_depth(d, s);
