@@ -179,16 +179,17 @@ typedef struct {
     doctor_range_t gone[2];   /* position and velocity, of surge and sway, likewise */
     doctor_range_t mirrored;  /* an angle and its rate are both reversed there: which axis */
     double depth_scale;       /* of depth_m: of its unit in a metre; 1: metres, or not known */
+    double world_llr;         /* ratio by which in_world holds */
+    double mounted;           /* angle of u and v to starboard, against the forces; 0: none [rad] */
     int yaw_is_wrong;         /* 1: psi and r are; -1: they are right; 0: not known */
+    int lag[6];               /* of a velocity that follows its input, as an index of
+                                 doctor_sums_t.own */
+    bool answers[6];          /* .. which it does */
     bool reordered;           /* the quaternion is x, y, z, w */
     bool conjugated;          /* it turns from world to body, or p, q, r are all reversed */
     bool degrees;             /* angles or rates are in degrees */
     bool in_world;            /* the velocities are to the north and east, .. */
-    bool in_enu;              /* .. the first one to the east, the third one upwards, .. */
-    double world_llr;         /* .. by this ratio */
-    double mounted;           /* angle of u and v to starboard, against the forces; 0: none [rad] */
-    bool answers[6];          /* a velocity follows its input */
-    int lag[6];               /* .. by this, as an index of doctor_sums_t.own */
+    bool in_enu;              /* .. the first one to the east, the third one upwards */
     double input_variance[6]; /* over the whole log */
     const log_use_t *use;     /* the inputs are these thrusters; NULL: those of the log */
     double thruster[AUVID_MAX_THRUSTERS], voltage_V; /* last inputs of the thrusters; NaN: none */
