@@ -184,11 +184,10 @@ change "$commands"'
 add(["rpm_%d" % k for k in range(1, 6)], lambda y: [1200 * c for c in commands(y)])
 drop(*WRENCH)' <train.csv >speed.csv
 sed '1s/thruster_/rpm_/g' throttle.csv >speeds.csv
-for command in fit check; do
-    check "speeds, but the file has another map: $command" one_line $((command == fit ? 1 : 2)) \
-        'the log has rpm_1 .., but the thrusters of girona500 need thruster_1 ..: .*map = rpm' \
-        $command speeds.csv --vehicle girona500
-done
+other_map='the log has rpm_1 .., but the thrusters of girona500 need thruster_1 ..: .*map = rpm'
+check "speeds, but the file has another map" one_line 1 "$other_map" \
+    fit speeds.csv --vehicle girona500
+check "  of a log that is checked" one_line 2 "$other_map" check speeds.csv --vehicle girona500
 check "speeds of propellers" form 0 plain.json 1e-3 speed.csv --vehicle speed.ini --plain
 sed 's/^map = signed-square/map = signed-square\nvoltage_V = 16\nvoltage_exponent = 2/' \
     "$ROOT/tools/auvid/vehicles/girona500.ini" >voltage.ini

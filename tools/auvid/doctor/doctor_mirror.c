@@ -23,11 +23,9 @@ static bool has_pair(const doctor_t *d, int axis)
 }
 
 /* How much better roll and pitch turn with p and q if psi is read as reversed. */
-static double mirror_score(const doctor_t *d, const doctor_sums_t *s, int unused, int *which)
+static double mirror_score(const doctor_t *d, const doctor_sums_t *s)
 {
     double sum = 0.0;
-    (void)unused;
-    *which = DOCTOR_MIRROR_UNKNOWN;
     for (int i = 0; i < 2; ++i) {
         const doctor_pair_t *p = &s->turn[0][i][i], *mirrored = &s->turn[2][i][i];
         double as_told = doctor_discord(p, 1.0), with = doctor_discord(mirrored, 1.0);
@@ -44,9 +42,8 @@ static double mirror_score(const doctor_t *d, const doctor_sums_t *s, int unused
 static int heading_is_mirrored(const doctor_t *d, bool tilts)
 {
     doctor_sums_t all;
-    int unused;
     doctor_sum(d, 0, d->blocks - 1, &all);
-    double llr = doctor_position_mirrored(d) + (tilts ? mirror_score(d, &all, 0, &unused) : 0.0);
+    double llr = doctor_position_mirrored(d) + (tilts ? mirror_score(d, &all) : 0.0);
     if (fabs(llr) > MIN_LLR) {
         return llr > 0.0 ? 1 : -1;
     }
@@ -55,8 +52,10 @@ static int heading_is_mirrored(const doctor_t *d, bool tilts)
     return t < -MIN_COUPLING ? 1 : t > MIN_COUPLING ? -1 : 0;
 }
 
+/* Of the whole log: axes do not change within it, and a part of real logs may say the opposite. */
 void doctor_mirror_scan(doctor_t *d)
 {
+    doctor_sums_t all;
     for (int i = 0; i < 3; ++i) {
         if (d->turned[i].llr > 0.0) {
             return;
@@ -65,8 +64,9 @@ void doctor_mirror_scan(doctor_t *d)
     if (d->reordered || d->degrees) {
         return;
     }
-    d->mirrored = doctor_scan(d, mirror_score, 0);
-    d->mirrored.llr = d->mirrored.llr > MIN_LLR ? d->mirrored.llr : 0.0;
+    doctor_sum(d, 0, d->blocks - 1, &all);
+    double llr = mirror_score(d, &all);
+    d->mirrored = (doctor_range_t){.llr = llr > MIN_LLR ? llr : 0.0, .last = d->blocks - 1};
     bool pitch = doctor_overlap(&d->mirrored, &d->sunk) && d->sunk.which == DOCTOR_PITCH_REVERSED;
     if (d->pushed[5].llr > 0.0) {
         d->yaw_is_wrong = pitch ? -1 : heading_is_mirrored(d, true);
