@@ -27,7 +27,7 @@
  * more belongs to the motion. In an equation without thrust, as sway of a craft with two propellers
  * astern, it has none (its z is what the last estimate of a current makes of the motion): nothing
  * else scales with the parameters there, and such a share pulls all masses and drags towards zero,
- * by 10 % in still water, and in a current of 8 cm/s by 30 % (tests/program/test_unactuated.sh).
+ * by 10 % in still water, and in a current of 8 cm/s by 24 % (tests/program/test_unactuated.sh).
  *
  * The losses of thrust with speed are columns of the thrust, but e is not in them like that: they
  * contain the measured velocity. With -(1 - lambda) k e in it, too, the loss becomes too small, or
