@@ -379,7 +379,7 @@ typedef struct {
     auvid_vehicle_t vehicle;      /**< model for identifier, metric and validation */
     const auvid_vehicle_t *other; /* the wrapped model */
     auvid_parameter_t parameter[AUVID_MAX_PARAMETERS]; /**< parameters of `vehicle` */
-    /** Dry mass [kg], >= 0; 0: not known. The caller may set it after auvid_calibrated_init, instead
+    /** Dry mass [kg], >= 0; 0: not known. It may be set after auvid_calibrated_init, instead
      * of that of auvid_identifier_config_t, which is in the unit of the supplied thrust. */
     auvid_real_t dry_mass_kg;
     auvid_known_change_t change[AUVID_KNOWN_CHANGES];
