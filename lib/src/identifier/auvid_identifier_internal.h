@@ -207,12 +207,10 @@ bool auvid_identifier_pays(auvid_bounded_ls_t *ls);
 auvid_status_t auvid_identifier_optimum(auvid_identifier_t *id, uint32_t *budget);
 
 /** A minimum, and the largest excess of a result's cost: 1e-3 of it and of a constant cost. For
- * data without noise that is almost zero: then 1e-8 of the cost of all-zero parameters. */
-static inline auvid_minimum_t identifier_minimum(auvid_real_t cost, auvid_real_t constant,
-                                                 auvid_real_t zero)
-{
-    return (auvid_minimum_t){cost, AUVID_C(1e-3) * (cost + constant) + AUVID_C(1e-8) * zero};
-}
+ * data without noise that is almost zero: then 1e-8 of the cost of all-zero parameters. A cost that
+ * is no number of a search is no minimum (AUVID_COST_FAILED). */
+auvid_minimum_t auvid_identifier_minimum(auvid_real_t cost, auvid_real_t constant,
+                                         auvid_real_t zero);
 
 /** Returns the minimum found in id->optimum, and writes its parameters to pi, by their number in
  * the model. `constant`: further cost. */

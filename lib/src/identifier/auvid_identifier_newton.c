@@ -173,7 +173,7 @@ static void identifier_end_newton(auvid_identifier_t *id)
 {
     const auvid_gauss_newton_t *gn = &id->linear.newton;
     auvid_identifier_expand(id, gn->x, gn->ls.n);
-    id->work.minimum = identifier_minimum(gn->cost, AUVID_C(0.0), gn->ls.zero);
+    id->work.minimum = auvid_identifier_minimum(gn->cost, AUVID_C(0.0), gn->ls.zero);
 }
 
 static auvid_status_t identifier_newton(auvid_identifier_t *id, uint32_t *budget)

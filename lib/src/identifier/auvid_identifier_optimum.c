@@ -35,7 +35,7 @@ auvid_minimum_t auvid_identifier_take_optimum(auvid_identifier_t *id, auvid_real
     for (int i = 0; i < ls->n; ++i) {
         pi[id->work.parameter_of[i]] = ls->x[i];
     }
-    return identifier_minimum(ls->cost, constant, ls->zero);
+    return auvid_identifier_minimum(ls->cost, constant, ls->zero);
 }
 
 static void identifier_begin_minimum(auvid_identifier_t *id)

@@ -41,6 +41,14 @@ static bool identifier_only_confirms(const auvid_identifier_t *id)
            id->optimizer.cfg.phases == AUVID_SEARCH_LOCAL;
 }
 
+auvid_minimum_t auvid_identifier_minimum(auvid_real_t cost, auvid_real_t constant,
+                                         auvid_real_t zero)
+{
+    auvid_real_t allowed = AUVID_C(1e-3) * (cost + constant) + AUVID_C(1e-8) * zero;
+    return (auvid_minimum_t){auvid_min(cost, AUVID_COST_FAILED),
+                             auvid_min(allowed, AUVID_COST_FAILED)};
+}
+
 auvid_status_t auvid_identifier_begin_search(auvid_identifier_t *id, auvid_real_t *scale,
                                              const auvid_real_t *last,
                                              const auvid_minimum_t *minimum, const auvid_real_t *pi,

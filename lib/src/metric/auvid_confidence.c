@@ -247,8 +247,9 @@ static void confidence_invert_column(job_t *c, int i)
         c->widening[i] = squares;
         return;
     }
-    c->variance[i] = squares;
-    c->widening[i] = c->widening[i] > squares ? c->widening[i] / squares : AUVID_C(1.0);
+    c->variance[i] = squares; /* 0: it is not known (auvid_confidence_judge.c) */
+    bool widens = squares > AUVID_C(0.0) && c->widening[i] > squares;
+    c->widening[i] = widens ? c->widening[i] / squares : AUVID_C(1.0);
 }
 
 /* ---- BIAS ---- */

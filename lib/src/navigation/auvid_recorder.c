@@ -101,6 +101,14 @@ void auvid_recorder_set_cell(auvid_recorder_t *rec, uint32_t cell_us)
     rec->broken = true;
 }
 
+void auvid_recorder_break(auvid_recorder_t *recorder)
+{
+    if (recorder != NULL) {
+        recorder->broken = recorder->broken || recorder->running;
+        recorder->running = false;
+    }
+}
+
 /* Is the period of the velocity samples still to be observed? */
 static bool recorder_observes(const auvid_recorder_t *rec)
 {

@@ -95,6 +95,7 @@
 
 #define SIDE_VARIANCE AUVID_C(0.05)
 #define LONGEST_SAG AUVID_C(15.0) /* an hour, over AUVID_UNCERTAIN_SAG_S */
+#define LARGEST_SOLUTION AUVID_C(1e18) /* its square is a number */
 #define SEEN_RIGHT AUVID_C(3.0)   /* prior of the scale, as a number of inputs */
 
 typedef auvid_uncertain_t uncertain_t;
@@ -121,7 +122,9 @@ static void uncertain_keep(uncertain_t *u, const auvid_metric_t *m, const auvid_
                 sum += r[k] * (k < e->own ? u->own[e->own_at + k]
                                           : x[auvid_uncertain_joint_column(u, m, j, k)]);
             }
-            u->own[e->own_at + i] = auvid_abs(r[i]) > AUVID_C(0.0) ? -sum / r[i] : AUVID_C(0.0);
+            auvid_real_t input = auvid_abs(r[i]) > AUVID_C(0.0) ? -sum / r[i] : AUVID_C(0.0);
+            bool good = auvid_all_within(&input, 1, LARGEST_SOLUTION) == AUVID_OK;
+            u->own[e->own_at + i] = good ? input : AUVID_C(0.0);
         }
     }
 }
@@ -142,7 +145,7 @@ static void uncertain_back_solve(uncertain_t *u, const auvid_metric_t *m, bool k
         }
     }
     (void)auvid_qr_solve(u->work.joint, JOINT_ORDER, n, AUVID_C(1e-6), x);
-    if (auvid_all_finite(x, JOINT_ORDER)) {
+    if (auvid_all_within(x, JOINT_ORDER, LARGEST_SOLUTION) == AUVID_OK) {
         uncertain_keep(u, m, x);
     }
 }

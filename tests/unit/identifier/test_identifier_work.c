@@ -667,6 +667,17 @@ static void test_a_search_without_sets_ends_and_says_so(void)
     TEST_ASSERT_EQUAL_UINT32(0, chain.id.estimate.number);
 }
 
+static void test_a_minimum_that_no_search_can_have_is_none(void)
+{
+    const auvid_real_t most = AUVID_COST_FAILED, far = AUVID_C(1e30);
+    auvid_minimum_t minimum = auvid_identifier_minimum(2, 0, 1);
+    TEST_ASSERT_TRUE(minimum.cost == 2 && minimum.allowed < AUVID_C(0.003));
+    minimum = auvid_identifier_minimum(far, 0, far * far);
+    TEST_ASSERT_TRUE(minimum.cost == most && minimum.allowed == most);
+    minimum = auvid_identifier_minimum((auvid_real_t)NAN, 0, 1);
+    TEST_ASSERT_TRUE(minimum.cost == most && minimum.allowed == most);
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -690,5 +701,6 @@ int main(void)
     RUN_TEST(test_rows_that_come_while_a_full_set_waits_are_dropped_and_counted);
     RUN_TEST(test_a_model_that_fails_everywhere_ends_and_is_reported);
     RUN_TEST(test_a_search_without_sets_ends_and_says_so);
+    RUN_TEST(test_a_minimum_that_no_search_can_have_is_none);
     return UNITY_END();
 }

@@ -107,6 +107,19 @@ static void test_stream_that_stops_for_good_breaks_the_record_once(void)
     }
 }
 
+static void test_record_that_the_caller_breaks_is_broken_once(void)
+{
+    auvid_recorder_break(NULL);
+    auvid_recorder_break(&recorder); /* there is none */
+    reset_counts();
+    run(0, 101, 7, true);
+    auvid_recorder_break(&recorder);
+    auvid_recorder_break(&recorder);
+    run(101, 202, 7, true);
+    TEST_ASSERT_EQUAL_INT(1, gaps);
+    TEST_ASSERT_EQUAL_INT(6 + 6, popped);
+}
+
 /* A stream with one sample long before the others: no record was broken, so there is no gap. */
 static void test_stream_sampled_long_before_the_others_does_not_begin_a_record(void)
 {
@@ -410,6 +423,7 @@ int main(void)
     RUN_TEST(test_silence_as_long_as_the_gap_is_bridged);
     RUN_TEST(test_silence_of_one_stream_breaks_the_record_for_all);
     RUN_TEST(test_stream_that_stops_for_good_breaks_the_record_once);
+    RUN_TEST(test_record_that_the_caller_breaks_is_broken_once);
     RUN_TEST(test_stream_sampled_long_before_the_others_does_not_begin_a_record);
     RUN_TEST(test_a_velocity_that_is_not_measured_for_long_is_missing_and_breaks_no_record);
     RUN_TEST(test_a_velocity_is_interpolated_over_samples_that_do_not_measure_it);

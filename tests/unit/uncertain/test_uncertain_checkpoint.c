@@ -433,6 +433,23 @@ static void test_impossible_steps_of_a_solution_are_refused(void)
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_checkpoint_restore(id, saved, bytes));
 }
 
+/* After spikes of the inputs. What is kept must be accepted again. */
+static void test_a_solution_that_is_no_number_of_a_checkpoint_is_not_kept(void)
+{
+    const int last = AUVID_UNCERTAIN_JOINT - 1;
+    run_to_phase(SOLVE_FINISH);
+    memcpy(before.pi, uncertain.pi, sizeof before.pi);
+    for (int i = 0; i < last; ++i) { /* the thrust */
+        uncertain.work.joint[auvid_qr_row(AUVID_UNCERTAIN_JOINT, i) + last - i] *= AUVID_C(1e25);
+    }
+    while (uncertain.work.phase == SOLVE_FINISH) {
+        tick();
+    }
+    TEST_ASSERT_EQUAL_MEMORY(before.pi, uncertain.pi, sizeof before.pi);
+    bytes = save(saved);
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_checkpoint_restore(id, saved, bytes));
+}
+
 /* ---- forgeries ---- */
 
 static auvid_rng_t rng;
@@ -524,6 +541,7 @@ int main(void)
     RUN_TEST(test_every_damaged_byte_is_detected_and_every_cut);
     RUN_TEST(test_impossible_values_are_refused);
     RUN_TEST(test_impossible_steps_of_a_solution_are_refused);
+    RUN_TEST(test_a_solution_that_is_no_number_of_a_checkpoint_is_not_kept);
     RUN_TEST(test_a_forged_checkpoint_is_refused_or_harmless);
     return UNITY_END();
 }

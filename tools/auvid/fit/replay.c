@@ -107,12 +107,9 @@ typedef struct {
 static void break_at_gap(const log_use_t *use, auvid_recorder_t *recorder, uint64_t t_us,
                          uint64_t *last_us)
 {
-    uint64_t since_us = t_us - *last_us;
     uint32_t gap_us = use->gap_us > recorder->cell_us ? use->gap_us : recorder->cell_us;
-    bool gap = use->gap_us > 0 && *last_us > 0 && since_us > gap_us;
-    if (gap && since_us <= recorder->gap_us) { /* else the recorder ends it */
-        recorder->running = false;             /* as it does itself */
-        recorder->broken = true;
+    if (use->gap_us > 0 && *last_us > 0 && t_us - *last_us > gap_us) {
+        auvid_recorder_break(recorder);
     }
     *last_us = t_us;
 }

@@ -15,8 +15,9 @@
  *     nu_dot[k] = (8 (nu[k+1] - nu[k-1]) - (nu[k+2] - nu[k-2])) / (12 T)
  *
  * The identifier calls it in the control tick: feed the three streams, then pop cells until
- * AUVID_EMPTY. Two cases break the record:
+ * AUVID_EMPTY. Three cases break the record:
  * - a stream has no sample for longer than `gap_us`;
+ * - the caller says so (auvid_recorder_break);
  * - a stream lags by more than the stored cells, which must span the time between its samples. This
  *   also detects a stream that stops for good.
  * A break discards the cells that were not popped; auvid_recorder_pop() returns AUVID_GAP once, and
@@ -141,6 +142,11 @@ auvid_status_t auvid_recorder_attitude(auvid_recorder_t *recorder, uint64_t t_us
  *         if it is 0: nothing changes. Cost as auvid_recorder_attitude. */
 auvid_status_t auvid_recorder_velocity(auvid_recorder_t *recorder, uint64_t t_us,
                                        const auvid_real_t *velocity, unsigned measured);
+
+#define auvid_recorder_break AUVID_SIZED(auvid_recorder_break)
+/** Break the record, if there is one: the samples before do not belong to those that follow. NULL is
+ * a no-op. Cost: O(1). */
+void auvid_recorder_break(auvid_recorder_t *recorder);
 
 #define auvid_recorder_motion AUVID_SIZED(auvid_recorder_motion)
 /** Record attitude and velocity of the same time.
