@@ -225,7 +225,8 @@ static auvid_status_t node_take_tick(auvid_node_t *node, const auvid_can_tick_t 
     return AUVID_TICK;
 }
 
-/* Is the frame one of the last four commands of this node? */
+/* Is the frame one of the last four commands of this node? A frame of zeros is none: its checksum is
+ * wrong. */
 static bool node_is_echo(const auvid_node_t *node, auvid_can_kind_t kind,
                          const auvid_can_frame_t *frame)
 {
@@ -233,7 +234,7 @@ static bool node_is_echo(const auvid_node_t *node, auvid_can_kind_t kind,
     uint64_t data;
     memcpy(&data, frame->data, sizeof data);
     return (second || kind == AUVID_CAN_THRUSTER_COMMAND_A) &&
-           data == node->sent[second][frame->data[1] & 3u];
+           data != 0 && data == node->sent[second][frame->data[1] & 3u];
 }
 
 /* Another node commands the thrusters. */
@@ -305,15 +306,12 @@ auvid_status_t auvid_node_take(auvid_node_t *node, const auvid_can_frame_t *fram
     }
     auvid_can_kind_t kind = auvid_can_kind(&node->cfg.ids, frame->id);
     auvid_can_node_kind_t received = auvid_can_node_kind(kind);
-    if (received == AUVID_CAN_NODE_KINDS) {
+    if (received == AUVID_CAN_NODE_KINDS || node_is_echo(node, kind, frame)) {
         return AUVID_UNUSED;
     }
     auvid_node_received_t *of = &node->received[received];
     auvid_can_message_t message;
     auvid_status_t status = auvid_can_unpack(&node->cfg.ids, frame, &message);
-    if (status == AUVID_OK && node_is_echo(node, kind, frame)) {
-        return AUVID_UNUSED;
-    }
     if (status == AUVID_OK) {
         status = auvid_can_follow(&of->counter, &of->started, message.counter, &of->lost);
     }
