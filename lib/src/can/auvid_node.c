@@ -233,8 +233,8 @@ static bool node_is_echo(const auvid_node_t *node, auvid_can_kind_t kind,
     bool second = kind == AUVID_CAN_THRUSTER_COMMAND_B;
     uint64_t data;
     memcpy(&data, frame->data, sizeof data);
-    return (second || kind == AUVID_CAN_THRUSTER_COMMAND_A) &&
-           data != 0 && data == node->sent[second][frame->data[1] & 3u];
+    return (second || kind == AUVID_CAN_THRUSTER_COMMAND_A) && data != 0 &&
+           data == node->sent[second][frame->data[1] & 3u];
 }
 
 /* Another node commands the thrusters. */

@@ -78,23 +78,14 @@ static bool uncertain_is_ready(const auvid_identifier_t *id)
     return ready && any;
 }
 
-/* There is no estimate with uncertain inputs. */
-static void uncertain_withdraw(auvid_uncertain_t *u)
-{
-    u->estimate.number = 0;
-    memset(&u->causes, 0, sizeof u->causes);
-}
-
 static bool uncertain_begin(auvid_identifier_t *id)
 {
     if (uncertain_of(id)->work.solving) {
         return false; /* it is solved: only the sets have been measured again */
     }
     bool ready = uncertain_is_ready(id);
-    if (ready) {
+    if (ready) { /* else the last estimate stays: early rows have faded, or a DoF is new */
         auvid_uncertain_begin(uncertain_of(id));
-    } else {
-        uncertain_withdraw(uncertain_of(id));
     }
     return ready;
 }
@@ -111,7 +102,8 @@ static void uncertain_judge(auvid_identifier_t *id, bool changed)
     u->estimate.accepted = u->estimate.number == id->estimate.number;
     if (changed) {
         auvid_uncertain_restart(u);
-        uncertain_withdraw(u);
+        u->estimate.number = 0;
+        memset(&u->causes, 0, sizeof u->causes);
         u->contradicted = false;
     }
 }
@@ -241,7 +233,7 @@ static auvid_status_t uncertain_solve(auvid_identifier_t *id, uint32_t *budget)
 static void uncertain_publish(auvid_identifier_t *id)
 {
     auvid_uncertain_t *u = uncertain_of(id);
-    if (!u->work.solving) { /* withdrawn by uncertain_begin */
+    if (!u->work.solving) { /* uncertain_begin was not ready */
         return;
     }
     u->work.solving = false;

@@ -101,6 +101,9 @@ static uint8_t uncertain_fixes(const auvid_metric_t *m)
 auvid_status_t auvid_uncertain_lay_out(auvid_uncertain_t *u, const auvid_metric_t *m)
 {
     uint32_t factor = 0, row = 0, channel = 0, own = 0, own_rows = 0;
+    for (int k = 0; k < AUVID_UNCERTAIN_SHIFTS; ++k) {
+        u->moved[k] = auvid_uncertain_moved(u, m, AUVID_UNCERTAIN_CURRENT_X + k);
+    }
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
         auvid_uncertain_equation_t *e = &u->equation[j];
         int count = auvid_metric_equation(m, j).count;
@@ -134,9 +137,6 @@ auvid_status_t auvid_uncertain_lay_out(auvid_uncertain_t *u, const auvid_metric_
             own > AUVID_UNCERTAIN_OWN || own_rows > AUVID_UNCERTAIN_OWN_ROWS) {
             return AUVID_ERR_SIZE;
         }
-    }
-    for (int k = 0; k < AUVID_UNCERTAIN_SHIFTS; ++k) {
-        u->moved[k] = auvid_uncertain_moved(u, m, AUVID_UNCERTAIN_CURRENT_X + k);
     }
     u->fixes = uncertain_fixes(m);
     uncertain_place_channels(u);
@@ -464,7 +464,7 @@ void auvid_uncertain_channels(auvid_uncertain_t *u, const auvid_metric_t *m,
         }
     }
     uncertain_thrust_columns(u, &water, sum);
-    if (auvid_uncertain_moves(u) || u->cfg.dvl_late_s > AUVID_C(0.0)) {
+    if (auvid_uncertain_moves(u) != 0 || u->cfg.dvl_late_s > AUVID_C(0.0)) {
         uncertain_motion_columns(u, m, cell, &water, shift, sum);
     }
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {

@@ -112,10 +112,15 @@ void auvid_uncertain_transfer(auvid_uncertain_t *u, const auvid_metric_t *m, int
  * auvid_uncertain_solve.c. */
 bool auvid_uncertain_is_left_out(const auvid_uncertain_t *u, const auvid_metric_t *m, int j);
 
-/** Is the motion through the water another one than the measured, by these inputs? */
-static inline bool auvid_uncertain_moves(const auvid_uncertain_t *u)
+/** Returns the equations whose motion through the water is another one than the measured, by a
+ * current, lever arm or mounting angle, a bit each. */
+static inline unsigned auvid_uncertain_moves(const auvid_uncertain_t *u)
 {
-    return u->cfg.current + u->cfg.arm_m + u->cfg.mount_rad > AUVID_C(0.0);
+    unsigned dofs = 0;
+    for (int k = 0; k < AUVID_UNCERTAIN_SHIFTS; ++k) {
+        dofs |= u->moved[k];
+    }
+    return dofs;
 }
 
 /** Channels of DoF j's equation: inputs, thrust, and what current and mounting change in the
@@ -123,7 +128,7 @@ static inline bool auvid_uncertain_moves(const auvid_uncertain_t *u)
 static inline int auvid_uncertain_channels_of(const auvid_uncertain_t *u, int j)
 {
     const auvid_uncertain_equation_t *e = &u->equation[j];
-    bool moves = (AUVID_UNCERTAIN_PLANAR >> j & 1u) != 0 && auvid_uncertain_moves(u);
+    bool moves = (AUVID_UNCERTAIN_PLANAR & auvid_uncertain_moves(u)) >> j & 1u;
     return e->order == 0 || moves ? e->order : e->inputs + 1;
 }
 

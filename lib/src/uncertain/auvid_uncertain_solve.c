@@ -250,8 +250,17 @@ static uint32_t uncertain_rotation(int n)
  * vehicle stay: a controller moves it so little that each set counts. */
 static bool uncertain_fades(const uncertain_t *u, int j, int i)
 {
-    bool moves = auvid_uncertain_moves(u) || u->cfg.dvl_late_s > AUVID_C(0.0);
-    return u->excited && moves && u->informed < 2 && i == u->equation[j].inputs - 1;
+    const auvid_uncertain_equation_t *e = &u->equation[j];
+    bool moves = false; /* has it a column that is formed with the last solution? */
+    if (!u->excited || u->informed == 2 || i != e->inputs - 1) {
+        return false;
+    }
+    for (int k = e->own; k < e->inputs; ++k) {
+        int code = u->code[e->channel_at + k];
+        moves = moves ||
+                (code >= (int)AUVID_UNCERTAIN_CURRENT_X && code <= (int)AUVID_UNCERTAIN_DVL_LATE);
+    }
+    return moves;
 }
 
 /* Returns the cost of the present step [units]: about 250 instructions each on a Cortex-M4F. */
@@ -414,7 +423,11 @@ static void uncertain_next_phase(uncertain_t *u)
         w->dof = uncertain_next_dof(u, 0);
         w->phase = SOLVE_PREPARE;
     } else if (w->phase >= SOLVE_SIGMA) {
-        w->dof = uncertain_next_dof(u, w->phase == SOLVE_SIGMA ? 0 : w->dof + 1);
+        int j = w->phase == SOLVE_SIGMA ? 0 : w->dof + 1;
+        do {
+            w->dof = uncertain_next_dof(u, j);
+            j = w->dof + 1;
+        } while (w->dof < AUVID_DOF_COUNT && u->equation[w->dof].inputs == 0);
         w->phase = w->dof < AUVID_DOF_COUNT ? SOLVE_CAUSES : SOLVE_DONE;
     } else {
         ++w->phase;

@@ -60,6 +60,16 @@ static void start(void)
     }
 }
 
+static void begin_world(void)
+{
+    memset(&body, 0, sizeof body);
+    sim_rng_seed(&body.rng, 1, 1);
+    memset(&chain, 0, sizeof chain);
+    TEST_ASSERT_TRUE(sim_init(&chain.sim, &cfg.sim));
+    chain.waiting = true;
+    start();
+}
+
 /* One thruster for each DoF that is driven. */
 static void begin(world_t of)
 {
@@ -79,12 +89,7 @@ static void begin(world_t of)
     if (world != EXCITED) {
         cfg.id.metric.free = 1u << AUVID_G500_M_U | 1u << AUVID_G500_X_U;
     }
-    memset(&body, 0, sizeof body);
-    sim_rng_seed(&body.rng, 1, 1);
-    memset(&chain, 0, sizeof chain);
-    TEST_ASSERT_TRUE(sim_init(&chain.sim, &cfg.sim));
-    chain.waiting = true;
-    start();
+    begin_world();
 }
 
 void setUp(void)
@@ -246,6 +251,44 @@ static void test_a_split_run_ends_as_a_whole_one_with_instruments(void)
     check_split_run(INSTRUMENTS, 50000);
     TEST_ASSERT_TRUE(instruments.strong != 0);
     TEST_ASSERT_EQUAL_HEX64(all_steps, seen[1]);
+}
+
+/* Heave has no uncertain input. */
+static void test_an_equation_without_uncertain_inputs_can_be_saved_at_any_step(void)
+{
+    uint32_t solved = 0;
+    begin(EXCITED);
+    inputs = (auvid_uncertain_config_t){.arm_m = AUVID_C(0.05), .nominal_lag_s = AUVID_C(0.15)};
+    begin_world();
+    TEST_ASSERT_EQUAL(0, uncertain.equation[AUVID_HEAVE].inputs);
+    for (uint32_t k = 0; k < 5000; ++k) {
+        tick();
+        if (uncertain.work.solving) {
+            ++solved;
+            bytes = save(saved);
+            TEST_ASSERT_EQUAL(AUVID_OK, auvid_checkpoint_resume(id, saved, bytes));
+        }
+    }
+    TEST_ASSERT_TRUE(solved > 100 && uncertain.estimate.number > 0);
+    TEST_ASSERT_TRUE(auvid_is_zero(uncertain.causes.cause[AUVID_CAUSE_CURVE].sigma));
+}
+
+/* A set has fewer rows than a solution needs: those of the first sets are too few once they count
+ * less. */
+static void test_the_estimate_stays_while_early_rows_count_less(void)
+{
+    bool waited = false, estimated = false;
+    begin(EXCITED);
+    cfg.id.metric.set_rows = 14;
+    begin_world();
+    for (uint32_t k = 0; k < 2500; ++k) {
+        tick();
+        (void)auvid_identifier_work(id, 100000);
+        waited = waited || (estimated && uncertain.estimate.number < id->estimate.number);
+        TEST_ASSERT_TRUE(!estimated || uncertain.estimate.number > 0);
+        estimated = uncertain.estimate.number > 0;
+    }
+    TEST_ASSERT_TRUE(waited && estimated);
 }
 
 /* ---- refusals ---- */
@@ -536,6 +579,8 @@ int main(void)
     RUN_TEST(test_a_split_run_ends_as_a_whole_one_excited);
     RUN_TEST(test_a_split_run_ends_as_a_whole_one_passive);
     RUN_TEST(test_a_split_run_ends_as_a_whole_one_with_instruments);
+    RUN_TEST(test_an_equation_without_uncertain_inputs_can_be_saved_at_any_step);
+    RUN_TEST(test_the_estimate_stays_while_early_rows_count_less);
     RUN_TEST(test_it_is_refused_by_an_identifier_with_less_or_more_attached);
     RUN_TEST(test_one_of_other_inputs_or_thrusters_is_refused);
     RUN_TEST(test_every_damaged_byte_is_detected_and_every_cut);

@@ -5,6 +5,7 @@
 #include <stdio.h>
 
 #include "field_identify.h"
+#include "uncertain/auvid_uncertain_parts_internal.h"
 
 void setUp(void)
 {
@@ -144,6 +145,40 @@ static void test_rows_of_a_dof_that_is_not_excited_belong_to_its_parameters(void
     TEST_ASSERT_LESS_OR_EQUAL_INT(6, far);
 }
 
+static auvid_uncertain_config_t only;
+
+static bool attach_only(auvid_identifier_t *id)
+{
+    only.nominal_lag_s = AUVID_C(0.15);
+    return auvid_identifier_attach_uncertain(id, &run.uncertain, &only, &run.allocation) >= 0;
+}
+
+static void identify_two_sets(auvid_uncertain_config_t inputs)
+{
+    only = inputs;
+    prepare(FIELD_GIRONA500, FIELD_EXCITED, 1);
+    choose("thrust_lag", 0.15);
+    field.sets = 2;
+    field.uncertain = false;
+    field.attach = attach_only;
+    identify();
+    TEST_ASSERT_TRUE(run.uncertain.informed > 0);
+}
+
+/* Where no input is of the motion, a row of the first set is as good as a later one. */
+static void test_early_rows_count_less_only_where_an_input_changes_the_motion(void)
+{
+    identify_two_sets((auvid_uncertain_config_t){.current = AUVID_C(0.05)});
+    TEST_ASSERT_TRUE(run.uncertain.rows[AUVID_HEAVE] > 1.5 * run.uncertain.rows[AUVID_SURGE]);
+    identify_two_sets((auvid_uncertain_config_t){.mount_rad = AUVID_C(0.015)}); /* of roll, pitch */
+    for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
+        const auvid_uncertain_equation_t *e = &run.uncertain.equation[j];
+        TEST_ASSERT_EQUAL_INT(e->order > 0 ? 1 : 0, auvid_uncertain_channels_of(&run.uncertain, j));
+    }
+    identify_two_sets((auvid_uncertain_config_t){.curve = AUVID_C(0.05)});
+    TEST_ASSERT_TRUE(run.uncertain.rows[AUVID_SURGE] > 100);
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -153,5 +188,6 @@ int main(void)
     RUN_TEST(test_asymmetric_drag_leaves_the_constant_force_right);
     RUN_TEST(test_the_weight_of_a_tilted_vehicle_leaves_the_best_drag);
     RUN_TEST(test_rows_of_a_dof_that_is_not_excited_belong_to_its_parameters);
+    RUN_TEST(test_early_rows_count_less_only_where_an_input_changes_the_motion);
     return UNITY_END();
 }
