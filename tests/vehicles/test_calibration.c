@@ -250,6 +250,11 @@ static void test_a_cell_gets_the_force_of_its_time(void)
 
 static void test_the_newest_changes_are_kept(void)
 {
+    for (unsigned k = 0; k < AUVID_KNOWN_CHANGES; ++k) {
+        set_down(100000u * (k + 1), 1.0 + k);
+        TEST_ASSERT_TRUE(down_at(0) == 0.0); /* before the first one */
+    }
+    auvid_calibrated_clear(&model);
     for (unsigned k = 0; k < AUVID_KNOWN_CHANGES + 3u; ++k) {
         set_down(100000u * k, 1.0 + k);
     }

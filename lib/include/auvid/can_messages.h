@@ -483,7 +483,7 @@ enum { AUVID_CAN_NAV_DEPTH_NO_Z = 1 << 0 };
 typedef struct {
     /** Parameter, in the order of the model; 0..31 */
     uint32_t index;
-    /** Number of the estimate, modulo 128; 0: none yet; 0..127 */
+    /** Number of the estimate; after 127 follows 1; 0: none yet; 0..127 */
     uint32_t number;
     /** Bit 0: identified; 1: its degree of freedom was excited; 2: the search did not converge;
      * 3: identifiable; 4: implausible; 5: accepted, because the estimate predicted a set that
@@ -499,7 +499,7 @@ enum { AUVID_CAN_ESTIMATE_NO_VALUE = 1 << 3 };
 typedef struct {
     /** Parameter, in the order of the model; 0..31 */
     uint32_t index;
-    /** Number of the estimate, modulo 128; 0..127 */
+    /** Number of the estimate, as in frame estimate; 0..127 */
     uint32_t number;
     /** Finding on the parameter: auvid_note_t of estimate.h; 0..15 */
     uint32_t note;
@@ -569,7 +569,7 @@ typedef struct {
 typedef struct {
     /** Bit 0: identifiable, see auvid_drag_t of estimate.h; 0..31 */
     uint32_t flags;
-    /** Number of the estimate, modulo 128; 0..127 */
+    /** Number of the estimate, as in frame estimate; 0..127 */
     uint32_t number;
     /** Degree of freedom, direction, and fraction of the maximum speed: 6 dof + 3 (backward) +
      * 0, 1, 2; 0..255 */
@@ -603,7 +603,7 @@ typedef struct {
     /** Bit 0: the inputs are contradicted: far less exact than configured; 1: the thrusters'
      * forces do not make the wrench; 0..31 */
     uint32_t flags;
-    /** Number of the estimate, modulo 128; 0: none yet; 0..127 */
+    /** Number of the estimate; after 127 follows 1; 0: none yet; 0..127 */
     uint32_t number;
     /** Number of classes that are certainly wrong and matter. Each has a wrong_input frame;
      * 0..7 */
@@ -616,7 +616,7 @@ typedef struct {
 /** 0x414, every 200 ms. One class of wrong inputs. The frames cycle through the classes; each
  * follows a wrong_inputs frame. */
 typedef struct {
-    /** Number of the estimate, modulo 4; 0..3 */
+    /** Number of the estimate in wrong_inputs, modulo 4; 0..3 */
     uint32_t number;
     /** Place of the class among those named; the first moves masses and drag most; 0..6 */
     uint32_t rank;

@@ -227,7 +227,7 @@ auvid_status_t auvid_node_report(auvid_node_t *node, uint32_t load, auvid_can_fr
 /** For a receiver of a node's reports: collects the causes, for auvid_causes_sentence. They are
  * complete after one frame wrong_input of each class.
  * @param causes all zeros before the first message; written: all but sigma and classes that are not
- * named; the number of the estimate is that modulo 128
+ * named; the number of the estimate is that on the bus: after 127 follows 1
  * @return AUVID_OK; AUVID_UNUSED (another message, or a frame without value, of another estimate or
  * whose predecessor is missing: it comes again); AUVID_ERR_NULL. Cost: O(1). */
 auvid_status_t auvid_causes_take(auvid_causes_t *causes, const auvid_can_message_t *message);

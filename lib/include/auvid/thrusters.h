@@ -200,7 +200,7 @@ void auvid_thrusters_defaults(auvid_thrusters_config_t *cfg);
 #define auvid_thrusters_init AUVID_SIZED(auvid_thrusters_init)
 /** Makes the model, with an empty log.
  * @param thrusters out; unchanged if refused
- * @param cfg copied; cfg->hull and cfg->log must outlive *thrusters
+ * @param cfg copied; may be thrusters->cfg; cfg->hull and cfg->log must outlive *thrusters
  * @return AUVID_OK; AUVID_ERR_NULL (also log or hull); the errors of auvid_vehicle_check;
  * AUVID_ERR_RANGE (a field out of its range, group numbers with gaps); AUVID_ERR_NOT_FINITE
  * (any real); AUVID_ERR_PARAMETERS (more than AUVID_MAX_PARAMETERS together); AUVID_ERR_MODEL (a

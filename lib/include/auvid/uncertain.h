@@ -527,8 +527,8 @@ auvid_status_t auvid_identifier_attach_instruments(auvid_identifier_t *id,
 
 #define auvid_instruments_reference AUVID_SIZED(auvid_instruments_reference)
 /** Give the reference from t_us on. Call it in each tick, before auvid_identifier_step. References
- * less than half a cell after the last one replace it. One that comes when cells of its time are
- * complete, or 32 half cells before they are, acts late: weaker, not wrong.
+ * less than half a cell after the last one replace it. Where one comes when cells of its time are
+ * complete, or 32 half cells before they are, it counts as 0: weaker, not wrong.
  * @param t_us of the tick [us], in the time of auvid_identifier_step
  * @param velocity [AUVID_DOF_COUNT] of the reference, along its own axes [m/s, rad/s], in magnitude
  * up to AUVID_RECORDER_LARGEST: of a set point that moves, or is filtered, its velocity; 0 where

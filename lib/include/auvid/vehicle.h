@@ -3,7 +3,7 @@
  * Vehicle models: tau = Y(eta, nu, nu_dot, pi) (Eq. 2), as a table of functions.
  *
  * A model is one constant struct: the names of its parameters, the parameters of each equation, and
- * up to three functions. The struct begins with `.built_for = AUVID_BUILD`. This header has the
+ * up to four functions. The struct begins with `.built_for = AUVID_BUILD`. This header has the
  * Girona500 model of the paper (Eq. 12-15). For any other vehicle, the user writes a table of terms
  * (auvid_terms_init), or a struct and a function.
  *
@@ -16,11 +16,6 @@
  *   and pi is NULL. On the residual path the function is optional: it replaces the central
  *   differences by exact derivatives.
  * - `acceleration` is for simulation only (validation.h).
- *
- * What is not the vehicle's has no member here. Uncertain inputs, such as the gain of each thruster
- * or the timing of the wrench, are columns beside those of the parameters. They are formed from the
- * sample, its commands and the rows of `regressor`. So a table in the configuration can hold them,
- * with their priors, and the path appends them where it forms a row.
  *
  * Three examples: Girona500 has `regressor` and `acceleration`. A hull with its thrusters
  * (thrusters.h) or in a current (current.h) wraps another model: its `residual` calls that of the
@@ -113,7 +108,7 @@ typedef struct {
     bool (*acceleration)(const void *context, const auvid_sample_t *sample, const auvid_real_t *pi,
                          auvid_real_t nu_dot[AUVID_DOF_COUNT]);
 
-    const void *context; /**< context argument of the three functions; may be NULL */
+    const void *context; /**< context argument of the functions; may be NULL */
     uint16_t work; /**< cost of one call of `residual` in units of work, each about 250 instructions
                         of a Cortex-M4F; default (zero): 1. If this exceeds a tick's budget, auvid
                         adds up the budgets of several ticks and calls in the last one */

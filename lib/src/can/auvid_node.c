@@ -59,9 +59,10 @@ auvid_status_t auvid_node_init(auvid_node_t *node, const auvid_node_config_t *cf
         return AUVID_ERR_NULL;
     }
     auvid_refusal_t why;
+    const auvid_node_config_t own = *cfg;        /* it may be that of *node */
     memset(node, 0, offsetof(auvid_node_t, id)); /* its configuration may be in node->id */
     auvid_check_begin(&why);
-    node_check(node, cfg, allocation->thrusters, &why);
+    node_check(node, &own, allocation->thrusters, &why);
     if (why.status == AUVID_OK && auvid_identifier_init(&node->id, identifier) < 0) {
         why = node->id.refusal;
     }
@@ -74,7 +75,7 @@ auvid_status_t auvid_node_init(auvid_node_t *node, const auvid_node_config_t *cf
         return why.status;
     }
     auvid_identifier_set_scale(&node->id, &node->allocation);
-    node->cfg = *cfg;
+    node->cfg = own;
     node->ready = true;
     return AUVID_OK;
 }

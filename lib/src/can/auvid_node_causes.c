@@ -24,7 +24,7 @@ static void node_report_causes(auvid_node_t *node, auvid_can_frame_t *frame, int
     auvid_can_message_t m = {.kind = AUVID_CAN_WRONG_INPUTS};
     m.as.wrong_inputs.flags = (causes->contradicted ? CAUSES_CONTRADICTED : 0u) |
                               (causes->thrust_differs ? CAUSES_THRUST_DIFFERS : 0u);
-    m.as.wrong_inputs.number = causes->number % 128u;
+    m.as.wrong_inputs.number = auvid_node_number(causes->number);
     m.as.wrong_inputs.named = causes->named;
     m.as.wrong_inputs.differs = causes->differs;
     auvid_node_send(node, &m, frame, count);
@@ -36,7 +36,7 @@ static void node_report_causes(auvid_node_t *node, auvid_can_frame_t *frame, int
     uint32_t thrusters = cause->input < OWN_INPUTS ? 0 : AUVID_MAX_THRUSTERS;
     node->next.cause = (uint8_t)(rank + 1);
     m = (auvid_can_message_t){.kind = AUVID_CAN_WRONG_INPUT};
-    m.as.wrong_input.number = causes->number % 4u;
+    m.as.wrong_input.number = auvid_node_number(causes->number) % 4u;
     m.as.wrong_input.rank = rank;
     m.as.wrong_input.input = cause->input - thrusters;
     m.as.wrong_input.dof = cause->dof;

@@ -62,14 +62,14 @@ static void node_report_estimate(auvid_node_t *node, auvid_can_frame_t *frame, i
     node->next.parameter = (uint8_t)((i + 1) % node->id.metric.cfg.vehicle->parameters);
     auvid_can_message_t m = {.kind = AUVID_CAN_ESTIMATE};
     m.as.estimate.index = (uint32_t)i;
-    m.as.estimate.number = e->number % 128u;
+    m.as.estimate.number = auvid_node_number(e->number);
     m.as.estimate.flags = node_parameter_flags(node, i);
     m.as.estimate.value = e->pi[i];
     m.absent = e->number == 0 ? AUVID_CAN_ESTIMATE_NO_VALUE : 0u;
     auvid_node_send(node, &m, frame, count);
     m = (auvid_can_message_t){.kind = AUVID_CAN_ESTIMATE_SIGMA};
     m.as.estimate_sigma.index = (uint32_t)i;
-    m.as.estimate_sigma.number = e->number % 128u;
+    m.as.estimate_sigma.number = auvid_node_number(e->number);
     m.as.estimate_sigma.note = e->confidence.note[i];
     m.as.estimate_sigma.sigma = e->confidence.sigma[i];
     bool known = e->number > 0 && e->confidence.sigma[i] < AUVID_LARGEST;
@@ -109,7 +109,7 @@ static void node_report_drag(auvid_node_t *node, auvid_can_frame_t *frame, int *
     bool known = seen && drag.half_width < AUVID_LARGEST;
     auvid_can_message_t m = {.kind = AUVID_CAN_DRAG};
     m.as.drag.point = (uint32_t)point;
-    m.as.drag.number = identifier_read_estimate(&node->id)->number % 128u;
+    m.as.drag.number = auvid_node_number(identifier_read_estimate(&node->id)->number);
     m.as.drag.flags = drag.identifiable;
     m.as.drag.force = drag.force;
     m.absent = seen ? 0u : AUVID_CAN_DRAG_NO_FORCE;

@@ -13,6 +13,12 @@ static inline auvid_guard_state_t auvid_node_guard_state(const auvid_node_t *nod
     return node->id.actuation == NULL ? AUVID_GUARD_DISARMED : node->id.actuation->guard.state;
 }
 
+/** Returns the number of an estimate on the bus: after 127 follows 1, as 0 means none. */
+static inline uint32_t auvid_node_number(uint32_t number)
+{
+    return number < 128u ? number : (number - 1u) % 127u + 1u;
+}
+
 /** Has the thrust of all thrusters in use arrived since it was last recorded? */
 static inline bool auvid_node_has_feedback(const auvid_node_t *node)
 {

@@ -193,8 +193,8 @@ auvid_status_t auvid_thrusters_init(auvid_thrusters_t *thrusters,
         }
     }
     auvid_thrusters_t *th = thrusters;
-    memset(th, 0, sizeof *th);
-    th->cfg = *cfg;
+    th->cfg = *cfg; /* it may be this one */
+    memset(&th->vehicle, 0, sizeof *th - offsetof(auvid_thrusters_t, vehicle));
     th->carry = &th->state.carry;
     memcpy(th->parameter, cfg->hull->parameter, (size_t)hull * sizeof th->parameter[0]);
     auvid_vehicle_t *vehicle = &th->vehicle;

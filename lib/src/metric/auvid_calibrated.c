@@ -64,7 +64,7 @@ static const auvid_known_force_t *calibrated_at(const auvid_calibrated_t *c, uin
         }
         oldest = &change->force;
     }
-    return kept == AUVID_KNOWN_CHANGES ? oldest : &calibrated_none;
+    return c->changes > AUVID_KNOWN_CHANGES ? oldest : &calibrated_none;
 }
 
 static void calibrated_wrench(const auvid_known_force_t *f, const auvid_sample_t *s,

@@ -281,14 +281,14 @@ static void confidence_append_sentence(auvid_words_t *w, const auvid_confidence_
     if (note == AUVID_NOTE_FEEDBACK && c->partner[i] == OF_ALL) {
         auvid_words_append(w,
                            "closed loop: the wrench is feedback of a controller; excite the "
-                           "vehicle, or drive it in open loop; if a pilot drives some axes, name "
-                           "the others (closed_loop)");
+                           "vehicle, or drive it in open loop; if a pilot drives some axes, list "
+                           "the others in closed_loop");
         return;
     }
     if (note == AUVID_NOTE_UNCHECKED) {
         auvid_words_append(
-            w, "not checked for errors of thrust and sensors; attach uncertain inputs, or correct "
-               "what they find wrong");
+            w, "not checked for errors of thrust and sensors; estimate these errors (uncertain "
+               "inputs), or correct those that are named");
         return;
     }
     if (note == AUVID_NOTE_INPUTS) {

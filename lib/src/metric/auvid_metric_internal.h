@@ -150,8 +150,7 @@ static inline uint32_t auvid_metric_cell_us(const auvid_metric_t *m)
     return m->cfg.cell_us << m->result.doublings;
 }
 
-/** Set the period of the velocity samples. Only before the first cell of a record, and not from or
- * to 0. */
+/** Set the period of the velocity samples. Before a cell, and not from or to 0. */
 void auvid_metric_set_velocity_us(auvid_metric_t *m, uint32_t velocity_us);
 
 /** Returns the free parameters of DoF j's equation, a bit each. */

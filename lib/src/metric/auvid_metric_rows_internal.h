@@ -1,7 +1,6 @@
 /**
  * @file auvid_metric_rows_internal.h
- * Private: rows under construction and the set being recorded. Only the files of the rows and of
- * the two paths read the members of auvid_metric_rows_t, except those of the set being recorded.
+ * Private: rows under construction and the set being recorded.
  */
 #ifndef AUVID_METRIC_ROWS_INTERNAL_H
 #define AUVID_METRIC_ROWS_INTERNAL_H

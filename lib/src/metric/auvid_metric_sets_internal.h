@@ -1,6 +1,6 @@
 /**
  * @file auvid_metric_sets_internal.h
- * Private: the ring of completed sets. No other file reads the members of auvid_metric_sets_t.
+ * Private: the ring of completed sets.
  * Ages start with 0 for the newest set that counts.
  */
 #ifndef AUVID_METRIC_SETS_INTERNAL_H

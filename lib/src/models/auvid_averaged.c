@@ -7,7 +7,7 @@
  *     E Y(nu + t nu') = (Y(nu - s nu') + Y(nu + s nu')) / 2.
  *
  * Linear interpolation between samples T apart is a triangular kernel of variance T^2 / 6 (see
- * auvid_metric.c). The mean over a cell adds cell^2 / 12.
+ * auvid_metric_regressor.c). The mean over a cell adds cell^2 / 12.
  */
 #include "auvid/vehicle.h"
 
@@ -52,7 +52,8 @@ auvid_status_t auvid_averaged_init(auvid_averaged_t *a, const auvid_vehicle_t *v
     if (status < 0) {
         return status;
     }
-    if (vehicle->regressor == NULL || vehicle == &a->vehicle) {
+    if (vehicle->regressor == NULL || vehicle->path != &auvid_path_regressor ||
+        vehicle == &a->vehicle) {
         return AUVID_ERR_MODEL;
     }
     if (cell_us < 1000 || cell_us > 1000000 || velocity_us > 1000000) {

@@ -124,7 +124,7 @@ enum {
     ROW(INPUT_FORCE, force, HULL, UNFORCED, COLUMN(table_force), MOUNTING,                         \
         "a constant force acts, of ", "a constant force acts, of -", "N", UNCERTAIN_MOUNT)         \
     ROW(INPUT_CROSS, cross, HULL, SWAY + YAW, RELATIVE(table_cross), MOUNTING,                     \
-        "sway and yaw act on each other", "sway and yaw act on each other", NULL, UNCERTAIN_MOUNT) \
+        "sway and yaw are coupled", "sway and yaw are coupled", NULL, UNCERTAIN_MOUNT)             \
     ROW(INPUT_LIFT, cross, HULL, HEAVE + YAW, RELATIVE(table_lift), MOUNTING, "the hull has lift", \
         "the hull has lift", NULL, UNCERTAIN_MOUNT)                                                \
     ROW(INPUT_ASTERN, gravity_m, WEIGHT, PITCH + YAW, RELATIVE(table_weight), MOUNTING,            \
@@ -134,8 +134,9 @@ enum {
         "the centre of gravity is to port, by ", "the centre of gravity is to starboard, by ",     \
         "m", UNCERTAIN_TRIM)                                                                       \
     ROW(INPUT_CROSS_FLOW, cross_flow, HULL, SQUARE, RELATIVE(table_cross_flow), INFLOW,            \
-        "drag grows with the speed of the other axes", "drag falls with the speed of the others",  \
-        NULL, "the model's drag is that of each axis alone")
+        "drag grows with the speed of the other axes",                                             \
+        "drag falls with the speed of the other axes", NULL,                                       \
+        "the model's drag is that of each axis alone")
 
 /** The numbers of a row. */
 typedef struct {

@@ -47,6 +47,15 @@ static void test_null_and_overlapping_identifiers_are_refused(void)
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_node_init(&node, &cfg, &thrusters, &identifier));
 }
 
+static void test_init_accepts_its_own_configuration(void)
+{
+    cfg.answer = true;
+    cfg.ids.slow = 0x480;
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_node_init(&node, &cfg, &thrusters, &identifier));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_node_init(&node, &node.cfg, &thrusters, &node.id.cfg));
+    TEST_ASSERT_TRUE(node.cfg.answer && node.cfg.ids.slow == 0x480);
+}
+
 static auvid_status_t init_with_identifiers(int fast, int slow)
 {
     cfg.ids.fast = (uint16_t)fast;
@@ -110,6 +119,7 @@ int main(void)
     RUN_TEST(test_after_an_init_that_fails_every_function_refuses_the_node);
     RUN_TEST(test_one_to_eight_thrusters_are_accepted);
     RUN_TEST(test_null_and_overlapping_identifiers_are_refused);
+    RUN_TEST(test_init_accepts_its_own_configuration);
     RUN_TEST(test_all_frames_must_have_identifiers_of_11_bits);
     RUN_TEST(test_a_refusal_names_the_identifier_and_its_limit);
     RUN_TEST(test_of_several_faults_the_first_is_named);

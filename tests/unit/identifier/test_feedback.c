@@ -257,8 +257,8 @@ static void test_the_sentence_names_the_closed_loop_once(void)
                                                          0, 0, text, sizeof text));
     TEST_ASSERT_EQUAL_STRING(
         "closed loop: the wrench is feedback of a controller; excite the "
-        "vehicle, or drive it in open loop; if a pilot drives some axes, name the others "
-        "(closed_loop)",
+        "vehicle, or drive it in open loop; if a pilot drives some axes, list the others in "
+        "closed_loop",
         text);
     TEST_ASSERT_EQUAL(AUVID_FINISHED,
                       auvid_confidence_missing(&id.estimate.confidence, &auvid_girona500, 0, 1,

@@ -311,6 +311,16 @@ static void test_the_log_skips_a_pause_and_keeps_the_commands_before_it(void)
     TEST_ASSERT_EQUAL(AUVID_ERR_NO_DATA, auvid_thrusters_wrench(&thrusters, 20000000, pi, wrench));
 }
 
+/* As a program does that begins again. */
+static void test_init_accepts_its_own_configuration(void)
+{
+    static auvid_thrusters_t again;
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_thrusters_init(&thrusters, &cfg));
+    again = thrusters;
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_thrusters_init(&thrusters, &thrusters.cfg));
+    TEST_ASSERT_EQUAL_MEMORY(&again, &thrusters, sizeof again);
+}
+
 /* ---- refusals ---- */
 
 static void test_init_refuses_values_out_of_range(void)
@@ -456,6 +466,7 @@ int main(void)
     RUN_TEST(test_a_row_that_is_not_in_the_log_has_no_data);
     RUN_TEST(test_after_a_long_gap_rows_do_not_read_the_commands_before_it);
     RUN_TEST(test_the_log_skips_a_pause_and_keeps_the_commands_before_it);
+    RUN_TEST(test_init_accepts_its_own_configuration);
     RUN_TEST(test_init_refuses_values_out_of_range);
     RUN_TEST(test_masses_drags_and_gains_must_not_all_be_free);
     RUN_TEST(test_a_log_too_short_for_the_ring_is_refused);

@@ -151,6 +151,9 @@ static void test_init_refuses_what_it_cannot_average(void)
     other.regressor = NULL; /* the residual is not called */
     other.residual = never;
     refuses(AUVID_ERR_MODEL, &other, CELL_US, VELOCITY_US);
+    other.regressor = vehicle.regressor; /* nor if it has one for its derivatives */
+    other.path = &auvid_path_residual;
+    refuses(AUVID_ERR_MODEL, &other, CELL_US, VELOCITY_US);
 }
 
 int main(void)

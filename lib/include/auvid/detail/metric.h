@@ -285,8 +285,8 @@ typedef struct auvid_metric {
 } auvid_metric_t;
 
 #define auvid_metric_defaults AUVID_SIZED(auvid_metric_defaults)
-/** Fill *cfg with the defaults, which suit the Girona500 model. auvid_metric.c gives the reasons
- * for the choice of the filter. NULL is a no-op.
+/** Fill *cfg with the defaults, which suit the Girona500 model. auvid_metric_regressor.c and
+ * auvid_metric_width.c give the reasons for the choice of the filter. NULL is a no-op.
  * @param cfg written
  * @param vehicle must outlive the metric; gives `free`. NULL: `free` is 0 */
 void auvid_metric_defaults(auvid_metric_config_t *cfg, const auvid_vehicle_t *vehicle);
