@@ -31,4 +31,13 @@ assert (scale[2] + scale[3]) / 2 < 1.5, scale"
 check "a decoupled sway says nothing of W-B, which stays within its half-width" python3 -c "$all
 trim = [values(d)['W-B'] for d in runs('off')]
 assert all(abs(p['estimate'] + 0.5) < p['half_width'] and p['estimate'] < -0.2 for p in trim), trim"
+
+# a drag that drives the sway, which only the coupling with surge and yaw moves
+sed 's/^Y_v = -30/Y_v = 20/; s/^Y_vv = -80/Y_vv = -150/' \
+    "$ROOT/tools/auvid/vehicles/surface.ini" >driven.ini
+check "a craft whose sway has an impossible drag" exits 0 demo --vehicle driven.ini --csv driven.csv
+check "  its log" exits 0 fit driven.csv --vehicle driven.ini --json
+check "    no number of that equation is identifiable, all others are" is out '
+assert P["Y_v"]["estimate"] > 10, P["Y_v"]
+assert [n for n in P if not P[n]["identifiable"]] == ["m_v", "Y_v", "Y_vv"], P'
 exit "$failed"

@@ -47,7 +47,7 @@ typedef struct auvid_actuation {
     const auvid_allocation_t *allocation;              /**< as attached; NULL: no thruster limits */
     union {
         auvid_excitation_t excitation;
-        auvid_refusal_t refusal; /**< what attaching was refused for */
+        auvid_refusal_t refusal; /**< what attaching was refused for; not after AUVID_OK */
     };
     /** state, trip and refused are public; auvid_guard_heartbeat may be called */
     auvid_guard_t guard;

@@ -345,7 +345,7 @@ typedef struct auvid_identifier {
     auvid_nav_t nav;
     union { /* one after the other: the search is over when its result is assessed */
         auvid_identifier_config_t cfg; /**< may be filled here for init; undefined afterwards */
-        auvid_refusal_t refusal;       /**< what init was refused for, until the next init */
+        auvid_refusal_t refusal;       /**< what init was refused for; not after AUVID_OK */
         auvid_optimizer_t optimizer;
         auvid_bounded_ls_t optimum;
         auvid_linear_work_t linear;

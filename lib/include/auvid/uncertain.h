@@ -158,11 +158,14 @@ typedef struct {
 #define AUVID_UNCERTAIN_FACTOR (AUVID_UNCERTAIN_COLUMNS * (AUVID_UNCERTAIN_COLUMNS + 6) / 12 + 56)
 #else
 #define AUVID_UNCERTAIN_COLUMNS (AUVID_MAX_UNCERTAIN + 27)
-#define AUVID_UNCERTAIN_FACTOR (AUVID_UNCERTAIN_COLUMNS * (AUVID_UNCERTAIN_COLUMNS + 4) / 8 + 16)
+#define AUVID_UNCERTAIN_FACTOR (AUVID_UNCERTAIN_COLUMNS * (AUVID_UNCERTAIN_COLUMNS + 4) / 8 + 24)
 #endif
-/** Most columns in one equation. */
-#ifndef AUVID_UNCERTAIN_ORDER
+/** Most columns in one equation: gains of all thrusters, 20 other inputs, 5 parameters, and the
+ * thrust; with roll and pitch 4 and half of the parameters more. */
+#if AUVID_MAX_UNCERTAIN > 0 && AUVID_MAX_PARAMETERS >= 22
 #define AUVID_UNCERTAIN_ORDER (AUVID_MAX_THRUSTERS + AUVID_MAX_PARAMETERS / 2 + 16)
+#elif AUVID_MAX_UNCERTAIN > 0
+#define AUVID_UNCERTAIN_ORDER (AUVID_MAX_THRUSTERS + 26)
 #endif
 /** Inputs, the thrust of each equation, and the parameters of surge, sway and yaw. */
 #define AUVID_UNCERTAIN_CHANNELS (AUVID_MAX_UNCERTAIN + 26)
@@ -325,7 +328,10 @@ typedef struct auvid_uncertain {
                             thrust; of moments likewise */
     /* state: from here on, see checkpoint.h */
     uint64_t begin_us;         /* of the first cell of the rows; 0: none */
-    auvid_sample_t cell;       /* the last one */
+    union {
+        auvid_sample_t cell;     /* the last one */
+        auvid_refusal_t refusal; /**< what attaching was refused for; not after AUVID_OK */
+    };
     auvid_estimate_t estimate; /* read auvid_identifier_estimate */
     auvid_uncertain_rows_t recorded;
     auvid_uncertain_solution_t work;
@@ -357,7 +363,10 @@ void auvid_uncertain_defaults(auvid_uncertain_config_t *cfg);
 
 #define auvid_identifier_attach_uncertain AUVID_SIZED(auvid_identifier_attach_uncertain)
 /** Attach the uncertain inputs, once, after auvid_identifier_init and before the first step or
- * recorded wrench.
+ * recorded wrench. After an error the identifier is as before. storage->refusal then names the
+ * refused field of *cfg, or the macro of config.h with what it should be ("thrusters": of the
+ * allocation), its value and its limit, except after AUVID_ERR_NULL, AUVID_ERR_STATE,
+ * AUVID_ERR_ATTACHED and AUVID_ERR_STARTED, which leave *storage as it was.
  * @param storage written; must outlive the identifier
  * @param cfg copied
  * @param allocation the thrusters; must outlive the identifier. A scale of the wrench that is
@@ -366,7 +375,7 @@ void auvid_uncertain_defaults(auvid_uncertain_config_t *cfg);
  * attached already); AUVID_ERR_STARTED (it has stepped, or recorded a wrench); AUVID_ERR_MODEL (not
  * a model of the regressor path); AUVID_ERR_SIZE (more columns than AUVID_MAX_UNCERTAIN,
  * for which config.h has examples; no thruster; AUVID_MAX_COMMANDS < AUVID_MAX_THRUSTERS);
- * AUVID_ERR_NOT_FINITE; AUVID_ERR_RANGE. After an error nothing has changed but *storage. */
+ * AUVID_ERR_NOT_FINITE; AUVID_ERR_RANGE. */
 auvid_status_t auvid_identifier_attach_uncertain(auvid_identifier_t *id, auvid_uncertain_t *storage,
                                                  const auvid_uncertain_config_t *cfg,
                                                  const auvid_allocation_t *allocation);

@@ -197,7 +197,7 @@ void auvid_confidence_revise_parameter(job_t *job, const auvid_metric_t *metric,
         uint32_t dofs = 0;
         for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
             bool some = auvid_metric_equation(metric, j).count > 0;
-            dofs |= (uint32_t)(auvid_metric_is_excited(metric, j) && some) << j;
+            dofs |= (uint32_t)(auvid_metric_is_informative(metric, j) && some) << j;
         }
         auvid_confidence_discredit(job, dofs);
     }

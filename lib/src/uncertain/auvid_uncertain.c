@@ -263,6 +263,33 @@ static const auvid_uncertain_functions_t uncertain_table = {
     uncertain_solve,          uncertain_publish,      uncertain_estimate,
     uncertain_judge,          uncertain_sag,          auvid_uncertain_drag};
 
+/* Check what needs no layout. */
+static void uncertain_check(const auvid_identifier_t *id, const auvid_uncertain_config_t *cfg,
+                            const auvid_allocation_t *allocation, auvid_refusal_t *why)
+{
+    auvid_check_begin(why);
+    AUVID_CHECK_TABLE(why, cfg, uncertain_fields);
+    auvid_check_that(why, !auvid_metric_stores_rows(&id->metric), AUVID_ERR_MODEL, "vehicle");
+    auvid_check_that(why, AUVID_MAX_UNCERTAIN > 0, AUVID_ERR_SIZE, "AUVID_MAX_UNCERTAIN");
+    auvid_check_limit(why, AUVID_MAX_COMMANDS >= AUVID_MAX_THRUSTERS, AUVID_ERR_SIZE,
+                      "AUVID_MAX_COMMANDS", (auvid_real_t)AUVID_MAX_COMMANDS,
+                      (auvid_real_t)AUVID_MAX_THRUSTERS);
+    auvid_check_count(why, AUVID_ERR_SIZE, "thrusters", allocation->cfg.thrusters,
+                      AUVID_MAX_THRUSTERS);
+}
+
+/* Connect them to what calls them. */
+static void uncertain_connect(auvid_identifier_t *id, auvid_uncertain_t *u)
+{
+    u->half_m = uncertain_first_half(&id->metric);
+    id->attached.uncertain = u;
+    id->attached.uncertain_functions = &uncertain_table;
+    id->metric.extra = &auvid_uncertain_extra;
+    id->metric.extra_context = u;
+    id->recorder.take_part = auvid_uncertain_advance_propellers;
+    id->recorder.part_context = u;
+}
+
 auvid_status_t auvid_identifier_attach_uncertain(auvid_identifier_t *id, auvid_uncertain_t *storage,
                                                  const auvid_uncertain_config_t *cfg,
                                                  const auvid_allocation_t *allocation)
@@ -275,38 +302,26 @@ auvid_status_t auvid_identifier_attach_uncertain(auvid_identifier_t *id, auvid_u
     if (status < 0) {
         return status;
     }
-    auvid_check_begin(&why);
-    AUVID_CHECK_TABLE(&why, cfg, uncertain_fields);
-    if (why.status < 0) {
-        return why.status;
-    }
-    if (auvid_metric_stores_rows(&id->metric)) {
-        return AUVID_ERR_MODEL;
-    }
-    if (AUVID_MAX_UNCERTAIN == 0 || AUVID_MAX_COMMANDS < AUVID_MAX_THRUSTERS ||
-        allocation->cfg.thrusters == 0) {
-        return AUVID_ERR_SIZE;
-    }
+    const auvid_uncertain_config_t own = *cfg; /* it may be that of *storage */
+    uncertain_check(id, &own, allocation, &why);
     memset(storage, 0, sizeof *storage);
-    storage->cfg = *cfg;
+    storage->cfg = own;
     storage->id = id;
     storage->allocation = allocation;
+    storage->checkpoint = &auvid_uncertain_checkpoint;
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
         storage->linear[j] = FIRST_LINEAR;
     }
-    storage->checkpoint = &auvid_uncertain_checkpoint;
-    status = auvid_uncertain_lay_out(storage, &id->metric);
-    if (status == AUVID_OK) {
-        auvid_identifier_set_scale(id, allocation);
-        storage->half_m = uncertain_first_half(&id->metric);
-        id->attached.uncertain = storage;
-        id->attached.uncertain_functions = &uncertain_table;
-        id->metric.extra = &auvid_uncertain_extra;
-        id->metric.extra_context = storage;
-        id->recorder.take_part = auvid_uncertain_advance_propellers;
-        id->recorder.part_context = storage;
+    if (why.status == AUVID_OK) {
+        auvid_uncertain_lay_out(storage, &id->metric, &why);
     }
-    return status;
+    if (why.status < 0) {
+        storage->refusal = why;
+        return why.status;
+    }
+    auvid_identifier_set_scale(id, allocation);
+    uncertain_connect(id, storage);
+    return AUVID_OK;
 }
 
 /* Have both the same columns? */

@@ -49,6 +49,7 @@
 #include "auvid_uncertain_parts_internal.h"
 #include "../identifier/auvid_identifier_internal.h"
 #include "../base/auvid_checksum_internal.h"
+#include "../base/auvid_refusal_internal.h"
 #include "../metric/auvid_metric_rows_internal.h"
 
 /* Width of the dead band's step, and smallest argument of the curve, relative to the force's limit.
@@ -84,6 +85,11 @@ static void uncertain_place_channels(auvid_uncertain_t *u)
     }
 }
 
+/* Where the parts of the equations end; the largest order of one. */
+typedef struct {
+    uint32_t factor, row, channel, own, own_rows, order;
+} uncertain_ends_t;
+
 /* Returns the equations with a fixed parameter that is not 0, a bit each. */
 static uint8_t uncertain_fixes(const auvid_metric_t *m)
 {
@@ -98,49 +104,69 @@ static uint8_t uncertain_fixes(const auvid_metric_t *m)
     return (uint8_t)dofs;
 }
 
-auvid_status_t auvid_uncertain_lay_out(auvid_uncertain_t *u, const auvid_metric_t *m)
+/* Lay out DoF j's equation, from the ends of those before it. */
+static void uncertain_lay_out_equation(auvid_uncertain_t *u, const auvid_metric_t *m, int j,
+                                       uncertain_ends_t *end)
 {
-    uint32_t factor = 0, row = 0, channel = 0, own = 0, own_rows = 0;
+    auvid_uncertain_equation_t *e = &u->equation[j];
+    *e = (auvid_uncertain_equation_t){.factor_at = (uint16_t)end->factor,
+                                      .row_at = (uint16_t)end->row,
+                                      .channel_at = (uint16_t)end->channel,
+                                      .own_rows_at = (uint16_t)end->own_rows,
+                                      .own_at = (uint8_t)end->own};
+    for (int n = 0; n < INPUTS; ++n) { /* own inputs first */
+        int code = n < INPUTS - OWN_INPUTS ? OWN_INPUTS + n : n - (INPUTS - OWN_INPUTS);
+        if (!auvid_uncertain_has(u, m, code, j)) {
+            continue;
+        }
+        if (end->channel + e->inputs < AUVID_UNCERTAIN_CHANNELS) { /* else it is refused */
+            u->code[end->channel + e->inputs] = (uint8_t)code;
+        }
+        ++e->inputs;
+        e->own = (uint8_t)(e->own + (code >= OWN_INPUTS));
+    }
+    e->order = (uint8_t)(e->inputs + auvid_metric_equation(m, j).count + 1);
+    end->factor += (uint32_t)AUVID_QR_FACTOR(e->order);
+    end->row += e->order;
+    end->channel += (uint32_t)auvid_uncertain_channels_of(u, j);
+    end->own += e->own;
+    end->own_rows += (uint32_t)auvid_qr_row(e->order, e->own);
+    end->order = end->order > e->order ? end->order : e->order;
+}
+
+/* Check that there is room; AUVID_MAX_UNCERTAIN is to be as large as the value at least. */
+static void uncertain_check_ends(const uncertain_ends_t *end, auvid_refusal_t *why)
+{
+    const uint32_t columns = AUVID_UNCERTAIN_COLUMNS - AUVID_MAX_UNCERTAIN;
+    const uint32_t channels = AUVID_UNCERTAIN_CHANNELS - AUVID_MAX_UNCERTAIN;
+    uint32_t need = end->row > columns ? end->row - columns : 0;
+    need = end->channel > channels + need ? end->channel - channels : need;
+    bool others = end->factor <= AUVID_UNCERTAIN_FACTOR && end->own <= AUVID_UNCERTAIN_OWN &&
+                  end->own_rows <= AUVID_UNCERTAIN_OWN_ROWS;
+    need = need <= AUVID_MAX_UNCERTAIN && !others ? AUVID_MAX_UNCERTAIN + 1 : need;
+    auvid_check_limit(why, end->order <= AUVID_UNCERTAIN_ORDER, AUVID_ERR_SIZE,
+                      "AUVID_UNCERTAIN_ORDER", (auvid_real_t)end->order,
+                      (auvid_real_t)AUVID_UNCERTAIN_ORDER);
+    auvid_check_limit(why, need <= AUVID_MAX_UNCERTAIN, AUVID_ERR_SIZE, "AUVID_MAX_UNCERTAIN",
+                      (auvid_real_t)need, (auvid_real_t)AUVID_MAX_UNCERTAIN);
+}
+
+void auvid_uncertain_lay_out(auvid_uncertain_t *u, const auvid_metric_t *m, auvid_refusal_t *why)
+{
+    uncertain_ends_t end = {0};
     for (int k = 0; k < AUVID_UNCERTAIN_SHIFTS; ++k) {
         u->moved[k] = auvid_uncertain_moved(u, m, AUVID_UNCERTAIN_CURRENT_X + k);
     }
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
-        auvid_uncertain_equation_t *e = &u->equation[j];
-        int count = auvid_metric_equation(m, j).count;
-        if (auvid_metric_order(m, j) == 0) {
-            continue;
-        }
-        *e = (auvid_uncertain_equation_t){.factor_at = (uint16_t)factor,
-                                          .row_at = (uint16_t)row,
-                                          .channel_at = (uint16_t)channel,
-                                          .own_rows_at = (uint16_t)own_rows,
-                                          .own_at = (uint8_t)own};
-        for (int n = 0; n < INPUTS; ++n) { /* own inputs first */
-            int code = n < INPUTS - OWN_INPUTS ? OWN_INPUTS + n : n - (INPUTS - OWN_INPUTS);
-            if (!auvid_uncertain_has(u, m, code, j)) {
-                continue;
-            }
-            if (channel + e->inputs >= AUVID_UNCERTAIN_CHANNELS) {
-                return AUVID_ERR_SIZE;
-            }
-            u->code[channel + e->inputs++] = (uint8_t)code;
-            e->own = (uint8_t)(e->own + (code >= OWN_INPUTS));
-        }
-        e->order = (uint8_t)(e->inputs + count + 1);
-        factor += (uint32_t)AUVID_QR_FACTOR(e->order);
-        row += e->order;
-        channel += (uint32_t)auvid_uncertain_channels_of(u, j);
-        own += e->own;
-        own_rows += (uint32_t)auvid_qr_row(e->order, e->own);
-        if (e->order > AUVID_UNCERTAIN_ORDER || row > AUVID_UNCERTAIN_COLUMNS ||
-            channel > AUVID_UNCERTAIN_CHANNELS || factor > AUVID_UNCERTAIN_FACTOR ||
-            own > AUVID_UNCERTAIN_OWN || own_rows > AUVID_UNCERTAIN_OWN_ROWS) {
-            return AUVID_ERR_SIZE;
+        if (auvid_metric_order(m, j) > 0) {
+            uncertain_lay_out_equation(u, m, j, &end);
         }
     }
-    u->fixes = uncertain_fixes(m);
-    uncertain_place_channels(u);
-    return AUVID_OK;
+    uncertain_check_ends(&end, why);
+    if (why->status == AUVID_OK) {
+        u->fixes = uncertain_fixes(m);
+        uncertain_place_channels(u);
+    }
 }
 
 /* ---- columns ---- */

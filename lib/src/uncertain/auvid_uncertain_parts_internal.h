@@ -32,8 +32,8 @@ enum {
     SOLVE_DONE
 };
 
-/** Lay out the columns of all equations. @return AUVID_OK; AUVID_ERR_SIZE */
-auvid_status_t auvid_uncertain_lay_out(auvid_uncertain_t *u, const auvid_metric_t *m);
+/** Lay out the columns of all equations. *why: AUVID_ERR_SIZE if there is not enough room */
+void auvid_uncertain_lay_out(auvid_uncertain_t *u, const auvid_metric_t *m, auvid_refusal_t *why);
 
 /** Compare the thrusters' forces of a cell with the wrench that was recorded. */
 void auvid_uncertain_compare(auvid_uncertain_t *u, const auvid_metric_t *m,

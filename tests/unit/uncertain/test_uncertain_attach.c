@@ -117,6 +117,8 @@ static void test_a_prior_out_of_range_is_refused(void)
     auvid_uncertain_defaults(&inputs);
     inputs.backward = (auvid_real_t)-0.01;
     TEST_ASSERT_EQUAL(AUVID_ERR_RANGE, attach());
+    TEST_ASSERT_EQUAL_STRING("backward", storage.refusal.field);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-6, -0.01, (double)storage.refusal.value);
     auvid_uncertain_defaults(&inputs);
     inputs.nominal_lag_s = 0; /* it is divided by */
     TEST_ASSERT_EQUAL(AUVID_ERR_RANGE, attach());
@@ -126,6 +128,7 @@ static void test_thrusters_that_are_not_initialised_are_refused(void)
 {
     memset(&chain.allocation, 0, sizeof chain.allocation);
     TEST_ASSERT_EQUAL(AUVID_ERR_SIZE, attach());
+    TEST_ASSERT_EQUAL_STRING("thrusters", storage.refusal.field);
 }
 
 static auvid_real_t dead_band_of(auvid_real_t forward_N, auvid_real_t backward_N)
@@ -200,6 +203,9 @@ static void test_more_columns_than_there_is_room_for_are_refused(void)
     }
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_allocation_init(&chain.allocation, &many));
     TEST_ASSERT_EQUAL(AUVID_ERR_SIZE, attach());
+    TEST_ASSERT_EQUAL_STRING("AUVID_MAX_UNCERTAIN", storage.refusal.field);
+    TEST_ASSERT_TRUE(storage.refusal.value > storage.refusal.limit);
+    TEST_ASSERT_TRUE(storage.refusal.limit == AUVID_MAX_UNCERTAIN);
 }
 
 #if AUVID_MAX_THRUSTERS >= 8
