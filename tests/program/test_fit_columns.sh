@@ -98,6 +98,14 @@ for y in r:
     for n in VELOCITY: y[C[n]] = round(y[C[n]] * 0.05, 3)' <train.csv >slow.csv
 exits 0 fit slow.csv --plain --json >slow.said
 check "a slow vehicle with velocities of 1 mm/s resolution is not held" test ! -s err
+"$AUVID" demo --vehicle bluerov2_standard --lag 0.15 --disturbance 0.5 --csv quick.csv >out 2>err
+awk -F, -v OFS=, 'NR > 1 && NR % 50 != 2 { $5 = $6 = $7 = "" } { print }' quick.csv >seldom.csv
+check "a quick vehicle with a velocity at 1 Hz" exits 0 fit seldom.csv \
+    --vehicle bluerov2_standard --json
+check "  its wrench is smoothed as the velocity is" is out '
+assert d["log"]["velocity_s"] == 1
+for name, truth in (("m_u", 17.9), ("m_v", 18.6), ("m_w", 30.2)):
+    assert abs(P[name]["estimate"] / truth - 1) < 0.12, P[name]'
 
 # ---- inputs of another clock ----
 late() { # CELLS OUT: motion and attitude so much later than the inputs, or earlier

@@ -74,7 +74,8 @@ typedef struct {
     uint8_t sets;         /**< sets in the ring, 1..AUVID_MAX_SETS; default all */
     uint8_t half_width[2]; /**< half-width of the Savitzky-Golay smoother of order 2 [cells] for
                                 forces [0] and for moments [1]; 1..255, at most AUVID_MAX_TAPS
-                                taps; default 10, 7. Not used in the residual path */
+                                taps; default 10, 7. That of forces is shorter with velocities
+                                below 4 Hz. Not used in the residual path */
     uint8_t lag[2]; /**< distance in rows of the two rows of a sum or difference, for forces [0] and
                          for moments [1]; 1..AUVID_METRIC_LAGS, default 2, 1 */
     uint8_t passes; /**< number of applications of the smoother, 1 or 2;

@@ -118,7 +118,7 @@ static void identifier_configure_metric(auvid_identifier_t *id,
     metric->cfg.cell_us = cfg->recorder.cell_us;
     metric->cfg.delay_sigma_s = cfg->uncertainty.delay_s;
     if (cfg->metric.velocity_us == AUVID_VELOCITY_OBSERVED) {
-        metric->cfg.velocity_us = 1000000; /* until it is known, before the first cell */
+        metric->cfg.velocity_us = 200000; /* until it is known, before the first cell */
     }
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
         if (auvid_is_zero(metric->cfg.tau_max[j])) {

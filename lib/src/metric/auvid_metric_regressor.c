@@ -13,7 +13,10 @@
  * Velocity that is interpolated between samples T apart has passed a triangular filter. Its
  * variance is T^2 / 6, averaged over the position of the sample within T. At 0.25 Hz and 5 Hz its
  * gain is 0.8 % low, and masses become too large by as much. So the wrench of forces also passes
- * (a, 1 - 2 a, a), a = T^2 / (12 cell^2), which has the same variance.
+ * (a, 1 - 2 a, a), of taps k cells apart, a = T^2 / (12 (k cell)^2), which has the same variance. k
+ * is 1 for a DVL of 4 Hz or more (cells of 0.1 s). For a slower one the smoother is shorter, so that
+ * both fit: what is interpolated over so long a time is smooth. (With k = 1 the heave mass of an ROV
+ * of 40 kg was 9 % too large at 2 Hz, and 17 % at 1 Hz; now 2 %. Simulated, means of 8 and 10 logs.)
  */
 #include "auvid_metric_evaluator_internal.h"
 
@@ -60,11 +63,36 @@ static void metric_make_kernel(const auvid_metric_t *m, auvid_real_t *kernel, ui
     }
 }
 
+/* Returns the distance of the outer taps of the interpolation [cells], so that a is at most 1/2, and
+ * they fit beside the shortest smoother. */
+static int metric_interpolation_step(const auvid_metric_t *m, auvid_real_t spread)
+{
+    int step = 1, most = m->layout.taps / 2 - m->cfg.passes;
+    while (step < most && spread > AUVID_C(0.5) * (auvid_real_t)(step * step)) {
+        ++step;
+    }
+    return step;
+}
+
 void auvid_metric_set_velocity_us(auvid_metric_t *m, uint32_t velocity_us)
 {
+    auvid_metric_layout_t *layout = &m->layout;
     auvid_real_t cells = (auvid_real_t)velocity_us / (auvid_real_t)auvid_metric_cell_us(m);
+    auvid_real_t spread = cells * cells / AUVID_C(12.0);
     m->cfg.velocity_us = velocity_us;
-    m->layout.interpolation_spread = auvid_min(cells * cells / AUVID_C(12.0), AUVID_C(0.5));
+    if (auvid_metric_stores_rows(m)) {
+        return;
+    }
+    int step = metric_interpolation_step(m, spread), half_width = m->cfg.half_width[0];
+    int room = (layout->taps / 2 - step) / m->cfg.passes;
+    half_width = velocity_us > 0 && room < half_width ? room : half_width;
+    layout->interpolation_step = (uint8_t)step;
+    layout->interpolation_spread = auvid_min(spread / (auvid_real_t)(step * step), AUVID_C(0.5));
+    if (layout->half_width != half_width) {
+        layout->half_width = (uint8_t)half_width;
+        auvid_clear(layout->kernel[0], AUVID_MAX_TAPS);
+        metric_make_kernel(m, layout->kernel[0], layout->half_width);
+    }
 }
 
 static void metric_make_smoother(auvid_metric_t *m)
@@ -73,7 +101,6 @@ static void metric_make_smoother(auvid_metric_t *m)
     const auvid_metric_config_t *cfg = &m->cfg;
     layout->window_length = 1;
     auvid_metric_set_velocity_us(m, cfg->velocity_us);
-    metric_make_kernel(m, layout->kernel[0], cfg->half_width[0]);
     metric_make_kernel(m, layout->kernel[1], cfg->half_width[1]);
 }
 
@@ -143,8 +170,9 @@ static bool metric_row_channels(const auvid_metric_t *m, const auvid_regressor_t
 static auvid_real_t metric_spread_weight(const auvid_metric_t *m, auvid_real_t spread, uint32_t age)
 {
     const auvid_real_t *kernel = m->layout.kernel[0];
-    auvid_real_t before = age > 0 ? kernel[age - 1] : AUVID_C(0.0);
-    auvid_real_t after = age + 1u < m->layout.taps ? kernel[age + 1u] : AUVID_C(0.0);
+    const uint32_t step = m->layout.interpolation_step;
+    auvid_real_t before = age >= step ? kernel[age - step] : AUVID_C(0.0);
+    auvid_real_t after = age + step < m->layout.taps ? kernel[age + step] : AUVID_C(0.0);
     return spread * (before - AUVID_C(2.0) * kernel[age] + after);
 }
 

@@ -105,8 +105,8 @@ typedef struct {
 /** What follows from the configuration. Private: written by auvid_metric_init. */
 typedef struct {
     auvid_real_t window_weight[AUVID_METRIC_WINDOW];
-    auvid_real_t interpolation_spread;        /* spreads the wrench of forces as interpolation
-                                                 spreads velocity: see auvid_metric_regressor.c */
+    /* spreads the wrench of forces as interpolation spreads velocity: see auvid_metric_regressor.c */
+    auvid_real_t interpolation_spread;
     auvid_real_t kernel[2][AUVID_MAX_TAPS];   /* ends in zeros, see interpolation_spread */
     uint32_t columns[AUVID_DOF_COUNT];        /* free parameters in each equation */
     uint16_t factor_at[AUVID_DOF_COUNT];      /* where each DoF's R factor starts */
@@ -114,6 +114,8 @@ typedef struct {
     uint8_t count[AUVID_DOF_COUNT];           /* number of free parameters in each equation */
     uint8_t taps, overlap;                    /* of the kernel */
     uint8_t window_length;
+    uint8_t interpolation_step;       /* [cells], likewise */
+    uint8_t half_width;               /* of the kernel of forces */
     uint8_t index[AUVID_MAX_COLUMNS]; /* parameter numbers, DoF after DoF */
     /* of the merged R factors, see auvid_metric_order_columns: */
     uint8_t merged_index[AUVID_MAX_COLUMNS]; /* parameter numbers, DoF after DoF */
