@@ -320,7 +320,7 @@ typedef struct auvid_uncertain {
     uint32_t (*strong)(struct auvid_uncertain *u, const auvid_metric_t *m); /* of these */
     const struct auvid_checkpoint_part *checkpoint; /* how a checkpoint is checked */
     auvid_uncertain_equation_t equation[AUVID_DOF_COUNT];
-    uint8_t code[AUVID_UNCERTAIN_CHANNELS];   /* what each input is */
+    uint8_t code[AUVID_FILLED(AUVID_UNCERTAIN_CHANNELS)]; /* what each input is */
     uint16_t place[AUVID_UNCERTAIN_CHANNELS]; /* where its channel is, and that of the thrust */
     uint8_t moved[AUVID_UNCERTAIN_SHIFTS];    /* equations that input CURRENT_X + k changes */
     uint8_t fixes;       /* equations with a fixed parameter that is not 0, bit j */

@@ -363,7 +363,8 @@ static void uncertain_move_parameters(auvid_uncertain_t *u, const auvid_metric_t
     const auvid_uncertain_equation_t *e = &u->equation[j];
     const uint8_t *index = auvid_metric_row_parameters(m, j);
     const uint16_t *place = u->place + e->channel_at;
-    for (int k = e->inputs + 1; k < auvid_uncertain_channels_of(u, j); ++k, ++index) {
+    const int channels = auvid_uncertain_channels_of(u, j);
+    for (int k = e->inputs + 1; k < channels; ++k, ++index) {
         u->recorded.channel[place[k]] = water->row[j][*index] - measured->row[j][*index];
     }
     if ((AUVID_UNCERTAIN_PLANAR >> j & 1u) != 0) {

@@ -52,7 +52,7 @@ static void test_init_accepts_its_own_configuration(void)
     cfg.answer = true;
     cfg.ids.slow = 0x480;
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_node_init(&node, &cfg, &thrusters, &identifier));
-    TEST_ASSERT_EQUAL(AUVID_OK, auvid_node_init(&node, &node.cfg, &thrusters, &node.id.cfg));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_node_init(&node, &node.cfg, &thrusters, &identifier));
     TEST_ASSERT_TRUE(node.cfg.answer && node.cfg.ids.slow == 0x480);
 }
 

@@ -244,9 +244,9 @@ static void test_every_named_input_has_a_sentence(void)
         "thrust_dead_band", "thrust_exponent", "thrust_advance", "thrust_lag", "drag_asymmetry",
         "current",          "cross",           "cg_x",           "cg_y"};
     static const double size[] = {4.0, 0.1, 0.3, 0.27, 0.24, 0.1, 0.3, 0.02, 0.02};
-    static const char *const words[] = {"dead band",  "exponent", "falls with speed",
-                                        "later",      "drag is",  "current sets",
-                                        "each other", "ahead",    "to starboard"};
+    static const char *const words[] = {"dead band", "exponent", "falls with speed",
+                                        "later",     "drag is",  "current sets",
+                                        "coupled",   "ahead",    "to starboard"};
     for (size_t k = 0; k < sizeof mismatch / sizeof mismatch[0]; ++k) {
         identify_with(FIELD_GIRONA500, mismatch[k], size[k]);
         TEST_ASSERT_EQUAL(AUVID_OK,
