@@ -6,15 +6,26 @@
 
 #include "../base/auvid_math_internal.h"
 
+static bool scale_is_usable(auvid_real_t capacity)
+{
+    return capacity > AUVID_C(0.0) && capacity <= AUVID_RECORDER_LARGEST;
+}
+
 void auvid_identifier_set_scale(auvid_identifier_t *id, const auvid_allocation_t *allocation)
 {
+    auvid_real_t capacity[AUVID_DOF_COUNT], largest[2] = {AUVID_C(0.0), AUVID_C(0.0)};
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
         auvid_real_t negative = AUVID_C(0.0), positive = AUVID_C(0.0);
         (void)auvid_allocation_capacity(allocation, (auvid_dof_t)j, &negative, &positive);
-        auvid_real_t capacity = auvid_max(-negative, positive);
-        if ((id->default_scale >> j & 1) != 0 && capacity > AUVID_C(0.0) &&
-            capacity <= AUVID_RECORDER_LARGEST) {
-            id->metric.cfg.tau_max[j] = capacity;
+        capacity[j] = auvid_max(-negative, positive);
+        if (scale_is_usable(capacity[j])) {
+            largest[j / 3] = auvid_max(largest[j / 3], capacity[j]);
+        }
+    }
+    for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
+        auvid_real_t scale = scale_is_usable(capacity[j]) ? capacity[j] : largest[j / 3];
+        if ((id->default_scale >> j & 1) != 0 && scale > AUVID_C(0.0)) {
+            id->metric.cfg.tau_max[j] = scale;
         }
     }
 }
