@@ -23,16 +23,25 @@ from auvid.series import ATTITUDE, COMMANDS, FORCE, POSITION, QUATERNION, RATES,
     VELOCITY, WEIGHT, WRENCH, Recording
 from auvid.streams import INPUT
 
-UNITS = {"": 1, "1": 1, "%": 0.01, "s": 1, "ms": 1e-3, "us": 1e-6, "ns": 1e-9, "m": 1, "cm": 0.01,
-         "mm": 1e-3, "ft": 0.3048, "m/s": 1, "cm/s": 0.01, "mm/s": 1e-3, "km/h": 1 / 3.6,
-         "ft/s": 0.3048, "kn": 1852 / 3600, "rad": 1, "deg": math.pi / 180, "rad/s": 1,
-         "deg/s": math.pi / 180, "N": 1, "kN": 1e3, "kgf": 9.80665, "Nm": 1, "V": 1, "m/s2": 1,
-         "g": 9.80665, "mV": 1e-3, "rpm": 1}
 ISO_TIME = "ISO 8601"
+RATIO = {"1": 1, "%": 0.01}
+SPEED = {"m/s": 1, "cm/s": 0.01, "mm/s": 1e-3, "km/h": 1 / 3.6, "ft/s": 0.3048, "kn": 1852 / 3600}
+TURN_RATE = {"rad/s": 1, "deg/s": math.pi / 180}
+NEWTONS = {"N": 1, "kN": 1e3, "kgf": 9.80665}
+ROTATION = {"rpm": 1}
+#: Of a thruster: us is the width of its pulses, which the vehicle file's map takes as it is.
+THRUSTER = {**RATIO, **NEWTONS, **ROTATION, "us": 1}
+#: Columns, and the factor of each unit that fits them.
+DIMENSIONS = (
+    (["t_s"], {"s": 1, "ms": 1e-3, "us": 1e-6, "ns": 1e-9, ISO_TIME: 1}),
+    (VELOCITY, SPEED), (REFERENCE[:3], SPEED), (RATES, TURN_RATE), (REFERENCE[3:], TURN_RATE),
+    (ATTITUDE, {"rad": 1, "deg": math.pi / 180}), (QUATERNION, RATIO), (COMMANDS, RATIO),
+    (POSITION, {"m": 1, "cm": 0.01, "mm": 1e-3, "ft": 0.3048}),
+    (FORCE, {"m/s2": 1, "g": 9.80665}), (WRENCH[:3] + WEIGHT, NEWTONS), (WRENCH[3:], {"Nm": 1}),
+    (["voltage_V"], {"V": 1, "mV": 1e-3}))
+UNITS = {column: units for columns, units in DIMENSIONS for column in columns}
 GROUPS = {"dvl": VELOCITY, "attitude": ATTITUDE, "quaternion": QUATERNION, "rates": RATES,
           "position": POSITION, "specific_force": FORCE}
-KNOWN = {"t_s", *(c for group in GROUPS.values() for c in group), *WRENCH, *COMMANDS, *REFERENCE,
-         "voltage_V", *WEIGHT}
 #: Columns that change their sign between forward, left, up and forward, right, down.
 TURNED = {"v_mps", "w_mps", "q_radps", "r_radps", "theta_rad", "depth_m", "fy_mps2",
           "fz_mps2", "Y_N", "Z_N", "M_Nm", "N_Nm",
@@ -49,6 +58,13 @@ class Entry(NamedTuple):
     enu: bool = False
 
 
+def _units(column):
+    """The units that fit a column; without a unit it is in that of its name."""
+    of_input = ROTATION if column.startswith("rpm_") else \
+        NEWTONS if column.endswith("_N") else THRUSTER
+    return {"": 1, **UNITS.get(column, of_input)}
+
+
 def _entry(path, column, section):
     unknown = set(section) - {"from", "unit", "sign", "frame"}
     if unknown:
@@ -58,7 +74,7 @@ def _entry(path, column, section):
         raise UsageError(f"{path}: [{column}]: no key from: name the source of the column")
     unit, sign = section.get("unit", ""), section.get("sign", "1")
     frame = section.get("frame", "ned")
-    units = {**UNITS, ISO_TIME: 1} if column == "t_s" else UNITS
+    units = _units(column)
     for key, value, allowed in (("unit", unit, units), ("sign", sign, ("1", "+1", "-1")),
                                 ("frame", frame, ("ned", "enu"))):
         if value not in allowed:
@@ -85,9 +101,9 @@ def load(path):
     except configparser.Error as error:
         raise UsageError(f"{path}: {str(error).splitlines()[0]}") from error
     for column in parser.sections():
-        if column not in KNOWN and not INPUT.match(column):
+        if column not in UNITS and not INPUT.match(column):
             raise UsageError(f"{path}: [{column}] is no column of auvid; they are "
-                             f"{', '.join(sorted(KNOWN))}, thruster_1 .., rpm_1 ..")
+                             f"{', '.join(sorted(UNITS))}, thruster_1 .., rpm_1 ..")
     if not parser.sections():
         raise UsageError(f"{path}: no section: write one for each column, as [u_mps]")
     entries = {column: _entry(path, column, parser[column]) for column in parser.sections()}

@@ -292,6 +292,17 @@ def test_a_weight_that_is_logged_when_it_changes_holds_until_then(resample, tmp_
     assert np.array_equal(told, np.where(on, 2000, 0) if resample else [0, 2000, 0])
 
 
+def test_pulse_widths_of_thrusters_stay_in_microseconds(tmp_path, convert):
+    (tmp_path / "map.ini").write_text(
+        MAP.replace("[cmd_surge]", "[thruster_1]").replace("sign = -1", "unit = us"))
+    (tmp_path / "dive.csv").write_text("".join(
+        [HEADER, *(row.rpartition(",")[0] + f",{1500 + 300 * (-1) ** (i // 9)}\n"
+                   for i, row in enumerate(ROWS))]))
+    status, said, rows = convert(tmp_path / "dive.csv", "--map", str(tmp_path / "map.ini"))
+    assert status == 0 and "never change" not in said, said
+    assert np.array_equal(np.unique(rows["thruster_1"]), [1200, 1800])
+
+
 def test_fields_of_a_bag_are_read_by_a_map(short, tmp_path, convert):
     (tmp_path / "map.ini").write_text("[u_mps]\nfrom = /odom twist.twist.linear.x\n"
                                       "[v_mps]\nfrom = /odom twist.twist.linear.y\nframe = enu\n")
@@ -327,6 +338,16 @@ TABLES = [  # map, table, exit status, what is said
     (MAP.replace("[u_mps]", "[speed]"), TABLE, 2, "[speed] is no column of auvid"),
     (MAP.replace("cm/s", "furlong"), TABLE, 2, "[v_mps]: unit = furlong: use one of"),
     (MAP.replace("cm/s", "ISO 8601"), TABLE, 2, "[v_mps]: unit = ISO 8601: use one of"),
+    (MAP.replace("cm/s", "mm"), TABLE, 2,
+     "[v_mps]: unit = mm: use one of m/s, cm/s, mm/s, km/h, ft/s, kn\n"),
+    (MAP.replace("deg", "m/s"), TABLE, 2, "[psi_rad]: unit = m/s: use one of rad, deg\n"),
+    (MAP + "[thruster_1]\nfrom = vx\nunit = kn\n", TABLE, 2,
+     "[thruster_1]: unit = kn: use one of 1, %, N, kN, kgf, rpm, us\n"),
+    (MAP + "[thruster_1_N]\nfrom = vx\nunit = %\n", TABLE, 2,
+     "[thruster_1_N]: unit = %: use one of N, kN, kgf\n"),
+    (MAP + "[rpm_1]\nfrom = vx\nunit = %\n", TABLE, 2, "[rpm_1]: unit = %: use one of rpm\n"),
+    (MAP + "[cmd_yaw]\nfrom = vx\nunit = us\n", TABLE, 2,
+     "[cmd_yaw]: unit = us: use one of 1, %\n"),
     (MAP.replace("ms", "ISO 8601"), TABLE, 1, "line 2: time: '0' is not a time in ISO 8601"),
     (MAP.replace("sign", "scale"), TABLE, 2, "[cmd_surge]: unknown key scale"),
     (MAP + "[qw]\nfrom = vx\nframe = enu\n", TABLE, 2, "frame = enu of a quaternion needs all of"),
