@@ -192,6 +192,7 @@ def read_csv(path, options):
                 text = text.replace(",", ".")  # a decimal comma
             return entry.factor * _number(comments + rows.line_num, entry, text) + entry.offset
         groups = grouped(entries)
+        recording.mapped.update(name for name, _ in groups)
         for row in rows:
             if None in row.values() or None in row:
                 raise LogError(f"line {comments + rows.line_num}: the row does not have the "
@@ -234,6 +235,7 @@ class Fields:
         """Puts the mapped series in the places of the others."""
         for name in [name for name in recording.series if name.startswith("map ")]:
             recording.series[name[4:]] = recording.series.pop(name)
+            recording.mapped.add(name[4:])
 
 
 def _field(message, path, topic):

@@ -126,6 +126,7 @@ class Recording:
 
     kind: the format, in words. series: by name. parameters: the autopilot's.
     notes: sentences about what the conversion would lose.
+    mapped: the names of series that a map gives.
     derived: by the name of a series, (columns, function of its values) that replaces it.
     geometry: [thrusters, 6] axes along which each thruster of the log pushes, or None.
     modes: (t, name, degrees of freedom held; None: not known), where the mode changes.
@@ -135,7 +136,7 @@ class Recording:
     def __init__(self, path, kind):
         self.path, self.kind = path, kind
         self.series, self.parameters = {}, {}
-        self.modes = []
+        self.modes, self.mapped = [], set()
         self.notes, self.derived, self.remedies, self.geometry = [], {}, {}, None
 
     def add(self, name, t, values, label, columns=None):

@@ -17,9 +17,10 @@ def source(recording):
     """Where the velocity is from, in words."""
     used, *spare = [name for name in VELOCITIES if name in recording.series]
     label = recording.series[used].label
-    raw = f"{label}, the raw DVL" if used == "dvl" else f"{label}, filtered"
+    kind = "as mapped" if used in recording.mapped else \
+        "the raw DVL" if used == "dvl" else "filtered"
     unused = ", ".join(recording.series[name].label for name in spare)
-    return raw + (f"; not used: {unused}" if unused else "")
+    return f"{label}, {kind}" + (f"; not used: {unused}" if unused else "")
 
 
 class Stream:

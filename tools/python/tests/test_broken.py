@@ -211,6 +211,7 @@ def test_a_table_is_read_by_its_map(tmp_path, convert):
     assert np.allclose(rows["psi_rad"], np.pi / 2 - np.radians(i))
     assert np.array_equal(rows["cmd_surge"], -(-1.0) ** (i // 9))
     assert "note: no rates in this log" in said and "no attitude" not in said
+    assert "velocity: vx, vy, as mapped\n" in said
 
 
 def test_an_attitude_of_ros_is_turned_into_ned(tmp_path, convert):
@@ -319,6 +320,7 @@ def test_a_map_replaces_what_the_bag_has_and_a_column_given_twice_is_refused(sho
     (tmp_path / "map.ini").write_text("[u_mps]\nfrom = /odom twist.twist.linear.x\nsign = -1\n")
     status, said, rows = convert(tmp_path / "dive.mcap", "--map", str(tmp_path / "map.ini"))
     assert status == 0 and np.allclose(rows["u_mps"], -short.nu[:, 0]), said
+    assert "velocity: /odom, as mapped\n" in said, said
     (tmp_path / "map.ini").write_text("[X_N]\nfrom = /odom twist.twist.linear.x\n")
     status, said, _ = convert(tmp_path / "dive.mcap", "--map", str(tmp_path / "map.ini"))
     assert status == 1 and "X_N is given twice, by /wrench and /odom" in said, said
