@@ -3,7 +3,7 @@ import numpy as np
 
 from auvid import modes
 from auvid.series import ATTITUDE, QUATERNION, RATES
-from auvid.streams import VELOCITIES
+from auvid.streams import velocities
 from auvid.write_csv import WINDOW_S
 
 INPUT_HZ = 5.0     # a small vehicle settles in 0.2 s
@@ -65,8 +65,7 @@ def _missing(recording, streams):
 
 def advise(recording, streams):
     """-> sentences"""
-    velocity = next(s for s in streams if s.series is recording.series[
-        recording.first(*VELOCITIES)])
+    velocity = next(s for s in streams if s.series is recording.series[velocities(recording)[0]])
     said = _rest(streams, velocity) + _missing(recording, streams)
     inputs = [s for s in streams if s.is_input]
     slow = min(inputs, key=lambda s: s.series.rate_hz)

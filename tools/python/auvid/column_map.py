@@ -9,6 +9,8 @@
     unit = mm/s
     sign = -1
     frame = enu                     ; forward, left, up and ENU (REP 103); default ned
+
+Velocities along north, east and down are vn_mps, ve_mps and vd_mps: they become those in body axes.
 """
 import configparser
 import csv
@@ -20,7 +22,7 @@ from typing import Callable, NamedTuple
 
 from auvid.log_error import LogError, UsageError
 from auvid.series import ATTITUDE, COMMANDS, FORCE, POSITION, QUATERNION, RATES, REFERENCE, \
-    VELOCITY, WEIGHT, WRENCH, Recording
+    VELOCITY, VELOCITY_NED, WEIGHT, WRENCH, Recording
 from auvid.streams import INPUT
 
 ISO_TIME = "ISO 8601"
@@ -34,16 +36,16 @@ THRUSTER = {**RATIO, **NEWTONS, **ROTATION, "us": 1}
 #: Columns, and the factor of each unit that fits them.
 DIMENSIONS = (
     (["t_s"], {"s": 1, "ms": 1e-3, "us": 1e-6, "ns": 1e-9, ISO_TIME: 1}),
-    (VELOCITY, SPEED), (REFERENCE[:3], SPEED), (RATES, TURN_RATE), (REFERENCE[3:], TURN_RATE),
+    (VELOCITY + VELOCITY_NED + REFERENCE[:3], SPEED), (RATES + REFERENCE[3:], TURN_RATE),
     (ATTITUDE, {"rad": 1, "deg": math.pi / 180}), (QUATERNION, RATIO), (COMMANDS, RATIO),
     (POSITION, {"m": 1, "cm": 0.01, "mm": 1e-3, "ft": 0.3048}),
     (FORCE, {"m/s2": 1, "g": 9.80665}), (WRENCH[:3] + WEIGHT, NEWTONS), (WRENCH[3:], {"Nm": 1}),
     (["voltage_V"], {"V": 1, "mV": 1e-3}))
 UNITS = {column: units for columns, units in DIMENSIONS for column in columns}
-GROUPS = {"dvl": VELOCITY, "attitude": ATTITUDE, "quaternion": QUATERNION, "rates": RATES,
-          "position": POSITION, "specific_force": FORCE}
+GROUPS = {"dvl": VELOCITY, "velocity_ned": VELOCITY_NED, "attitude": ATTITUDE,
+          "quaternion": QUATERNION, "rates": RATES, "position": POSITION, "specific_force": FORCE}
 #: Columns that change their sign between forward, left, up and forward, right, down.
-TURNED = {"v_mps", "w_mps", "q_radps", "r_radps", "theta_rad", "depth_m", "fy_mps2",
+TURNED = {"v_mps", "w_mps", "vd_mps", "q_radps", "r_radps", "theta_rad", "depth_m", "fy_mps2",
           "fz_mps2", "Y_N", "Z_N", "M_Nm", "N_Nm",
           *(kind + dof for kind in ("cmd_", "ref_") for dof in ("sway", "heave", "pitch", "yaw"))}
 
@@ -107,6 +109,9 @@ def load(path):
     if not parser.sections():
         raise UsageError(f"{path}: no section: write one for each column, as [u_mps]")
     entries = {column: _entry(path, column, parser[column]) for column in parser.sections()}
+    if len({c in entries for c in VELOCITY_NED}) > 1:
+        raise UsageError(f"{path}: velocities along north, east and down need all of "
+                         f"{', '.join(VELOCITY_NED)}")
     if len({c in entries and entries[c].enu for c in QUATERNION}) > 1:
         raise UsageError(f"{path}: frame = enu of a quaternion needs all of "
                          f"{', '.join(QUATERNION)} with it")
@@ -169,7 +174,8 @@ def read_csv(path, options):
     """A .csv by its map. An empty cell means: no new sample. -> Recording"""
     recording, entries = Recording(path, "CSV"), options.map
     recording.remedies.update(rate="record them at 10 Hz or more",
-                              attitude="name its columns in the map, as [phi_rad]",
+                              attitude="name its columns in the map: phi_rad, theta_rad and "
+                              "psi_rad, or a quaternion",
                               rates="name their columns in the map, as [r_radps]")
     entries.setdefault("t_s", Entry("t_s", 1.0, 0.0))
     with path.open(encoding="utf-8-sig", newline="") as file:

@@ -16,6 +16,7 @@ ATTITUDE = ["phi_rad", "theta_rad", "psi_rad"]
 QUATERNION = ["qw", "qx", "qy", "qz"]
 RATES = ["p_radps", "q_radps", "r_radps"]
 VELOCITY = ["u_mps", "v_mps", "w_mps"]
+VELOCITY_NED = ["vn_mps", "ve_mps", "vd_mps"]
 POSITION = ["north_m", "east_m", "depth_m"]
 FORCE = ["fx_mps2", "fy_mps2", "fz_mps2"]
 WRENCH = ["X_N", "Y_N", "Z_N", "K_Nm", "M_Nm", "N_Nm"]
@@ -30,7 +31,7 @@ COLUMNS = {
     "rates": RATES,
     "dvl": VELOCITY,                          # raw, in body axes
     "velocity": VELOCITY,                     # filtered, in body axes
-    "velocity_ned": ["v_n", "v_e", "v_d"],    # filtered; the writer rotates it
+    "velocity_ned": VELOCITY_NED,             # filtered; the writer rotates it
     "position": POSITION,
     "specific_force": FORCE,                  # of the accelerometers, in body axes
     "wrench": WRENCH,

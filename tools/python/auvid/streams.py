@@ -13,9 +13,15 @@ ATTITUDES = ("attitude", "quaternion")
 INPUT = re.compile(r"cmd_|thruster_|rpm_|[XYZ]_N$|[KMN]_Nm$")
 
 
+def velocities(recording):
+    """The names of its velocities, best first; those of a map come before all others."""
+    return sorted((name for name in VELOCITIES if name in recording.series),
+                  key=lambda name: name not in recording.mapped)
+
+
 def source(recording):
     """Where the velocity is from, in words."""
-    used, *spare = [name for name in VELOCITIES if name in recording.series]
+    used, *spare = velocities(recording)
     label = recording.series[used].label
     kind = "as mapped" if used in recording.mapped else \
         "the raw DVL" if used == "dvl" else "filtered"
@@ -74,8 +80,12 @@ def _check(recording, velocity, attitude, inputs):
     lacking = [word for word, found in (("velocity", velocity), ("command", inputs)) if not found]
     if velocity == "velocity_ned" and not attitude:
         lacking.append("attitude")
+    elif velocity == "velocity_ned" and \
+            recording.series[attitude].columns not in (ATTITUDE, QUATERNION):
+        lacking.append("complete attitude")
     if lacking:
-        remedies = [recording.remedies[word] for word in lacking if word in recording.remedies]
+        words = [word.split()[-1] for word in lacking]
+        remedies = [recording.remedies[word] for word in words if word in recording.remedies]
         raise LogError("; ".join([f"no {' and no '.join(lacking)} in this log", *remedies]))
 
 
@@ -86,7 +96,7 @@ def streams_of(recording):
     for name in [name for name, series in recording.series.items()
                  if series.count < 2 and name not in WEIGHT]:
         recording.notes.append(f"{recording.series.pop(name).label}: only one sample: left out")
-    velocity, attitude = recording.first(*VELOCITIES), recording.first(*ATTITUDES)
+    velocity, attitude = next(iter(velocities(recording)), None), recording.first(*ATTITUDES)
     unused = {*VELOCITIES, *ATTITUDES} - {velocity, attitude}
     out = []
     for name, series in recording.series.items():

@@ -293,6 +293,43 @@ def test_a_weight_that_is_logged_when_it_changes_holds_until_then(resample, tmp_
     assert np.array_equal(told, np.where(on, 2000, 0) if resample else [0, 2000, 0])
 
 
+NED = {"vn_mps": "VN", "ve_mps": "VE\nunit = cm/s", "vd_mps": "VD",
+       "phi_rad": "Roll\nunit = deg", "theta_rad": "Pitch\nunit = deg",
+       "psi_rad": "Yaw\nunit = deg", "cmd_surge": "stick"}
+
+
+def _write_ned(folder, run, sections):
+    """The run, as an autopilot's export has it: its filter's velocity, and degrees. And its map."""
+    rows = np.column_stack([run.t, run.ned * [1, 100, 1], np.degrees(run.attitude),
+                            np.sign(np.sin(run.t))])
+    (folder / "dive.csv").write_text("t_s,VN,VE,VD,Roll,Pitch,Yaw,stick\n" + "".join(
+        ",".join(f"{cell:.9f}" for cell in row) + "\n" for row in rows))
+    (folder / "map.ini").write_text("".join(f"[{column}]\nfrom = {source}\n"
+                                            for column, source in sections.items()))
+
+
+@pytest.mark.parametrize("down", ["VD", "VD\nsign = -1\nframe = enu"])
+def test_velocities_along_north_east_and_down_become_those_in_body_axes(down, short, tmp_path,
+                                                                        convert):
+    moved = Run(short.t, short.attitude + [0.2, -0.1, 1.0], *short[2:])
+    _write_ned(tmp_path, moved, NED | {"vd_mps": down})
+    status, said, rows = convert(tmp_path / "dive.csv", "--map", str(tmp_path / "map.ini"))
+    assert status == 0 and "velocity: VN, VE, VD, as mapped\n" in said, said
+    found = np.column_stack([rows[name] for name in ("u_mps", "v_mps", "w_mps")])
+    assert np.allclose(found, moved.nu[:, :3], atol=1e-6)
+
+
+@pytest.mark.parametrize("without,status,sentence", [
+    (["vd_mps"], 2, "north, east and down need all of vn_mps, ve_mps, vd_mps"),
+    (["phi_rad"], 1, "no complete attitude in this log; name its columns in the map: phi_rad, "),
+    (["phi_rad", "theta_rad", "psi_rad"], 1, "no attitude in this log; name its columns in the")])
+def test_velocities_along_north_east_and_down_need_all_and_an_attitude(without, status, sentence,
+                                                                       short, tmp_path, convert):
+    _write_ned(tmp_path, short, {name: NED[name] for name in NED if name not in without})
+    found, said, _ = convert(tmp_path / "dive.csv", "--map", str(tmp_path / "map.ini"))
+    assert found == status and sentence in said and said.count("\n") == 1, said
+
+
 def test_pulse_widths_of_thrusters_stay_in_microseconds(tmp_path, convert):
     (tmp_path / "map.ini").write_text(
         MAP.replace("[cmd_surge]", "[thruster_1]").replace("sign = -1", "unit = us"))
@@ -321,6 +358,12 @@ def test_a_map_replaces_what_the_bag_has_and_a_column_given_twice_is_refused(sho
     status, said, rows = convert(tmp_path / "dive.mcap", "--map", str(tmp_path / "map.ini"))
     assert status == 0 and np.allclose(rows["u_mps"], -short.nu[:, 0]), said
     assert "velocity: /odom, as mapped\n" in said, said
+    (tmp_path / "map.ini").write_text("".join(
+        f"[{name}]\nfrom = /odom {field}\n" for name, field in [
+            *((f"q{k}", f"pose.pose.orientation.{k}") for k in "wxyz"),
+            *((f"v{k}_mps", f"twist.twist.linear.{axis}") for k, axis in zip("ned", "xyz"))]))
+    status, said, rows = convert(tmp_path / "dive.mcap", "--map", str(tmp_path / "map.ini"))
+    assert status == 0 and "velocity: /odom, as mapped; not used: /dvl\n" in said, said
     (tmp_path / "map.ini").write_text("[X_N]\nfrom = /odom twist.twist.linear.x\n")
     status, said, _ = convert(tmp_path / "dive.mcap", "--map", str(tmp_path / "map.ini"))
     assert status == 1 and "X_N is given twice, by /wrench and /odom" in said, said
