@@ -135,8 +135,10 @@ def _in_ned(columns, entries, values):
 
 
 def _iso_time(text):
-    """Seconds of a date and time, as 2026-05-01T12:00:00.25Z; without a zone it is UTC."""
-    time = datetime.datetime.fromisoformat(text.strip())
+    """Seconds of a date and time, as 2026-05-01T12:00:00.25Z; without a zone it is UTC. Python 3.10
+    reads no Z, and only fractions of 3 or 6 digits."""
+    text = re.sub(r"\.(\d+)", lambda fraction: f".{fraction[1]:0<6.6}", text.strip())
+    time = datetime.datetime.fromisoformat(text.replace("Z", "+00:00"))
     return (time if time.tzinfo else time.replace(tzinfo=datetime.timezone.utc)).timestamp()
 
 
