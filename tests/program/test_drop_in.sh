@@ -67,11 +67,39 @@ END
 }
 
 # pkg_config PREFIX BYTES: the library installed there has reals of so many bytes, by its auvid.pc.
+# The shell reads the flags, as that of a Makefile does.
 pkg_config() {
     PKG_CONFIG_PATH=$(echo "$PWD/$1"/lib*/pkgconfig "$PWD/$1"/lib/*/pkgconfig | tr ' ' :)
     export PKG_CONFIG_PATH
-    # shellcheck disable=SC2046
-    "$CC" user.c $(pkg-config --cflags --libs auvid) -o user && ./user | grep -q "^0 $2\$"
+    eval "$CC user.c $(pkg-config --cflags --libs auvid) -o user"
+    ./user | grep -q "^0 $2\$"
+}
+
+# The prefix is chosen only when it is installed; nothing is left of the one that was configured.
+other_prefix() {
+    cmake -S "$ROOT/lib" -B other -DCMAKE_INSTALL_PREFIX="$PWD/nowhere" \
+        -DAUVID_DEFINITIONS=AUVID_REAL_DOUBLE
+    cmake --build other
+    cmake --install other --prefix "$PWD/moved"
+    pkg_config moved 8
+}
+
+# Definitions of the project around the library, one with quotes; an absolute libdir.
+around() {
+    echo '#define AUVID_MAX_SETS 4' >my_sizes.h
+    mkdir -p sized
+    cat >sized/CMakeLists.txt <<END
+cmake_minimum_required(VERSION 3.16)
+project(user C)
+add_subdirectory($ROOT/lib auvid)
+target_compile_definitions(auvid PUBLIC AUVID_REAL_DOUBLE AUVID_USER_CONFIG="my_sizes.h")
+target_include_directories(auvid PRIVATE $PWD)
+END
+    cmake -S sized -B sized/build -DCMAKE_INSTALL_PREFIX="$PWD/sized_usr" \
+        -DCMAKE_INSTALL_LIBDIR="$PWD/far/lib"
+    cmake --build sized/build
+    cmake --install sized/build
+    CPATH=$PWD pkg_config far 8
 }
 
 # The defaults: default sizes, float, an optimized library.
@@ -99,5 +127,7 @@ check "CMake: install, find_package, double precision" installed
 check "pkg-config: the same" pkg_config usr 8
 check "CMake: install without a choice is optimized" installed_plain
 check "pkg-config: install without definitions" pkg_config plain_usr 4
+check "pkg-config: a prefix chosen by cmake --install" other_prefix
+check "pkg-config: an absolute libdir; target_compile_definitions, with quotes" around
 check "CMake: another build type, and that of an enclosing project, are kept" build_type
 exit "$failed"
