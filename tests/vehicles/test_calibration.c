@@ -290,6 +290,7 @@ static void test_an_unsuitable_model_is_refused(void)
     hull = auvid_girona500;
     hull.parameter = parameter;
     hull.parameters = AUVID_MAX_PARAMETERS;
+    hull.columns[AUVID_SURGE] = UINT32_MAX >> (32 - AUVID_MAX_PARAMETERS);
     hull.free = UINT32_MAX;
     check_refused(AUVID_ERR_PARAMETERS, &hull, AUVID_HEAVE);
     hull.free = 0; /* all are */

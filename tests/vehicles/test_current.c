@@ -183,8 +183,10 @@ static void test_an_unsuitable_hull_is_refused(void)
     hull = auvid_girona500;
     hull.parameter = parameter;
     hull.parameters = AUVID_MAX_PARAMETERS - 1;
+    hull.columns[AUVID_SURGE] = UINT32_MAX >> (32 - hull.parameters);
     check_refused(AUVID_ERR_PARAMETERS, &hull, false);
     hull.parameters = AUVID_MAX_PARAMETERS - 2;
+    hull.columns[AUVID_SURGE] >>= 1;
     check_refused(AUVID_ERR_PARAMETERS, &hull, true);
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_current_init(&current, &hull, false));
     hull = auvid_girona500;

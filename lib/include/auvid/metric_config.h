@@ -49,7 +49,8 @@ typedef struct {
                                 auvid_identifier_attach_actuation names the thrusters; then what
                                 they give in this DoF (auvid_allocation_capacity, the larger
                                 direction), if that is above 0 and at most AUVID_RECORDER_LARGEST;
-                                else the largest force, or moment, that they give in another DoF */
+                                else the largest force, or moment, that they give in another DoF,
+                                if that is less */
     /** a DoF is excited in a set if the rms of its wrench about its mean exceeds this part of
      * tau_max; 0..1, default 0.02. Once there is an estimate, the rms must also exceed sqrt(3)
      * times that of the residual in this DoF, unless the sets of the estimate do not, either: the

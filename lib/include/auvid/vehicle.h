@@ -167,7 +167,7 @@ typedef struct {
  * (built_for is NULL or not AUVID_BUILD: the model may have been compiled with other sizes);
  * AUVID_ERR_PARAMETERS (n out of range); AUVID_ERR_MODEL (no path; neither residual nor regressor;
  * `thrust` without residual or ignores_inputs; no DoF modelled; a mask or `affine` has a parameter
- * >= n; a parameter's dof is not modelled;
+ * >= n; a parameter is not in the equation of its dof;
  * `reads` of a DoF has a velocity >= 6 or lacks the DoF's own). Cost: O(n). */
 auvid_status_t auvid_vehicle_check(const auvid_vehicle_t *vehicle);
 
@@ -257,7 +257,7 @@ typedef struct {
  * @param cell_us the recorder's cell [us], 1000..1000000; the recorder's default is 100000
  * @param velocity_us time between velocity samples [us], 0..1000000, as in metric_config.h
  * @return AUVID_OK; AUVID_ERR_NULL; the errors of auvid_vehicle_check; AUVID_ERR_MODEL (the model
- * has no regressor, or is &a->vehicle); AUVID_ERR_RANGE (a time). Cost: constant. */
+ * is not of the regressor path, or is &a->vehicle); AUVID_ERR_RANGE (a time). Cost: constant. */
 auvid_status_t auvid_averaged_init(auvid_averaged_t *a, const auvid_vehicle_t *vehicle,
                                    uint32_t cell_us, uint32_t velocity_us);
 

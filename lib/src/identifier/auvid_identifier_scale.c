@@ -23,9 +23,9 @@ void auvid_identifier_set_scale(auvid_identifier_t *id, const auvid_allocation_t
         }
     }
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
-        auvid_real_t scale = scale_is_usable(capacity[j]) ? capacity[j] : largest[j / 3];
-        if ((id->default_scale >> j & 1) != 0 && scale > AUVID_C(0.0)) {
-            id->metric.cfg.tau_max[j] = scale;
+        auvid_real_t *scale = &id->metric.cfg.tau_max[j];
+        if ((id->default_scale >> j & 1) != 0 && largest[j / 3] > AUVID_C(0.0)) {
+            *scale = scale_is_usable(capacity[j]) ? capacity[j] : auvid_min(*scale, largest[j / 3]);
         }
     }
 }

@@ -27,7 +27,7 @@ void tearDown(void)
 
 static void check(const auvid_identifier_t *of, auvid_dof_t dof, double expected)
 {
-    TEST_ASSERT_TRUE(fabs((double)of->metric.cfg.tau_max[dof] - expected) < 1e-4 * expected);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-4 * expected, expected, (double)of->metric.cfg.tau_max[dof]);
 }
 
 static auvid_status_t attach(const auvid_allocation_t *to)
@@ -92,6 +92,18 @@ static void test_in_a_dof_without_thruster_it_is_100_and_40(void)
     assert_scale(AUVID_SWAY, 100);
 }
 
+static void test_of_a_light_vehicle_it_is_that_of_another_dof_there(void)
+{
+    for (int i = 0; i < thrusters.thrusters; ++i) {
+        thrusters.thruster[i].max_N = i == 4 ? 0 : i < 2 ? 3 : 4;
+        thrusters.thruster[i].min_N = -thrusters.thruster[i].max_N;
+    }
+    assert_scale(AUVID_SURGE, 3 + 3);
+    assert_scale(AUVID_SWAY, 4 + 4);
+    assert_scale(AUVID_HEAVE, 4 + 4);
+    assert_scale(AUVID_ROLL, 0.35 * (4 + 4)); /* of pitch: more than in yaw */
+}
+
 static void test_without_thrusters_it_is_100_and_40(void)
 {
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&id, &cfg));
@@ -146,6 +158,7 @@ int main(void)
     RUN_TEST(test_the_larger_direction_counts);
     RUN_TEST(test_a_scale_that_is_set_stays);
     RUN_TEST(test_in_a_dof_without_thruster_it_is_100_and_40);
+    RUN_TEST(test_of_a_light_vehicle_it_is_that_of_another_dof_there);
     RUN_TEST(test_without_thrusters_it_is_100_and_40);
     RUN_TEST(test_a_thruster_without_limit_gives_no_scale);
     RUN_TEST(test_after_a_wrench_is_recorded_it_does_not_change);

@@ -415,6 +415,8 @@ static void test_check_refuses_a_parameter_of_a_dof_that_is_not_modelled(void)
     memcpy(parameter, model.parameter, sizeof parameter);
     model.parameter = parameter;
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_vehicle_check(&model));
+    parameter[3].dof = AUVID_SURGE; /* whose equation does not have it */
+    TEST_ASSERT_EQUAL(AUVID_ERR_MODEL, auvid_vehicle_check(&model));
     parameter[3].dof = AUVID_DOF_COUNT;
     TEST_ASSERT_EQUAL(AUVID_ERR_MODEL, auvid_vehicle_check(&model));
     parameter[3].dof = (auvid_dof_t)-1;

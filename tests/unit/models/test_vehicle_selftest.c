@@ -139,8 +139,8 @@ static void test_a_missing_column_is_named(void)
     expect("columns", AUVID_SURGE, AUVID_G500_M_V);
     vehicle.regressor = NULL; /* the same by the residual */
     vehicle.residual = right_residual;
-    vehicle.columns[AUVID_YAW] &= ~(1u << AUVID_G500_N_R);
-    expect("columns", AUVID_YAW, AUVID_G500_N_R);
+    vehicle.columns[AUVID_YAW] &= ~(1u << AUVID_G500_M_U);
+    expect("columns", AUVID_YAW, AUVID_G500_M_U);
 }
 
 static void test_a_wrench_of_the_wrong_sign_is_named(void)
