@@ -341,15 +341,14 @@ check "the guide's firmware starts" guide
 smallest() { # NAME FILE
     local sizes
     "$AUVID" check "$2" --header >"$1.h"
-    sizes=$(sed -En 's/^#error .* (AUVID_MAX_PARAMETERS) ([0-9]+) and (AUVID_MAX_THRUSTERS) ([0-9]+) .*/-D\1=\2 -D\3=\4/p' \
-        "$1.h")
+    sizes=$(grep '^#error' "$1.h" | grep -o 'AUVID_[A-Z_]* [0-9]*' | sed 's/^/-D/; s/ /=/')
     sed "s/minnow/$1/g" guide.c >smallest.c
     # shellcheck disable=SC2086
     "$CC" -std=c11 $sizes -I"$ROOT/lib/include" -I. smallest.c "$ROOT"/lib/src/*/*.c -o smallest
     [[ "$sizes" == *THRUSTERS=* ]] && ./smallest
 }
 for name in minnow:minnow.ini bluerov2_standard:bluerov2_standard surface:surface; do
-    check "$name: the sizes that the header asks for are enough" smallest "${name%%:*}" "${name#*:}"
+    check "${name%%:*}: the sizes that the header asks for are enough" smallest "${name%%:*}" "${name#*:}"
 done
 
 # ---- on a Cortex-M4F ----

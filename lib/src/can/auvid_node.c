@@ -226,8 +226,8 @@ static auvid_status_t node_take_tick(auvid_node_t *node, const auvid_can_tick_t 
     return AUVID_TICK;
 }
 
-/* Is the frame one of the last four commands of this node? A frame of zeros is none: its checksum is
- * wrong. */
+/* Is the frame one of the last four commands of this node? A frame of zeros is none: its checksum
+ * is wrong. */
 static bool node_is_echo(const auvid_node_t *node, auvid_can_kind_t kind,
                          const auvid_can_frame_t *frame)
 {

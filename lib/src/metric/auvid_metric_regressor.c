@@ -13,10 +13,10 @@
  * Velocity that is interpolated between samples T apart has passed a triangular filter. Its
  * variance is T^2 / 6, averaged over the position of the sample within T. At 0.25 Hz and 5 Hz its
  * gain is 0.8 % low, and masses become too large by as much. So the wrench of forces also passes
- * (a, 1 - 2 a, a), of taps k cells apart, a = T^2 / (12 (k cell)^2), which has the same variance. k
- * is 1 for a DVL of 4 Hz or more (cells of 0.1 s). For a slower one the smoother is shorter, so that
- * both fit: what is interpolated over so long a time is smooth. (With k = 1 the heave mass of an ROV
- * of 40 kg was 9 % too large at 2 Hz, and 17 % at 1 Hz; now 2 %. Simulated, means of 8 and 10 logs.)
+ * (a, 1 - 2 a, a), of taps k cells apart, a = T^2 / (12 (k cell)^2), which has the same variance.
+ * k is 1 for a DVL of 4 Hz or more (cells of 0.1 s). For a slower one the smoother is shorter, so
+ * that both fit: what is interpolated over so long a time is smooth. (At 1 Hz, k = 1 makes the
+ * heave mass of a BlueROV2 37 % too large instead of 4 %, tests/program/test_fit_columns.sh.)
  */
 #include "auvid_metric_evaluator_internal.h"
 
@@ -63,8 +63,8 @@ static void metric_make_kernel(const auvid_metric_t *m, auvid_real_t *kernel, ui
     }
 }
 
-/* Returns the distance of the outer taps of the interpolation [cells], so that a is at most 1/2, and
- * they fit beside the shortest smoother. */
+/* Returns the distance of the outer taps of the interpolation [cells], so that a is at most 1/2,
+ * and they fit beside the shortest smoother. */
 static int metric_interpolation_step(const auvid_metric_t *m, auvid_real_t spread)
 {
     int step = 1, most = m->layout.taps / 2 - m->cfg.passes;

@@ -7,8 +7,8 @@
  *
  * The mean of x over a row has the same weights as the motion. Moments belong to rates of the IMU,
  * with equal weights over the row. Forces belong to velocity that is interpolated between samples T
- * apart, a triangular kernel of variance T^2 / 6 (auvid_metric_regressor.c). Here a rectangle of the same
- * variance, of length s = sqrt(2) T, replaces the triangle. Its convolution with the row's
+ * apart, a triangular kernel of variance T^2 / 6 (auvid_metric_regressor.c). Here a rectangle of
+ * the same variance, of length s = sqrt(2) T, replaces the triangle. Its convolution with the row's
  * rectangle of length r is a trapezoid. The integral of the trapezoid from the row's beginning to t
  * is
  *

@@ -105,7 +105,7 @@ typedef struct {
 /** What follows from the configuration. Private: written by auvid_metric_init. */
 typedef struct {
     auvid_real_t window_weight[AUVID_METRIC_WINDOW];
-    /* spreads the wrench of forces as interpolation spreads velocity: see auvid_metric_regressor.c */
+    /* spreads the wrench of forces as interpolation does velocity: see auvid_metric_regressor.c */
     auvid_real_t interpolation_spread;
     auvid_real_t kernel[2][AUVID_MAX_TAPS];   /* ends in zeros, see interpolation_spread */
     uint32_t columns[AUVID_DOF_COUNT];        /* free parameters in each equation */

@@ -144,8 +144,8 @@ auvid_status_t auvid_recorder_velocity(auvid_recorder_t *recorder, uint64_t t_us
                                        const auvid_real_t *velocity, unsigned measured);
 
 #define auvid_recorder_break AUVID_SIZED(auvid_recorder_break)
-/** Break the record, if there is one: the samples before do not belong to those that follow. NULL is
- * a no-op. Cost: O(1). */
+/** Break the record, if there is one: the samples before do not belong to those that follow. NULL
+ * is a no-op. Cost: O(1). */
 void auvid_recorder_break(auvid_recorder_t *recorder);
 
 #define auvid_recorder_motion AUVID_SIZED(auvid_recorder_motion)
