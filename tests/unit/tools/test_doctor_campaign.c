@@ -28,7 +28,7 @@ void tearDown(void)
 static void examine(const dive_t *dive)
 {
     doctor_init(&doctor, dive->has);
-    doctor_dry_mass(&doctor, clean.field.hull.dry_kg);
+    doctor_dry_mass(&doctor, clean.field.hull.dry_kg, false);
     for (int k = 0; k < dive->rows; ++k) {
         doctor_feed(&doctor, &dive->row[k]);
     }

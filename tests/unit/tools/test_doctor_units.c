@@ -14,14 +14,19 @@ void tearDown(void)
 #define DRY_MASS_KG 220.0 /* of 250 in surge, 370 in sway, 660 in heave */
 #define KNOTS 1.9438      /* in a metre per second */
 
-static void examine_dry(double dry_mass_kg)
+static void examine_with(double dry_mass_kg, bool known_force)
 {
     doctor_init(&doctor, has);
-    doctor_dry_mass(&doctor, dry_mass_kg);
+    doctor_dry_mass(&doctor, dry_mass_kg, known_force);
     for (int k = 0; k < ROWS; ++k) {
         doctor_feed(&doctor, &rows[k]);
     }
     doctor_finish(&doctor);
+}
+
+static void examine_dry(double dry_mass_kg)
+{
+    examine_with(dry_mass_kg, false);
 }
 
 static void lose(int column, int count)
@@ -102,11 +107,16 @@ static void test_slow_velocities_in_centimetres_are_named(void)
     assert_only(DOCTOR_SCALE, CSV_NU, "as if in cm/s: multiply by 0.01");
 }
 
-static void test_the_dry_mass_shows_forces_in_kgf(void)
+static void scale_forces(double factor)
 {
     for (int j = 0; j < 6; ++j) {
-        scale(CSV_WRENCH + j, 1.0 / 9.81);
+        scale(CSV_WRENCH + j, factor);
     }
+}
+
+static void test_the_dry_mass_shows_forces_in_kgf(void)
+{
+    scale_forces(1.0 / 9.81);
     examine_dry(DRY_MASS_KG);
     assert_error(
         DOCTOR_SCALE, CSV_WRENCH,
@@ -119,6 +129,52 @@ static void test_masses_above_the_dry_mass_are_not_accused(void)
 {
     examine_dry(DRY_MASS_KG);
     TEST_ASSERT_EQUAL(0, count(DOCTOR_ERROR) + count(DOCTOR_WARNING));
+}
+
+static void test_a_mass_far_below_the_dry_mass_is_an_error_though_no_unit_explains_it(void)
+{
+    scale_forces(0.33);
+    examine_dry(DRY_MASS_KG);
+    assert_error(DOCTOR_SCALE, CSV_NU,
+                 "of the dry mass, but no vehicle has less than its dry mass: X_N, Y_N, Z_N and "
+                 "the moments are too small, u_mps is too large, or the dry mass is");
+    TEST_ASSERT_FALSE(doctor.usable);
+    scale_forces(0.1);
+    examine_dry(DRY_MASS_KG);
+    TEST_ASSERT_EQUAL(1, count(DOCTOR_ERROR)); /* nor kilograms-force */
+}
+
+static void test_a_known_force_may_correct_thrust_that_is_too_small(void)
+{
+    scale_forces(0.33);
+    examine_with(DRY_MASS_KG, true);
+    assert_warning(DOCTOR_SCALE, CSV_NU, "no vehicle has less than its dry mass");
+    TEST_ASSERT_TRUE(doctor.usable);
+}
+
+static void test_a_mass_of_sway_below_the_dry_mass_is_named(void)
+{
+    scale(CSV_WRENCH + 1, 0.4);
+    examine_dry(DRY_MASS_KG);
+    assert_warning(DOCTOR_SCALE, CSV_NU + 1, "the mass that follows from v_mps and its force is");
+}
+
+static void test_masses_far_above_the_dry_mass_are_a_warning_if_surge_is_among_them(void)
+{
+    scale_forces(5.0);
+    examine_dry(DRY_MASS_KG);
+    assert_warning(DOCTOR_SCALE, CSV_WRENCH, "times the dry mass, more than water adds: X_N, Y_N");
+    lose(CSV_WRENCH, 1);
+    examine_dry(DRY_MASS_KG);
+    TEST_ASSERT_NULL(finding(DOCTOR_SCALE));
+}
+
+static void test_a_flat_hull_may_carry_much_water_across(void)
+{
+    scale(CSV_WRENCH + 1, 3.0);
+    scale(CSV_WRENCH + 2, 3.0);
+    examine_dry(DRY_MASS_KG);
+    TEST_ASSERT_NULL(finding(DOCTOR_SCALE));
 }
 
 static void test_attitude_and_rates_in_degrees_have_no_wrong_sign(void)
@@ -387,6 +443,11 @@ int main(void)
     RUN_TEST(test_slow_velocities_in_centimetres_are_named);
     RUN_TEST(test_the_dry_mass_shows_forces_in_kgf);
     RUN_TEST(test_masses_above_the_dry_mass_are_not_accused);
+    RUN_TEST(test_a_mass_far_below_the_dry_mass_is_an_error_though_no_unit_explains_it);
+    RUN_TEST(test_a_known_force_may_correct_thrust_that_is_too_small);
+    RUN_TEST(test_a_mass_of_sway_below_the_dry_mass_is_named);
+    RUN_TEST(test_masses_far_above_the_dry_mass_are_a_warning_if_surge_is_among_them);
+    RUN_TEST(test_a_flat_hull_may_carry_much_water_across);
     RUN_TEST(test_attitude_and_rates_in_degrees_have_no_wrong_sign);
     RUN_TEST(test_degrees_in_a_pair_or_in_a_single_column_are_named_as_by_fit);
     RUN_TEST(test_velocities_of_the_world_are_named_by_the_position);

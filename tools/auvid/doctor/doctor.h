@@ -106,8 +106,9 @@ void doctor_init(doctor_t *doctor, const bool has[CSV_COLUMNS]);
 void doctor_use(doctor_t *doctor, const log_use_t *use);
 
 /** Tells the dry mass of the vehicle, before doctor_finish. 0: not known. Masses that follow from
- * forces and velocities in SI are not below it. */
-void doctor_dry_mass(doctor_t *doctor, double dry_mass_kg);
+ * forces and velocities in SI are not below it. known_force: a known force shows the scale of the
+ * thrust, so a mass that is too small need not be an error. */
+void doctor_dry_mass(doctor_t *doctor, double dry_mass_kg, bool known_force);
 
 /** Takes a row. A value that is not a number is absent: no new sample. A time that is not after the
  * one before is reported, and the row skipped. */

@@ -196,6 +196,7 @@ typedef struct {
     double largest_thrust_N;                         /* of a thruster */
     double unit;                                     /* specific force of one m/s2 */
     double dry_mass_kg;                              /* 0: not known */
+    bool known_force;                                /* .. shows the scale of the thrust */
     double usable_s[6], time_constant_s[6];
     /* results */
     bool usable;

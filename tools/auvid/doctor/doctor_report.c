@@ -116,9 +116,10 @@ static void find_voltage(doctor_t *d, log_use_t *use, double largest_V)
     }
 }
 
-/* Reads a whole open log. dry_mass_kg: see doctor_dry_mass. Returns 0, or EXIT_REFUSED after one
- * line on stderr. */
-static int examine(doctor_t *doctor, log_t *of, log_use_t *use, double dry_mass_kg)
+/* Reads a whole open log. dry_mass_kg, known_force: see doctor_dry_mass. Returns 0, or EXIT_REFUSED
+ * after one line on stderr. */
+static int examine(doctor_t *doctor, log_t *of, log_use_t *use, double dry_mass_kg,
+                   bool known_force)
 {
     csv_row_t row;
     csv_log_t *log = &of->csv;
@@ -130,7 +131,7 @@ static int examine(doctor_t *doctor, log_t *of, log_use_t *use, double dry_mass_
     }
     doctor_init(doctor, log->has);
     doctor->log = log;
-    doctor_dry_mass(doctor, dry_mass_kg);
+    doctor_dry_mass(doctor, dry_mass_kg, known_force);
     if (use != NULL) {
         doctor_use(doctor, use);
     }
@@ -230,6 +231,14 @@ static bool has_wrench(const csv_log_t *log)
     return any;
 }
 
+/* The same with the vehicle of the options, if there is one. */
+static int examine_whole(doctor_t *doctor, log_t *log, log_use_t *use, const options_t *options)
+{
+    const vehicle_t *v = options->whole ? options->vehicle : NULL;
+    bool known_force = log->csv.has[CSV_WEIGHT] || (v != NULL && v->calibrations > 0);
+    return examine(doctor, log, use, v != NULL ? (double)v->dry_mass_kg : 0.0, known_force);
+}
+
 int doctor_check(const char *file, const options_t *options)
 {
     log_t log = {0};
@@ -249,9 +258,7 @@ int doctor_check(const char *file, const options_t *options)
     } else if (status == 0 && options->whole && !thrusters) {
         status = log_no_thrusters(&use, &log.csv);
     }
-    status = status != 0 ? status
-                         : examine(doctor, &log, thrusters ? &use : NULL,
-                                   options->whole ? (double)options->vehicle->dry_mass_kg : 0.0);
+    status = status != 0 ? status : examine_whole(doctor, &log, thrusters ? &use : NULL, options);
     status = status != 0 ? status : check_known_forces(&log.csv, options);
     if (status == 0) {
         csv_notes(&log.csv);
@@ -297,13 +304,14 @@ static bool is_wrong(const doctor_t *doctor)
     return wrong;
 }
 
-int doctor_warn(log_t *log, log_use_t *use, double dry_mass_kg, report_findings_t *findings)
+int doctor_warn(log_t *log, log_use_t *use, double dry_mass_kg, bool known_force,
+                report_findings_t *findings)
 {
     doctor_t *doctor = malloc(sizeof *doctor);
     if (doctor == NULL) {
         return report_error("%s: not enough memory", log->csv.path);
     }
-    int status = examine(doctor, log, use, dry_mass_kg);
+    int status = examine(doctor, log, use, dry_mass_kg, known_force);
     status = status != 0 ? status : doctor_tell(doctor, log->csv.path, findings);
     log->wrong = status == 0 && is_wrong(doctor);
     log->shift_us = status == 0 ? (int64_t)(1e6 * doctor->shift_s) : 0;

@@ -19,8 +19,9 @@ int doctor_check(const char *file, const options_t *options);
 int doctor_tell(const doctor_t *doctor, const char *path, report_findings_t *findings);
 
 /** The same for an open log, which is read from its beginning. Sets its wrong, shift_us and
- * left_out, and the voltage_V of use. use: see doctor_use, or NULL. dry_mass_kg: see
- * doctor_dry_mass. */
-int doctor_warn(log_t *log, log_use_t *use, double dry_mass_kg, report_findings_t *findings);
+ * left_out, and the voltage_V of use. use: see doctor_use, or NULL. dry_mass_kg, known_force:
+ * see doctor_dry_mass. */
+int doctor_warn(log_t *log, log_use_t *use, double dry_mass_kg, bool known_force,
+                report_findings_t *findings);
 
 #endif

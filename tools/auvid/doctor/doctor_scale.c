@@ -1,7 +1,7 @@
 /*
  * Velocities and forces in other units. The rates of position and depth and the accelerometer show
  * the unit of a velocity. The mass that follows from a force and a velocity contains the dry mass:
- * if it is smaller, one of them is in another unit.
+ * if it is smaller, one of them is in another unit. If it is many times larger, too.
  */
 #include <math.h>
 #include <stddef.h>
@@ -18,6 +18,8 @@
 #define LIGHT_KGF 0.08 /* .. and above */
 #define HEAVY_KNOT 0.8 /* the same of velocities in knots; thrust is known to a fifth */
 #define LIGHT_KNOT 0.45
+#define HEAVIEST                                                                                   \
+    4.0 /* added mass along the long axis of a vehicle is less than thrice the dry mass */
 #define PLATEAU 0.01 /* share of the samples at the limit of a thruster */
 #define MIN_WINDOWS 300.0
 
@@ -122,27 +124,41 @@ static double mass_of(const doctor_t *d, const doctor_sums_t *all, int j)
     return g.b > 0.0 ? 1.0 / (g.b * d->dry_mass_kg) : 0.0;
 }
 
-static void find_forces(doctor_t *d, const doctor_sums_t *all)
+/* What the log, or its vehicle, calls the forces. */
+static const char *words_of_forces(const doctor_t *d)
 {
-    double least = HUGE_VAL, mass[3];
-    for (int j = 0; j < 3; ++j) {
-        mass[j] = mass_of(d, all, j);
-        least = mass[j] > 0.0 ? fmin(least, mass[j]) : least;
-    }
-    const char *forces = d->use == NULL                 ? "X_N, Y_N, Z_N and the moments"
-                         : d->use->kind == INPUT_THRUST ? "the forces of the thrusters"
-                                                        : "forward_N, backward_N of the vehicle";
-    int column = d->use == NULL ? CSV_WRENCH : log_input(d->use, 0);
+    return d->use == NULL                 ? "X_N, Y_N, Z_N and the moments"
+           : d->use->kind == INPUT_THRUST ? "the forces of the thrusters"
+                                          : "forward_N, backward_N of the vehicle";
+}
+
+/* What makes them too small or too large. */
+static const char *causes_of_scale(const doctor_t *d)
+{
+    return d->use != NULL && d->use->kind != INPUT_THRUST
+               ? "forward_N, backward_N of the vehicle or the commands"
+               : words_of_forces(d);
+}
+
+/* Finds forces in kilograms-force; least: smallest mass over the dry mass. */
+static bool find_kgf(doctor_t *d, double least, int column)
+{
     bool light = least < HEAVY_KGF && least > LIGHT_KGF;
-    if (light || limits_are_kgf(d)) {
-        char why[96] = "they stop at a tenth of the largest forces of the vehicle";
-        if (light) {
-            (void)snprintf(why, sizeof why, "the mass that follows is %.2g of the dry mass", least);
-        }
-        doctor_add(d, DOCTOR_ERROR, DOCTOR_SCALE, column, -1, NULL,
-                   "%s look like kilograms-force (%s): multiply them by 9.81", forces, why);
-        return;
+    char why[96] = "they stop at a tenth of the largest forces of the vehicle";
+    if (!light && !limits_are_kgf(d)) {
+        return false;
     }
+    if (light) {
+        (void)snprintf(why, sizeof why, "the mass that follows is %.2g of the dry mass", least);
+    }
+    doctor_add(d, DOCTOR_ERROR, DOCTOR_SCALE, column, -1, NULL,
+               "%s look like kilograms-force (%s): multiply them by 9.81", words_of_forces(d), why);
+    return true;
+}
+
+/* Finds a mass of surge that velocities in knots may explain. */
+static bool find_knots(doctor_t *d, const double mass[3], int column)
+{
     bool slow = mass[0] > LIGHT_KNOT && mass[0] < HEAVY_KNOT;
     bool heave = mass[2] > 0.0 && mass[2] > 1.0;
     if (slow) {
@@ -152,6 +168,45 @@ static void find_forces(doctor_t *d, const doctor_sums_t *all)
                    mass[0], heave ? ", that of heave is not too small" : "",
                    heave ? "u_mps and v_mps are" : "the velocities are",
                    heave ? "the horizontal forces are" : "the forces are");
+    }
+    return slow;
+}
+
+/* Names a mass of DoF j that is impossible, and that no unit explains. */
+static void add_light(doctor_t *d, double mass, int j, int column)
+{
+    bool sure = mass < LIGHT_KNOT && !d->known_force;
+    doctor_add(
+        d, sure ? DOCTOR_ERROR : DOCTOR_WARNING, DOCTOR_SCALE, CSV_NU + j, column, NULL,
+        "the mass that follows from %s and its force is %.2g of the dry mass, but no vehicle "
+        "has less than its dry mass: %s are too small, %s is too large, or the dry mass is",
+        csv_name[CSV_NU + j], mass, causes_of_scale(d), csv_name[CSV_NU + j]);
+}
+
+/* Forces that are too large enlarge all masses. The smallest one decides, and only if surge is
+ * among them: a flat hull may carry more water than its own mass across, not along its length. */
+static void find_forces(doctor_t *d, const doctor_sums_t *all)
+{
+    double mass[3], least = HUGE_VAL;
+    int lightest = 0, column = d->use == NULL ? CSV_WRENCH : log_input(d->use, 0);
+    for (int j = 0; j < 3; ++j) {
+        mass[j] = mass_of(d, all, j);
+        if (mass[j] > 0.0 && mass[j] < least) {
+            least = mass[j];
+            lightest = j;
+        }
+    }
+    if (find_kgf(d, least, column) || (least > LIGHT_KNOT && find_knots(d, mass, column))) {
+        return;
+    }
+    if (least < HEAVY_KNOT) {
+        add_light(d, least, lightest, column);
+    } else if (mass[0] > 0.0 && least > HEAVIEST) {
+        doctor_add(d, DOCTOR_WARNING, DOCTOR_SCALE, column, -1, NULL,
+                   "the smallest mass that follows from velocities and forces is %.2g times the "
+                   "dry mass, more than water adds: %s are too large, the velocities too small, or "
+                   "the dry mass is",
+                   least, causes_of_scale(d));
     }
 }
 
@@ -169,7 +224,8 @@ void doctor_scale(doctor_t *d)
     }
 }
 
-void doctor_dry_mass(doctor_t *d, double dry_mass_kg)
+void doctor_dry_mass(doctor_t *d, double dry_mass_kg, bool known_force)
 {
+    d->known_force = known_force;
     d->dry_mass_kg = dry_mass_kg;
 }

@@ -335,7 +335,8 @@ static int examine_logs(job_t *job)
     for (int i = 0; i < job->train.logs + job->test.logs && status == 0; ++i) {
         log_t *log = i < job->train.logs ? &job->log[i] : &job->test_log;
         log->gap_s = fit_velocity_gap_s(job);
-        status = doctor_warn(log, thrusters, fit_dry_mass_kg(job), &job->findings);
+        status =
+            doctor_warn(log, thrusters, fit_dry_mass_kg(job), job->known_force, &job->findings);
         job->velocity_gaps = job->velocity_gaps || (i < job->train.logs && log->lost > 0.5);
     }
     if (status == 0) {
