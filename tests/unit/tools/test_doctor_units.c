@@ -92,7 +92,8 @@ static void test_the_dry_mass_shows_velocities_in_knots(void)
     scale_velocities(2, KNOTS);
     examine_dry(DRY_MASS_KG);
     assert_warning(DOCTOR_SCALE, CSV_NU,
-                   "if u_mps and v_mps are in knots, multiply them by 0.5144");
+                   "if u_mps and v_mps are in knots, multiply them by 0.5144; else the horizontal "
+                   "forces are too small, or the dry mass too large");
     examine_dry(0.0);
     TEST_ASSERT_NULL(finding(DOCTOR_SCALE)); /* nothing shows it */
 }
@@ -122,6 +123,8 @@ static void test_the_dry_mass_shows_forces_in_kgf(void)
         DOCTOR_SCALE, CSV_WRENCH,
         "X_N, Y_N, Z_N and the moments look like kilograms-force (the mass that follows is "
         "0.1");
+    assert_error(DOCTOR_SCALE, CSV_WRENCH,
+                 "multiply them by 9.81, or correct the dry mass if it is too large");
     TEST_ASSERT_EQUAL(1, count(DOCTOR_ERROR));
 }
 

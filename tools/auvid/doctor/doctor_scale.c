@@ -152,7 +152,8 @@ static bool find_kgf(doctor_t *d, double least, int column)
         (void)snprintf(why, sizeof why, "the mass that follows is %.2g of the dry mass", least);
     }
     doctor_add(d, DOCTOR_ERROR, DOCTOR_SCALE, column, -1, NULL,
-               "%s look like kilograms-force (%s): multiply them by 9.81", words_of_forces(d), why);
+               "%s look like kilograms-force (%s): multiply them by 9.81%s", words_of_forces(d),
+               why, light ? ", or correct the dry mass if it is too large" : "");
     return true;
 }
 
@@ -162,12 +163,13 @@ static bool find_knots(doctor_t *d, const double mass[3], int column)
     bool slow = mass[0] > LIGHT_KNOT && mass[0] < HEAVY_KNOT;
     bool heave = mass[2] > 0.0 && mass[2] > 1.0;
     if (slow) {
-        doctor_add(d, DOCTOR_WARNING, DOCTOR_SCALE, CSV_NU, column, NULL,
-                   "the mass that follows from u_mps and its force is %.2g of the dry mass%s: if "
-                   "%s in knots, multiply them by 0.5144; else %s too small",
-                   mass[0], heave ? ", that of heave is not too small" : "",
-                   heave ? "u_mps and v_mps are" : "the velocities are",
-                   heave ? "the horizontal forces are" : "the forces are");
+        doctor_add(
+            d, DOCTOR_WARNING, DOCTOR_SCALE, CSV_NU, column, NULL,
+            "the mass that follows from u_mps and its force is %.2g of the dry mass%s: if "
+            "%s in knots, multiply them by 0.5144; else %s too small, or the dry mass too large",
+            mass[0], heave ? ", that of heave is not too small" : "",
+            heave ? "u_mps and v_mps are" : "the velocities are",
+            heave ? "the horizontal forces are" : "the forces are");
     }
     return slow;
 }
