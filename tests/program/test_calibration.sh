@@ -136,6 +136,12 @@ for seed in 1 2 3 4; do
 done
 check "a weight that pulls up" exits 3 fit strong1.csv --vehicle up.ini
 check "  contradicts the motion" grep -q 'contradicts the motion (k_tau -' out
+check "  says the first line" grep -q '^nothing identified: the known force contradicts the' out
+check "  is the only thing to correct" test "$(sed -n '/^  missing/,/^$/p' out)" = \
+    "$(printf '  missing\n    the known force: check its sign, size and time first')"
+exits 3 fit strong1.csv --vehicle up.ini --json
+check "  is the note of all parameters that it makes uncertain" is out '
+assert {p["note"] for p in d["parameters"]} == {"the known force contradicts the motion"}, P'
 check "weight twice" rejects 'known twice: by weight_N and by \[calibration.1\]' \
     fit column.csv --vehicle dive.ini
 sed '1s/X_N,Y_N,Z_N,K_Nm,M_Nm,N_Nm/cmd_surge,cmd_sway,cmd_heave,cmd_roll,cmd_pitch,cmd_yaw/' \

@@ -72,6 +72,9 @@ static const char *why_nothing(const job_t *job, const result_t *result,
     if (result->estimate.not_converged) {
         return "the search did not converge";
     }
+    if (result->calibration == REPORT_CONTRADICTED) {
+        return "the known force contradicts the motion: see thrust";
+    }
     if (!id->exact_inputs && id->attached.uncertain == NULL) {
         return "the errors of thrust and sensors are not examined: see --thrusters, --plain";
     }

@@ -95,6 +95,9 @@ void report_calibrate(result_t *result, const auvid_calibrated_t *calibrated)
     result->k_tau = calibrated->k;
     if (status == AUVID_ERR_RANGE) {
         e->confidence.identifiable = 0;
+        result->remedy = result->remedy != NULL
+                             ? result->remedy
+                             : "the known force: check its sign, size and time first";
     }
 }
 
@@ -282,6 +285,8 @@ void report_note(const result_t *result, int i, char *text, size_t size)
         (void)snprintf(text, size, "%s", why != NULL ? why : "not excited");
     } else if (result->wrong_log) {
         (void)snprintf(text, size, "the log has an error");
+    } else if (result->calibration == REPORT_CONTRADICTED) {
+        (void)snprintf(text, size, "the known force contradicts the motion");
     } else {
         (void)auvid_confidence_note(&result->estimate.confidence, result->vehicle, i, text, size);
     }
