@@ -296,6 +296,12 @@ assert abs(other["error"] - told["error"] - other["difference"]) < 1e-6'
 check "  in words" sh -c "'$AUVID' fit throttle.csv --vehicle linear.ini --plain --map auto |
     grep -A 4 '  map  ' >words; grep -q 'signed-square instead of linear (as configured)' words &&
     grep -q 'difference -.*, 95 % interval -.* to -' words"
+check "without it, the inputs are contradicted" exits 3 fit throttle.csv --vehicle linear.ini
+check "  says the first line" grep -q '^nothing identified: the motion contradicts the inputs' out
+check "  and the only advice" test "$(sed -n '/^  missing/,/^$/p' out)" = "$(printf '  missing\n%s' \
+    '    the inputs: correct them first; compare thrust maps: --map auto')"
+check "  but not where they were compared" exits 3 fit throttle.csv --vehicle linear.ini --map linear
+check "  no map" grep -q '^    the inputs: correct them first$' out
 check "a right one is kept" exits 0 fit throttle.csv --vehicle girona500 --plain --map auto --json
 check "  and better than the other" is out 'm = d["map"]
 assert m["used"] == m["best"] == m["as_told"] == "signed-square", m

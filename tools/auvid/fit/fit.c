@@ -72,6 +72,9 @@ static const char *why_nothing(const job_t *job, const result_t *result,
     if (result->estimate.not_converged) {
         return "the search did not converge";
     }
+    if (result->causes.contradicted) {
+        return "the motion contradicts the inputs: see wrong inputs";
+    }
     if (result->calibration == REPORT_CONTRADICTED) {
         return "the known force contradicts the motion: see thrust";
     }
@@ -293,6 +296,16 @@ static void find_remedy(job_t *job, const auvid_identifier_t *id)
     (void)snprintf(job->remedy, sizeof job->remedy, "%s", words);
 }
 
+/* Where the motion contradicts the inputs, no number is worth other advice. */
+static void ask_for_inputs(const job_t *job, result_t *result)
+{
+    bool maps = job->options->map == MAP_AS_TOLD && fit_has_maps(job);
+    if (result->causes.contradicted && result->remedy == NULL) {
+        result->remedy = maps ? "the inputs: correct them first; compare thrust maps: --map auto"
+                              : "the inputs: correct them first";
+    }
+}
+
 static void gather(const job_t *job, const fitted_t *fitted, result_t *result)
 {
     const auvid_identifier_t *id = &fitted->id;
@@ -331,6 +344,7 @@ static int run(job_t *job)
     const auvid_identifier_t *id = &fitted->id;
     find_remedy(job, id);
     gather(job, fitted, &result);
+    ask_for_inputs(job, &result);
     warn_too_long(job, id);
     warn_lever_arm(job, &result);
     if (job->known_force) { /* before the model gets the forces of the held-out log */

@@ -90,6 +90,9 @@ bool fit_add_known_force(const job_t *job, auvid_calibrated_t *calibrated,
  * line on stderr. */
 int fit_use_map(job_t *job, thrust_map_kind_t kind);
 
+/** Are the inputs commands, whose maps can be compared? */
+bool fit_has_maps(const job_t *job);
+
 /** Applies --map: the one that is named, or by comparison (map_choice.c). Returns 0, or
  * EXIT_REFUSED after one line on stderr. */
 int fit_choose_map(job_t *job);

@@ -232,16 +232,21 @@ static int choose(job_t *job)
     return status != 0 ? status : fit_use_map(job, candidate[maps->used].kind);
 }
 
+bool fit_has_maps(const job_t *job)
+{
+    log_use_t trial = job->use;
+    return log_use_map(&trial, THRUST_MAP_LINEAR);
+}
+
 int fit_choose_map(job_t *job)
 {
     static const thrust_map_kind_t named[] = {
         [MAP_LINEAR] = THRUST_MAP_LINEAR, [MAP_SIGNED_SQUARE] = THRUST_MAP_SIGNED_SQUARE};
     const options_t *options = job->options;
-    log_use_t trial = job->use;
     if (options->map == MAP_AS_TOLD) {
         return 0;
     }
-    if (!log_use_map(&trial, THRUST_MAP_LINEAR)) {
+    if (!fit_has_maps(job)) {
         return report_error(
             "%s: --map needs commands (cmd_*, thruster_1 ..), but %s", job->log[0].csv.path,
             job->use.kind == INPUT_THRUSTER_COMMAND ? "the vehicle's map says that they are newtons"

@@ -285,6 +285,8 @@ void report_note(const result_t *result, int i, char *text, size_t size)
         (void)snprintf(text, size, "%s", why != NULL ? why : "not excited");
     } else if (result->wrong_log) {
         (void)snprintf(text, size, "the log has an error");
+    } else if (result->causes.contradicted) {
+        (void)snprintf(text, size, "the motion contradicts the inputs");
     } else if (result->calibration == REPORT_CONTRADICTED) {
         (void)snprintf(text, size, "the known force contradicts the motion");
     } else {
