@@ -280,6 +280,11 @@ check "  and named" grep -q 'error    thruster_1_N and thruster_2_N are exchange
 check "vehicles whose thrusters are checked" exits 0 check throttle.csv --vehicle girona500
 check "  no such sentence" sh -c '! grep -q "these slips" out'
 
+sed 's/^position_m = 0 0.4/position_m = 0 40/' "$ROOT/tools/auvid/vehicles/girona500.ini" >far.ini
+check "a position in another unit" exits 0 check throttle.csv --vehicle far.ini
+check "  is named" grep -Eq \
+    'warning  \[thruster\.[0-9]\] position_m: it is [0-9.]+ m from the origin, too far for' out
+
 # ---- which map ----
 sed 's/^map = signed-square/map = linear/' "$ROOT/tools/auvid/vehicles/girona500.ini" >linear.ini
 sed 's/^map = signed-square/map = table\ncommand = -1 -0.5 0 0.5 1\nforce_N = -140 -38 0 38 140/' \
@@ -298,10 +303,10 @@ check "  in words" sh -c "'$AUVID' fit throttle.csv --vehicle linear.ini --plain
     grep -q 'difference -.*, 95 % interval -.* to -' words"
 check "without it, the inputs are contradicted" exits 3 fit throttle.csv --vehicle linear.ini
 check "  says the first line" grep -q '^nothing identified: the motion contradicts the inputs' out
-check "  and the only advice" test "$(sed -n '/^  missing/,/^$/p' out)" = "$(printf '  missing\n%s' \
-    '    the inputs: correct them first; compare thrust maps: --map auto')"
-check "  but not where they were compared" exits 3 fit throttle.csv --vehicle linear.ini --map linear
-check "  no map" grep -q '^    the inputs: correct them first$' out
+check "  and the only advice" test "$(sed -n '/^  missing/,/^$/p' out)" = "  missing
+    the inputs: correct them first; compare thrust maps: --map auto"
+check "  of no map, if one was chosen" exits 3 fit throttle.csv --vehicle linear.ini --map linear
+check "  indeed" grep -q '^    the inputs: correct them first$' out
 check "a right one is kept" exits 0 fit throttle.csv --vehicle girona500 --plain --map auto --json
 check "  and better than the other" is out 'm = d["map"]
 assert m["used"] == m["best"] == m["as_told"] == "signed-square", m

@@ -149,6 +149,14 @@ check "no such log" refuses 'x.csv: No such file' check x.csv
 edit 's/^map = .*/map = table\ncommand = -1 0 1\nforce_N = -9 0 15/; /^voltage/d'
 check "a table beyond the largest force" exits 0 check bad.ini
 check "  is told" grep -q 'force_N is beyond forward_N or backward_N of a thruster' out
+sed -E '/^\[(truth|excitation)\]/,/^$/d
+    s/^position_m = -0.15 (-?)0.1 0/position_m = -15 \110 0/' minnow.ini >far.ini
+check "positions in centimetres" exits 0 check far.ini
+check "  are told" grep -q '^    \[thruster\.1\] position_m: it is 18 m from the origin, too' out
+sed -i '/^dry_mass_kg/d' far.ini
+check "  not without the dry mass" sh -c "'$AUVID' check far.ini >out; ! grep -q 'too far' out"
+sed -i 's/^position_m = -15 /position_m = -25 /' far.ini
+check "  unless they are beyond 20 m" sh -c "'$AUVID' check far.ini | grep -q 'too far for a veh'"
 check "--json with --header" refuses 'cannot be combined' check minnow.ini --json --header
 
 # ---- the vehicle of the guide ----

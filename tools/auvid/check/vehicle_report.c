@@ -11,6 +11,7 @@
 #include "../base/report_error.h"
 #include "vehicle_output.h"
 #include "../bus/world.h"
+#include "../vehicle/vehicle_thrusters.h"
 
 /* Sets of the simulated identification. */
 #define SETS 8
@@ -79,9 +80,10 @@ static bool is_beyond(const vehicle_t *v)
     return any;
 }
 
-/* Lines of the report on what the file leaves out. */
+/* Lines of the report on what the file leaves out, and on what is hardly right. */
 static void print_missing(const vehicle_t *v)
 {
+    char far[200];
     bool newtons = false, voltage = true, any = false;
     for (int i = 0; i < v->maps; ++i) {
         newtons = newtons || v->map[i].kind == THRUST_MAP_NEWTON;
@@ -101,6 +103,7 @@ static void print_missing(const vehicle_t *v)
         {is_beyond(v),
          "[group.NAME] force_N is beyond forward_N or backward_N of a thruster: which "
          "one is right?"},
+        {vehicle_far_thruster(v, (double)v->dry_mass_kg, far, sizeof far), far},
         {v->has_excitation && is_zero(v->mount.dvl_lever, 3),
          "[mount] dvl_lever_m: on board the DVL is taken to be at the origin of the body"},
     };

@@ -1,7 +1,8 @@
 /*
- * Velocities and forces in other units. The rates of position and depth and the accelerometer show
- * the unit of a velocity. The mass that follows from a force and a velocity contains the dry mass:
- * if it is smaller, one of them is in another unit. If it is many times larger, too.
+ * Velocities, forces and positions of thrusters in other units. The rates of position and depth and
+ * the accelerometer show the unit of a velocity. The mass that follows from a force and a velocity
+ * contains the dry mass: if it is smaller, one of them is in another unit. If it is many times
+ * larger, too.
  */
 #include <math.h>
 #include <stddef.h>
@@ -9,6 +10,7 @@
 #include <string.h>
 
 #include "doctor.h"
+#include "../vehicle/vehicle_thrusters.h"
 
 #define TOLERANCE 0.08 /* of a unit */
 #define SURE 1.35      /* largest ratio of the limits of a factor */
@@ -212,9 +214,19 @@ static void find_forces(doctor_t *d, const doctor_sums_t *all)
     }
 }
 
+static void find_positions(doctor_t *d)
+{
+    char text[200];
+    if (d->use != NULL &&
+        vehicle_far_thruster(d->use->vehicle, d->dry_mass_kg, text, sizeof text)) {
+        doctor_add(d, DOCTOR_WARNING, DOCTOR_SCALE, -1, -1, NULL, "%s", text);
+    }
+}
+
 void doctor_scale(doctor_t *d)
 {
     doctor_sums_t all;
+    find_positions(d);
     for (int i = 0; i < d->findings; ++i) {
         if (d->finding[i].severity == DOCTOR_ERROR) {
             return; /* which may be the cause */

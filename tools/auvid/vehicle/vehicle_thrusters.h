@@ -25,4 +25,9 @@ bool vehicle_allocation_check(ini_t *ini, const vehicle_t *v);
  * not, the message goes to v->excitation_refusal, for the commands that excite. */
 void vehicle_excitation_check(ini_t *ini, vehicle_t *v);
 
+/** Finds the thruster that is farthest from the origin, if that is too far for a vehicle of this
+ * mass (0: not known): its position may be in another unit. Returns false if there is none; else
+ * writes a sentence. */
+bool vehicle_far_thruster(const vehicle_t *v, double dry_mass_kg, char *text, size_t size);
+
 #endif
