@@ -15,7 +15,7 @@ sanitize="-fsanitize=address,undefined,float-cast-overflow -fno-sanitize-recover
 export COMPILE="clang -std=c11 -O1 -g1 $sanitize ${CFLAGS:-} -Ilib/include -Ilib/src \
 -Iport/linux_socketcan -Itools/auvid -Itools/simulator"
 sources=(lib/src/*/*.c port/linux_socketcan/bus.c port/linux_socketcan/bus_candump.c
-    tools/auvid/base/{ini,report_error}.c
+    tools/auvid/base/{ini,json_string,report_error}.c
     tools/auvid/vehicle/{thrust_map,vehicle_*}.c
     tools/simulator/{simulator,sensors,noise,fossen}.c)
 objects=("${sources[@]##*/}")

@@ -220,7 +220,9 @@ check "  and identifies nothing from such a log, though motion would do" python3
 import json
 text = open("out").read()
 assert "\"identifiable\": true" not in text
-assert {p["note"] for p in json.loads(text)["parameters"]} == {"the log has an error"}'
+d = json.loads(text)
+assert {p["note"] for p in d["parameters"]} == {"the log has an error"}
+assert d["verdict"].startswith("nothing identified: N_Nm has the wrong sign"), d["verdict"]'
 check "fit names slow inputs" exits 3 fit inputs_slow.csv --plain
 check "  and not the length of the log" grep -q 'the log: inputs are up to 0.60 s apart, 0.5' out
 check "  which a longer gap bridges" exits 0 fit inputs_slow.csv --plain --max-gap 0.7

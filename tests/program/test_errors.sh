@@ -254,6 +254,20 @@ log t_s,u_mps,X_N 0,0,0 0.1,x,0
 check "an error in the test log names it" rejects 'log.csv:3:5: u_mps' \
     fit good.csv --validate log.csv
 check "no such test log" rejects 'none.csv: No such file' fit good.csv --validate none.csv
+# as_json STATUS ARGUMENTS...: stdout is an object with the line of stderr.
+as_json() {
+    exits "$@" --json && [ "$(wc -l <err)" = 1 ] && python3 -c '
+import json
+d = json.load(open("out"))
+assert sorted(d) == ["error", "version"] and "auvid: " + d["error"] + "\n" == open("err").read(), d'
+}
+check "a log that is refused, as JSON" as_json 1 fit log.csv
+check "  of two" as_json 1 fit good.csv --validate log.csv
+check "  by check" as_json 2 check log.csv
+check "  by replay" as_json 2 replay log.csv
+check "  which is not there" as_json 2 replay none.log
+check "a vehicle that is refused, as JSON" as_json 2 check none.ini
+check "an option of a log that is refused, as JSON" as_json 2 fit good.csv --fix m_x=1
 full() {
     ! "$AUVID" "$@" >/dev/full 2>err && [ "$(wc -l <err)" = 1 ] && grep -q 'standard output' err
 }

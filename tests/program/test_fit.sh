@@ -23,7 +23,7 @@ print(",".join(h)); sys.stdout.writelines(line % tuple(y) for y in r)' "$1"
 check "a log is identified" exits 0 fit train.csv --plain --json --validate test.csv
 cp out fit.json
 check "its JSON has the documented keys" is fit.json '
-assert list(d) == ["version", "status", "seed", "model", "parameters",
+assert list(d) == ["version", "status", "verdict", "seed", "model", "parameters",
                    "wrong_inputs", "exact_inputs_differ", "missing", "not_modelled",
                    "assumed", "drag", "drag_asymmetry",
                    "delay_s", "r2_force", "r2_validation", "r2_interval",

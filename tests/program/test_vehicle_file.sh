@@ -316,7 +316,7 @@ END
 wide=(-std=c11 -O1 -DAUVID_MAX_PARAMETERS=32 -DAUVID_MAX_UNCERTAIN=136 -I"$ROOT/lib/include" -I.)
 objects=("$ROOT"/build/wide/lib/src/*/*.o)
 of_tools=("$ROOT"/build/wide/tools/auvid/vehicle/*.o
-    "$ROOT"/build/wide/tools/auvid/base/{ini,report_error}.o)
+    "$ROOT"/build/wide/tools/auvid/base/{ini,json_string,report_error}.o)
 check "the program's configuration, as text" "$CC" "${wide[@]}" -I"$tools" \
     -I"$ROOT/tools/simulator" -I"$ROOT/lib/src" from_program.c "${of_tools[@]}" \
     "$ROOT"/build/wide/tools/simulator/*.o "${objects[@]}" -lm -o from_program

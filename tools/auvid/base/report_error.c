@@ -3,10 +3,16 @@
 #include <stdarg.h>
 #include <stdio.h>
 
-static void print_line(const char *kind, const char *format, va_list arguments)
+#include "auvid/config.h"
+#include "json_string.h"
+
+enum { LINE = 512 };
+
+static char last_error[LINE];
+
+static void print_line(const char *kind, char line[LINE], const char *format, va_list arguments)
 {
-    char line[512];
-    (void)vsnprintf(line, sizeof line, format, arguments);
+    (void)vsnprintf(line, LINE, format, arguments);
     for (char *c = line; *c != '\0'; ++c) {
         if ((unsigned char)*c < ' ' || *c == 127) {
             *c = '?'; /* a line break in a file name or in a field */
@@ -20,16 +26,24 @@ void report_error_line(const char *format, ...)
 {
     va_list arguments;
     va_start(arguments, format);
-    print_line("", format, arguments);
+    print_line("", last_error, format, arguments);
     va_end(arguments);
 }
 
 void report_warning(const char *format, ...)
 {
+    char line[LINE];
     va_list arguments;
     va_start(arguments, format);
-    print_line("warning: ", format, arguments);
+    print_line("warning: ", line, format, arguments);
     va_end(arguments);
+}
+
+void report_error_json(void)
+{
+    printf("{\n  \"version\": \"%s\",\n  \"error\": ", AUVID_VERSION_STRING);
+    json_string(stdout, last_error);
+    puts("\n}");
 }
 
 void report_sizes(char *text, size_t size, const auvid_identifier_config_t *cfg)

@@ -1,6 +1,6 @@
 /**
  * @file report_error.h
- * Error messages of the program: one line on stderr.
+ * Error messages of the program: one line on stderr, with --json also an object on stdout.
  */
 #ifndef PROGRAM_COMPLAIN_H
 #define PROGRAM_COMPLAIN_H
@@ -18,6 +18,9 @@ void report_warning(const char *format, ...);
 
 /** As report_error_line, with the value EXIT_REFUSED: return report_error(...); */
 #define report_error(...) (report_error_line(__VA_ARGS__), EXIT_REFUSED)
+
+/** Prints the last error as a JSON object on stdout: what --json says of a file that is refused. */
+void report_error_json(void);
 
 /** Prints which field of its configuration the identifier refused, and the sizes that it needs if
  * they exceed those of this build. @return EXIT_REFUSED

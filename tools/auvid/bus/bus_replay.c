@@ -268,6 +268,24 @@ static int report(run_t *run)
     return status == 0 && run->different > 0 ? 1 : status;
 }
 
+/* Replays an open log, and writes it as CSV. */
+static int replay_log(run_t *run)
+{
+    const char *path = run->options->csv;
+    int status = path != NULL ? csv_create(&run->csv, path) : 0;
+    bool writes = path != NULL && status == 0;
+    if (writes) {
+        csv_write_header(&run->csv);
+    }
+    status = status == 0 ? read_all(run) : status;
+    if (writes && status == 0) {
+        status = csv_commit(&run->csv);
+    } else if (writes) {
+        csv_discard(&run->csv);
+    }
+    return status;
+}
+
 int bus_replay(const options_t *options)
 {
     run_t *run = calloc(1, sizeof *run);
@@ -276,23 +294,15 @@ int bus_replay(const options_t *options)
     }
     run->options = options;
     int status = begin(run);
+    bool opened = status == 0;
+    status = opened ? replay_log(run) : status;
     if (status == 0) {
-        bool writes = options->csv != NULL;
-        status = writes ? csv_create(&run->csv, options->csv) : 0;
-        writes = writes && status == 0;
-        if (writes) {
-            csv_write_header(&run->csv);
-        }
-        status = status == 0 ? read_all(run) : status;
-        if (writes && status == 0) {
-            status = csv_commit(&run->csv);
-        } else if (writes) {
-            csv_discard(&run->csv);
-        }
-        if (status == 0) {
-            warn_left_out(run);
-            status = report(run);
-        }
+        warn_left_out(run);
+        status = report(run);
+    } else if (options->json) {
+        report_error_json();
+    }
+    if (opened) {
         (void)run->log.bus.close(&run->log.bus);
     }
     report_free_findings(&run->findings);

@@ -16,6 +16,9 @@ static int check_vehicle(const char *file, const options_t *options)
 {
     const vehicle_t *vehicle = vehicle_chosen("check", file);
     if (vehicle == NULL) {
+        if (options->json) {
+            report_error_json();
+        }
         return EXIT_REFUSED;
     }
     bool wrong = vehicle->excitation_refusal[0] != '\0';

@@ -267,6 +267,8 @@ int doctor_check(const char *file, const options_t *options)
         if (status != 0 && options->whole) {
             vehicle_warn_mount(options->vehicle, file);
         }
+    } else if (options->json) {
+        report_error_json();
     }
     csv_close(&log.csv);
     free(doctor);

@@ -84,9 +84,10 @@ static const char *why_nothing(const job_t *job, const result_t *result,
     return "no parameter meets its limit: see missing";
 }
 
-/* The first line: the exit status in words. Returns the status. */
-static int conclude(const job_t *job, const result_t *result, const auvid_identifier_t *id)
+/* Writes the exit status in words. Returns the status. */
+static int conclude(job_t *job, const result_t *result, const auvid_identifier_t *id)
 {
+    size_t size = sizeof job->verdict;
     char drag[64];
     bool converged = !result->estimate.not_converged;
     int sure = converged ? report_identifiable(&result->estimate) : 0, all = 0;
@@ -94,12 +95,13 @@ static int conclude(const job_t *job, const result_t *result, const auvid_identi
     for (int i = 0; i < result->vehicle->parameters; ++i) {
         all += (int)(result->free >> i & 1u);
     }
-    if (!job->options->json && sure > 0) {
-        printf("%d of %d parameters identified\n", sure, all);
-    } else if (!job->options->json && drags > 0) {
-        printf("no single parameter identified, but the drag force in %s\n", drag);
-    } else if (!job->options->json) {
-        printf("nothing identified: %s\n", why_nothing(job, result, id));
+    if (sure > 0) {
+        (void)snprintf(job->verdict, size, "%d of %d parameters identified", sure, all);
+    } else if (drags > 0) {
+        (void)snprintf(job->verdict, size,
+                       "no single parameter identified, but the drag force in %s", drag);
+    } else {
+        (void)snprintf(job->verdict, size, "nothing identified: %s", why_nothing(job, result, id));
     }
     return sure + drags > 0 ? 0 : EXIT_NOTHING;
 }
@@ -327,19 +329,28 @@ static void gather(const job_t *job, const fitted_t *fitted, result_t *result)
     }
 }
 
+/* Nothing was identified: the error is the result. Returns the status. */
+static int refuse(const job_t *job, int status)
+{
+    if (job->options->json) {
+        report_error_json();
+    }
+    return status;
+}
+
 static int run(job_t *job)
 {
     const options_t *options = job->options;
     result_t result;
     if (fit_choose_free(job) != 0) {
-        return EXIT_REFUSED;
+        return refuse(job, EXIT_REFUSED);
     }
     int refused = fit_read_logs(job);
     refused = refused != 0 ? refused : fit_check_bounds(job);
     refused = refused != 0 ? refused : fit_choose_map(job);
     fitted_t *fitted = refused == 0 ? fit_choose_model(job) : NULL;
     if (fitted == NULL) {
-        return EXIT_LOG_REFUSED;
+        return refuse(job, EXIT_LOG_REFUSED);
     }
     const auvid_identifier_t *id = &fitted->id;
     find_remedy(job, id);
@@ -353,15 +364,17 @@ static int run(job_t *job)
     }
     if (options->validate != NULL && result.estimate.number > 0 &&
         heldout_r2(&job->test, &job->use, id, options->seed, &job->trace, &result) != 0) {
-        return EXIT_LOG_REFUSED;
+        return refuse(job, EXIT_LOG_REFUSED);
     }
     if (result.wrong_log) { /* last: report_calibrate judges again */
         result.estimate.confidence.identifiable = 0;
     }
     int status = conclude(job, &result, id);
+    result.verdict = job->verdict;
     if (options->json) {
         report_json(stdout, &result, NULL, NULL, NULL);
     } else {
+        puts(job->verdict);
         print_unpredicted(&result);
         print_heading(job, id, &result);
         report_result(&result, NULL);

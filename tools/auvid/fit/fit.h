@@ -52,6 +52,7 @@ typedef struct {
     report_maps_t maps;               /**< the comparison of --map auto */
     report_findings_t findings;       /**< what is wrong with the training logs */
     char remedy[400];                 /**< the only advice; empty: none */
+    char verdict[400];                /**< the first line of the tables */
     double error[2];                  /**< cross-validation errors of the two; < 0: none */
 } job_t;
 

@@ -501,8 +501,14 @@ void report_json(FILE *out, const result_t *result, const campaign_t *campaign,
     if (campaign != NULL && campaign->not_converged) {
         status = "not_converged";
     }
-    fprintf(out, "{\n  \"version\": \"%s\",\n  \"status\": \"%s\",\n  \"seed\": %llu,\n",
-            AUVID_VERSION_STRING, status, (unsigned long long)result->seed);
+    fprintf(out, "{\n  \"version\": \"%s\",\n  \"status\": \"%s\",\n", AUVID_VERSION_STRING,
+            status);
+    if (result->verdict != NULL) {
+        fprintf(out, "  \"verdict\": ");
+        json_string(out, result->verdict);
+        fprintf(out, ",\n");
+    }
+    fprintf(out, "  \"seed\": %llu,\n", (unsigned long long)result->seed);
     fprintf(out, "  \"model\": ");
     json_string(out, result->vehicle->name);
     fprintf(out, ",\n  \"parameters\": ");

@@ -106,6 +106,7 @@ typedef struct {
     double r2_low[AUVID_DOF_COUNT], r2_high[AUVID_DOF_COUNT]; /**< 95 % interval */
     double r2_truth[AUVID_DOF_COUNT];                         /**< of the true parameters */
     const char *why[AUVID_DOF_COUNT]; /**< why the log does not identify DoF j, or NULL */
+    const char *verdict;              /**< what the result is worth, in words; NULL: not said */
     const char *remedy;               /**< NULL, or the only advice: what to correct first */
     uint8_t left_out;                 /**< bit j: because of the log: no advice on motion */
     bool wrong_log;                   /**< its errors would be in every number: none is known */

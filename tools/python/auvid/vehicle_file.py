@@ -16,7 +16,7 @@ def wrenches(path):
         raise UsageError("--vehicle needs the program auvid: export PATH=.../auvid/build:$PATH, or "
                          "AUVID=.../auvid/build/auvid")
     done = subprocess.run([program, "check", str(path), "--json"], capture_output=True, text=True)
-    if not done.stdout:
+    if done.returncode != 0:
         raise UsageError(f"--vehicle: {done.stderr.strip().removeprefix('auvid: ')}")
     return np.array([t["wrench"] for t in json.loads(done.stdout)["thrusters"]], float)
 

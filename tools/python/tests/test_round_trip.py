@@ -39,8 +39,9 @@ def table(rows, names):
 def fit(path):
     done = subprocess.run([AUVID, "fit", path, "--plain", "--bias", "--json"], capture_output=True,
                           text=True)
-    assert done.stdout, done.stderr
-    return json.loads(done.stdout)
+    found = json.loads(done.stdout)
+    assert "error" not in found, found
+    return found
 
 
 def reference(run, path, inputs):

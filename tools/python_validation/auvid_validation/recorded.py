@@ -20,13 +20,15 @@ GAP_S = 0.5  # a longer gap ends the record
 
 
 def auvid(*arguments):
-    """Output of the program. Its error messages are errors of the user."""
-    done = subprocess.run([str(program()), *map(str, arguments)], capture_output=True, text=True)
-    if done.returncode == 2 or (done.returncode != 0 and not done.stdout):
+    """The JSON object that the program prints. Its error messages are errors of the user."""
+    done = subprocess.run([str(program()), *map(str, arguments), "--json"], capture_output=True,
+                          text=True)
+    found = json.loads(done.stdout or "{}")
+    if not found or "error" in found:
         words = done.stderr.strip().splitlines() or ["the program failed"]
         raise UserError(words[-1].removeprefix("auvid: "))
     sys.stderr.write(done.stderr)  # warnings, and unused parts of a log
-    return done.stdout
+    return found
 
 
 def as_candump(path, to):
@@ -68,14 +70,14 @@ def as_csv(path, folder):
     if path.suffix != ".log":
         return path
     to = folder / (path.stem + ".csv")
-    auvid("replay", path, "--csv", to, "--json")
+    auvid("replay", path, "--csv", to)
     return to
 
 
 def fit(train, test, arguments):
     """The result of `auvid fit --json`. With nothing to identify it is an error of the input."""
     more = ["--validate", test] if test else []
-    found = json.loads(auvid("fit", train, "--json", *more, *arguments))
+    found = auvid("fit", train, *more, *arguments)
     if found["status"] == "not_excited":
         raise UserError(f"{train}: nothing to identify: the log is too short, or no degree of "
                         "freedom has an input that varies")

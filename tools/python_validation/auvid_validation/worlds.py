@@ -114,13 +114,13 @@ def fit(auvid, log, vehicle_file, more):
                               capture_output=True, text=True, check=False)
     except OSError as error:
         raise UserError(f"--auvid {auvid}: {error.strerror}") from error
-    try:
-        return json.loads(done.stdout), ""
-    except json.JSONDecodeError:
-        words = done.stderr.strip().splitlines() or ["the program failed"]
-        if done.returncode == 2 and str(log) not in words[-1]:  # the options, not the log
-            raise UserError(words[-1].removeprefix("auvid: "))
-        return {}, words[-1].removeprefix("auvid: ").replace(f"{log}: ", "")
+    answer = json.loads(done.stdout or "{}")
+    if answer and "error" not in answer:
+        return answer, ""
+    words = done.stderr.strip().splitlines() or ["the program failed"]
+    if done.returncode == 2 and str(log) not in words[-1]:  # the options, not the log
+        raise UserError(words[-1].removeprefix("auvid: "))
+    return {}, words[-1].removeprefix("auvid: ").replace(f"{log}: ", "")
 
 
 def one(task, options, auvid, where):
