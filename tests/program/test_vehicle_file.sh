@@ -136,9 +136,17 @@ bad "a model of terms without terms" "1:1: no section \[parameters\], which the 
 cp "$tools/vehicles/surface.ini" surface.ini
 terms() { sed -E "$1" surface.ini >bad.ini; }
 terms 's/^m_r = yaw .*/m_r = yaw + r_dots/'
-bad "a factor that does not exist" "[0-9]+:13: m_r: 'r_dots' is no factor"
+bad "a factor that does not exist" "[0-9]+:13: m_r: 'r_dots' is not one of 1, u, .*, r_dot, "
+terms 's/^m_r = inertia/m_r = moment/'
+bad "a kind that does not exist" \
+    "[0-9]+:7: m_r: 'moment' is not one of other, mass, inertia, linear_drag, quadratic_drag, force"
 terms 's/^m_r = yaw .*/m_r = yaw + r_dot u_dot/'
-bad "two accelerations in a term" "[0-9]+:1: m_r: its terms are refused"
+bad "two accelerations in a term" "[0-9]+:1: m_r: a term has two accelerations, but at most one"
+terms 's/^m_r = yaw .*/m_r = yaw + r_dot, yaw - r_dot/'
+bad "a term twice" "[0-9]+:1: m_r: a term stands twice in the same equation: keep one$"
+terms 's/^m_r = yaw .*/m_r = surge + r_dot/'
+bad "no term in its own equation" \
+    "[0-9]+:1: m_r: \[terms\] has no term of it in the equation of its degree of freedom, yaw: add"
 terms 's/^X_u = surge - u/X_v = surge - u/'
 bad "a term of no parameter" "[0-9]+:7: X_v: is no key of \[parameters\]"
 terms 's/^Y_v = -30/Y_x = -30/'

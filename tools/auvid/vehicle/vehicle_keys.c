@@ -261,8 +261,8 @@ static int word_index(const char *const *words, const char *word)
     return -1;
 }
 
-static bool not_one_of(ini_t *ini, const ini_entry_t *e, int column, const char *word,
-                       const char *const *words)
+bool vehicle_keys_not_one_of(ini_t *ini, const ini_entry_t *e, int column, const char *word,
+                             const char *const *words)
 {
     char list[200] = "";
     for (int i = 0; words[i] != NULL; ++i) {
@@ -337,7 +337,7 @@ static bool take_words(ini_t *ini, const ini_entry_t *e, const vehicle_key_t *ke
          column = ini_word(e, &at, word, sizeof word)) {
         int i = word_index(key->words, word);
         if (i < 0) {
-            return not_one_of(ini, e, column, word, key->words);
+            return vehicle_keys_not_one_of(ini, e, column, word, key->words);
         }
         bits |= (uint32_t)1 << i;
     }
@@ -363,7 +363,7 @@ static bool take_value(ini_t *ini, const ini_entry_t *e, const vehicle_key_t *ke
     case KEY_CHOICE: {
         int i = word_index(words, e->value);
         if (i < 0) {
-            return not_one_of(ini, e, e->value_column, e->value, words);
+            return vehicle_keys_not_one_of(ini, e, e->value_column, e->value, words);
         }
         if (key->kind == KEY_YES) {
             *(bool *)to = i == 1;

@@ -77,6 +77,10 @@ bool vehicle_keys_read(ini_t *ini, const char *section, const vehicle_keys_t *ke
 bool vehicle_keys_unknown(ini_t *ini, const char *section, const vehicle_keys_t *const *table,
                           int tables, const char *other);
 
+/** Refuses a word of a value, and lists those that are possible; the last one NULL. */
+bool vehicle_keys_not_one_of(ini_t *ini, const ini_entry_t *e, int column, const char *word,
+                             const char *const *words);
+
 /** Reads a section by its table, and refuses keys that are not in it. @return false after a message
  */
 bool vehicle_keys_section(ini_t *ini, const char *section, vehicle_section_t keys, void *to);

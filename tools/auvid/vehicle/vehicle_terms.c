@@ -23,7 +23,7 @@ typedef struct {
 } place_t;
 
 /* Takes the next word, which must be one of `words`. @return its index; -1 after a message */
-static int take_one_of(place_t *p, const char *what, const char *const *words)
+static int take_one_of(place_t *p, const char *const *words)
 {
     char word[VEHICLE_WORD];
     int column = ini_word(p->entry, &p->at, word, sizeof word);
@@ -32,8 +32,7 @@ static int take_one_of(place_t *p, const char *what, const char *const *words)
             return i;
         }
     }
-    (void)ini_refuse(p->ini, p->entry->line, column, "%s: '%s' is no %s; see the table in README",
-                     p->entry->key, word, what);
+    (void)vehicle_keys_not_one_of(p->ini, p->entry, column, word, words);
     return -1;
 }
 
@@ -51,8 +50,8 @@ static bool take_parameter(place_t *p, vehicle_terms_t *t)
     if (i == AUVID_MAX_PARAMETERS || strlen(p->entry->key) >= VEHICLE_WORD) {
         return refuse(p, "too many parameters, or a name that is too long");
     }
-    int kind = take_one_of(p, "kind of a parameter", vehicle_kinds);
-    int dof = kind < 0 ? -1 : take_one_of(p, "degree of freedom", vehicle_dofs);
+    int kind = take_one_of(p, vehicle_kinds);
+    int dof = kind < 0 ? -1 : take_one_of(p, vehicle_dofs);
     if (dof < 0) {
         return false;
     }
@@ -76,8 +75,8 @@ static bool take_term(place_t *p, vehicle_terms_t *t, int i)
 {
     static const char *const signs[] = {"-", "+", NULL};
     auvid_term_t term = {.parameter = (uint8_t)i};
-    int dof = take_one_of(p, "degree of freedom", vehicle_dofs);
-    int sign = dof < 0 ? -1 : take_one_of(p, "sign, which is + or -", signs);
+    int dof = take_one_of(p, vehicle_dofs);
+    int sign = dof < 0 ? -1 : take_one_of(p, signs);
     if (sign < 0) {
         return false;
     }
@@ -86,7 +85,7 @@ static bool take_term(place_t *p, vehicle_terms_t *t, int i)
         if (rest[p->at + strspn(rest + p->at, " \t")] == '\0') {
             break;
         }
-        int factor = take_one_of(p, "factor", vehicle_factors);
+        int factor = take_one_of(p, vehicle_factors);
         if (factor < 0 || k == 3) {
             return factor >= 0 ? refuse(p, "more than three factors in a term") : false;
         }
@@ -142,6 +141,25 @@ static bool take_section(ini_t *ini, const char *section, vehicle_terms_t *t,
     return true;
 }
 
+/* Names the parameter that auvid_terms_init refused, and the reason. */
+static bool refuse_terms(ini_t *ini, const vehicle_terms_t *terms, const auvid_refusal_t *why)
+{
+    bool of_term = strcmp(why->part, "term") == 0;
+    int i = why->element < 0 ? 0 : of_term ? terms->term[why->element].parameter : why->element;
+    const ini_entry_t *e = ini_find(ini, "terms", terms->name[i]);
+    e = e != NULL ? e : ini_find(ini, "parameters", terms->name[i]);
+    if (!of_term) {
+        return ini_refuse(ini, e->line, e->key_column,
+                          "%s: [terms] has no term of it in the equation of its degree of freedom, "
+                          "%s: add it",
+                          terms->name[i], vehicle_dofs[terms->parameter[i].dof]);
+    }
+    return ini_refuse(ini, e->line, e->key_column, "%s: %s", terms->name[i],
+                      strcmp(why->field, "factor") == 0
+                          ? "a term has two accelerations, but at most one is possible"
+                          : "a term stands twice in the same equation: keep one");
+}
+
 bool vehicle_terms_read(ini_t *ini, const char *title, vehicle_terms_t *terms)
 {
     auvid_refusal_t why = {0};
@@ -160,14 +178,7 @@ bool vehicle_terms_read(ini_t *ini, const char *title, vehicle_terms_t *terms)
     auvid_status_t status = auvid_terms_init(&terms->terms, &terms->table, &why);
     terms->terms.vehicle.free = UINT32_MAX >> (32 - terms->table.parameters);
     if (status < 0) {
-        bool of_term = strcmp(why.part, "term") == 0;
-        int i = why.element < 0 ? 0 : of_term ? terms->term[why.element].parameter : why.element;
-        const ini_entry_t *e = ini_find(ini, "terms", terms->name[i]);
-        e = e != NULL ? e : ini_find(ini, "parameters", terms->name[i]);
-        return ini_refuse(ini, e->line, e->key_column,
-                          "%s: its terms are refused (%s): two accelerations in one term, a term "
-                          "twice, or no term in the equation of its degree of freedom",
-                          terms->name[i], why.field);
+        return refuse_terms(ini, terms, &why);
     }
     return true;
 }
