@@ -142,8 +142,17 @@ bad "a kind that does not exist" \
     "[0-9]+:7: m_r: 'moment' is not one of other, mass, inertia, linear_drag, quadratic_drag, force"
 terms 's/^m_r = yaw .*/m_r = yaw + r_dot u_dot/'
 bad "two accelerations in a term" "[0-9]+:1: m_r: a term has two accelerations, but at most one"
-terms 's/^m_r = yaw .*/m_r = yaw + r_dot, yaw - r_dot/'
+terms 's/^m_r = yaw .*/m_r = yaw + r_dot, yaw + r_dot/'
 bad "a term twice" "[0-9]+:1: m_r: a term stands twice in the same equation: keep one$"
+terms 's/^X_uu = surge -/X_uu = surge +/'
+bad "a quadratic drag that accelerates" \
+    "[0-9]+:8: X_uu: a drag has the sign - in its own equation: its parameter is negative$"
+terms 's/^N_r = yaw -/N_r = surge + u r, yaw +/'
+bad "a linear one" "[0-9]+:7: N_r: a drag has the sign - in its own equation"
+terms 's/^m_v = sway \+/m_v = sway -/'
+bad "a mass that is negative" "[0-9]+:7: m_v: a mass or an inertia has the sign \+ before its own"
+terms 's/^m_u = surge \+ u_dot/m_u = surge - v r w, surge + u_dot/'
+check "other terms of a mass have any sign" exits 0 check bad.ini --json
 terms 's/^m_r = yaw .*/m_r = surge + r_dot/'
 bad "no term in its own equation" \
     "[0-9]+:1: m_r: \[terms\] has no term of it in the equation of its degree of freedom, yaw: add"

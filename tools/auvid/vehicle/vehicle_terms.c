@@ -70,6 +70,26 @@ static bool take_parameter(place_t *p, vehicle_terms_t *t)
     return true;
 }
 
+/* The sign of a term in the equation of its parameter's degree of freedom; 0: any. A drag opposes
+ * its own velocity with a negative parameter, a mass its own acceleration with a positive one. */
+static int own_sign(const auvid_parameter_t *parameter, const auvid_term_t *term)
+{
+    bool drag = parameter->kind == AUVID_PARAMETER_LINEAR_DRAG ||
+                parameter->kind == AUVID_PARAMETER_QUADRATIC_DRAG;
+    bool mass =
+        parameter->kind == AUVID_PARAMETER_MASS || parameter->kind == AUVID_PARAMETER_INERTIA;
+    int moves = (drag ? AUVID_FACTOR_U : AUVID_FACTOR_U_DOT) + (int)term->dof, own = 0, others = 0;
+    for (int k = 0; k < 3; ++k) {
+        int f = term->factor[k];
+        bool positive =
+            f == AUVID_FACTOR_ONE || (f >= AUVID_FACTOR_ABS_U && f < AUVID_FACTOR_U_DOT);
+        own += f == moves;
+        others += f != moves && !positive;
+    }
+    bool known = (drag || mass) && term->dof == parameter->dof && own == 1 && others == 0;
+    return !known ? 0 : drag ? -1 : 1;
+}
+
 /* DOF SIGN FACTOR .. of parameter i, up to a comma or the end. */
 static bool take_term(place_t *p, vehicle_terms_t *t, int i)
 {
@@ -96,6 +116,12 @@ static bool take_term(place_t *p, vehicle_terms_t *t, int i)
     }
     term.dof = (uint8_t)dof;
     term.sign = sign == 1 ? 1 : -1;
+    if (own_sign(&t->parameter[i], &term) * term.sign < 0) {
+        return refuse(p,
+                      term.sign > 0
+                          ? "a drag has the sign - in its own equation: its parameter is negative"
+                          : "a mass or an inertia has the sign + before its own acceleration");
+    }
     t->term[t->table.terms++] = term;
     return true;
 }
