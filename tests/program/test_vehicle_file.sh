@@ -234,13 +234,27 @@ for file in passive strong; do
 done
 check "without [excitation]: check says what that means" exits 0 check passive.ini
 check "  in one sentence" grep -q '^    \[excitation\]: without it a log can be checked and' out
-for command in "demo" "vehicle --bus vcan0" "node --bus memory" "replay minnow.log" \
-    "node --bus vcan0"; do
+for command in "demo" "vehicle --bus vcan0" "node --bus memory --excite"; do
     # shellcheck disable=SC2086
     check "  but not $command" refuses 'passive.ini:1:1: no section \[excitation\]: add it' \
         $command --vehicle passive.ini
 done
-check "  nor its header" refuses 'passive.ini:1:1: no section' check passive.ini --header
+check "  a node that does not excite" exits 1 node --bus memory --vehicle passive.ini --sets 1
+check "  listens" grep -q '^auvid .* node on memory, passive$' out
+check "  a replay of one that did, whose estimates differ in digits" \
+    exits 1 replay minnow.log --vehicle passive.ini --sets 4 --json
+check "  identifies its masses" is out 'assert all(abs(P[n]["estimate"] / t - 1) < 0.15
+           for n, t in {"m_u": 5, "m_w": 10, "m_r": 0.09}.items()), P'
+listens() {
+    "$AUVID" check passive.ini --header >minnow.h
+    grep -q 'no \[excitation\]: nothing is excited' minnow.h
+    ! grep -q actuation minnow.h
+    block c | sed '/acting\|actuation/d; s/^    return status .*/    return status;/' >listens.c
+    echo 'int main(void) { return control_init() == AUVID_OK ? 0 : 1; }' >>listens.c
+    "$CC" -std=c11 -DAUVID_MAX_PARAMETERS=32 -DAUVID_MAX_UNCERTAIN=136 -I"$ROOT/lib/include" -I. \
+        -Wall -Wextra -Werror listens.c "$ROOT"/build/wide/lib/src/*/*.o -o listens && ./listens
+}
+check "  its header is of firmware that listens" listens
 for command in "demo" "replay minnow.log" "node --bus memory --excite"; do
     # shellcheck disable=SC2086
     check "more than the thrusters give: not $command" refuses \

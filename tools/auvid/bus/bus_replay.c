@@ -172,7 +172,8 @@ static int read_all(run_t *run)
 static int begin(run_t *run)
 {
     begin_doctor(run);
-    if (bus_identifier_begin(&run->own, run->options, run->options->log, false, true) != 0) {
+    if (bus_identifier_begin(&run->own, run->options, run->options->log, false,
+                             run->options->vehicle->has_excitation) != 0) {
         return EXIT_REFUSED;
     }
     if (run->options->prior != NULL &&

@@ -22,7 +22,7 @@ static int check_vehicle(const char *file, const options_t *options)
         return EXIT_REFUSED;
     }
     bool wrong = vehicle->excitation_refusal[0] != '\0';
-    if (wrong && !options->json && (options->header || vehicle->has_excitation)) {
+    if (wrong && !options->json && vehicle->has_excitation) {
         return report_error("%s", vehicle->excitation_refusal);
     }
     if (options->header) {

@@ -70,10 +70,15 @@ static void print_begin(const vehicle_t *v)
     printf(" *     %s_allocation(&thrusters);              auvid_allocation_init\n", v->word);
     printf(" *     %s_uncertain(&inputs);                  auvid_identifier_attach_uncertain\n",
            v->word);
-    printf(" *     %s_actuation(30, 8, 1, &acting);        auvid_identifier_attach_actuation\n",
-           v->word);
-    puts(" *\n * On a CAN bus: auvid_node_init takes identifier and thrusters, then\n"
-         " * auvid_node_attach_uncertain and auvid_node_attach_actuation.");
+    if (v->has_excitation) {
+        printf(" *     %s_actuation(30, 8, 1, &acting);        auvid_identifier_attach_actuation\n",
+               v->word);
+    }
+    printf(" *\n * On a CAN bus: auvid_node_init takes identifier and thrusters, then\n"
+           " * auvid_node_attach_uncertain%s.\n%s",
+           v->has_excitation ? " and auvid_node_attach_actuation" : "",
+           v->has_excitation ? ""
+                             : " * The vehicle file has no [excitation]: nothing is excited.\n");
     if (v->calibrations > 0) {
         puts(" * [calibration.N] is not here: firmware says when a weight hangs, by\n"
              " * auvid_calibrated_force of estimate.h.");
@@ -195,14 +200,19 @@ static void print_allocation(const vehicle_t *v)
            "        t->gain_backward = thruster[i][AUVID_DOF_COUNT + 3];\n    }\n}\n\n");
 }
 
-static void print_actuation(const vehicle_t *v)
+static void print_uncertain(const vehicle_t *v)
 {
     printf("/** Writes uncertain inputs. */\n"
            "static inline void %s_uncertain(auvid_uncertain_config_t *cfg)\n{\n"
            "    auvid_uncertain_defaults(cfg);\n",
            v->word);
     print_members(KEYS_UNCERTAIN, v, "");
-    printf("}\n\n/** Writes guard and excitation: `sets` sets of set_s seconds. @return that of\n"
+    printf("}\n\n");
+}
+
+static void print_actuation(const vehicle_t *v)
+{
+    printf("/** Writes guard and excitation: `sets` sets of set_s seconds. @return that of\n"
            " * auvid_excitation_plan */\n"
            "static inline auvid_status_t %s_actuation(auvid_real_t set_s, uint32_t sets,\n"
            "    uint64_t seed, auvid_actuation_config_t *cfg)\n{\n"
@@ -222,7 +232,7 @@ static void print_actuation(const vehicle_t *v)
                "            segment->hold_min_s = AUVID_C(1.0);\n"
                "            segment->hold_max_s = AUVID_C(3.0);\n        }\n    }\n");
     }
-    printf("    return status;\n}\n\n#endif\n");
+    printf("    return status;\n}\n\n");
 }
 
 void vehicle_header(const vehicle_t *v)
@@ -233,5 +243,9 @@ void vehicle_header(const vehicle_t *v)
     }
     print_identifier(v);
     print_allocation(v);
-    print_actuation(v);
+    print_uncertain(v);
+    if (v->has_excitation) {
+        print_actuation(v);
+    }
+    puts("#endif");
 }

@@ -167,5 +167,6 @@ int options_replay(options_t *options, int count, char **argument)
     if (status == 0 && log.count == 0) {
         return report_error("replay: no FILE.log given");
     }
-    return status != 0 ? status : options_check_excitation(options, true);
+    return status != 0 ? status
+                       : options_check_excitation(options, options->vehicle->has_excitation);
 }

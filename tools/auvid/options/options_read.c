@@ -286,9 +286,8 @@ int options_read(options_t *options, int count, char **argument, const char *com
 int options_check_excitation(const options_t *options, bool excites)
 {
     const vehicle_t *v = options->vehicle;
-    return v->excitation_refusal[0] == '\0' || (!excites && v->has_excitation)
-               ? 0
-               : report_error("%s", v->excitation_refusal);
+    return v->excitation_refusal[0] == '\0' || !excites ? 0
+                                                        : report_error("%s", v->excitation_refusal);
 }
 
 /* Can the vehicle of this command be simulated? */

@@ -67,8 +67,8 @@ int take_vehicle(reader_t *r, options_t *options, bool in_field);
 int take_thrusters(reader_t *r, options_t *options);
 int take_model(reader_t *r, options_t *options);
 
-/** Has the vehicle of this command wrenches of the excitation, and if it excites, possible ones?
- * Returns 0, or EXIT_REFUSED after one line on stderr. */
+/** Has the vehicle possible wrenches of the excitation, if this command excites? Returns 0, or
+ * EXIT_REFUSED after one line on stderr. */
 int options_check_excitation(const options_t *options, bool excites);
 
 /** Can the vehicle of this command be simulated? */
