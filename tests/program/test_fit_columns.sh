@@ -280,6 +280,13 @@ check "  and named" grep -q 'error    thruster_1_N and thruster_2_N are exchange
 check "vehicles whose thrusters are checked" exits 0 check throttle.csv --vehicle girona500
 check "  no such sentence" sh -c '! grep -q "these slips" out'
 
+sed '1s/u_mps/U_mps/' throttle.csv >capital.csv
+check "a velocity in capitals" exits 1 check capital.csv --vehicle girona500
+check "  is missing to the thrusters, which have no column X_N" grep -q \
+    'u_mps is missing, but the surge force of the thrusters is there: .*: make it of U_mps$' out
+change 'for y in r: y[C["r_radps"]] = 0' <throttle.csv >still.csv
+check "a rate that is stuck" exits 0 check still.csv --vehicle girona500
+check "  likewise" grep -q 'r_radps is always 0, but the yaw moment of the thrusters acts' out
 sed 's/^position_m = 0 0.4/position_m = 0 40/' "$ROOT/tools/auvid/vehicles/girona500.ini" >far.ini
 check "a position in another unit" exits 0 check throttle.csv --vehicle far.ini
 check "  is named" grep -Eq \

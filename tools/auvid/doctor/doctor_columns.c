@@ -126,9 +126,10 @@ static void find_missing(doctor_t *d)
         bool renames = resembling(d, needed[k].column, remedy, sizeof remedy);
         if (!d->has[needed[k].column] && j >= 0 && d->inputs >= 0 && d->has[d->inputs + j]) {
             doctor_add(d, DOCTOR_ERROR, DOCTOR_MISSING, needed[k].column, d->inputs + j, NULL,
-                       "%s is missing, but %s is there: fit needs both: %s, or leave out the input",
-                       csv_name[needed[k].column], csv_name[d->inputs + j],
-                       renames ? remedy : "add the velocity");
+                       "%s is missing, but %s is there: fit needs both: %s%s",
+                       csv_name[needed[k].column], doctor_input_name(d, j),
+                       renames ? remedy : "add the velocity",
+                       d->use == NULL ? ", or leave out the input" : "");
         } else if (!d->has[needed[k].column]) {
             doctor_add(d, DOCTOR_WARNING, DOCTOR_MISSING, needed[k].column, -1, NULL,
                        "%s is missing and counts as zero: %s: %s", csv_name[needed[k].column],
@@ -180,7 +181,7 @@ static void find_stuck(doctor_t *d)
             doctor_add(d, DOCTOR_WARNING, DOCTOR_STUCK, CSV_NU + j, d->inputs + j, NULL,
                        "%s is always %g, but %s acts: both are left out: log the measured %s",
                        csv_name[CSV_NU + j], d->column[CSV_NU + j].first + 0.0,
-                       csv_name[d->inputs + j], j < 3 ? "velocity" : "rate");
+                       doctor_input_name(d, j), j < 3 ? "velocity" : "rate");
         } else if (always(d, CSV_NU + j) && j >= 3 && varies(d, CSV_ATTITUDE + j - 3)) {
             doctor_add(d, DOCTOR_WARNING, DOCTOR_STUCK, CSV_NU + j, CSV_ATTITUDE + j - 3, NULL,
                        "%s is always %g, but %s changes: log the measured rate",
@@ -291,7 +292,7 @@ static void find_limits(doctor_t *d)
             doctor_add(d, DOCTOR_NOTE, DOCTOR_SATURATED, d->inputs + j, -1, NULL,
                        "%s is at its limit of %.4g in %.0f %% of the rows: if the thrusters "
                        "saturate, log the thrust that they give",
-                       csv_name[d->inputs + j], c->limit, 100.0 * c->at_limit / c->n);
+                       doctor_input_name(d, j), c->limit, 100.0 * c->at_limit / c->n);
         }
         if (d->inputs == CSV_COMMAND && doctor_is_pulse(c)) {
             doctor_add(d, DOCTOR_ERROR, DOCTOR_SCALE, d->inputs + j, -1, NULL,

@@ -28,7 +28,7 @@ typedef doctor_gain_t gain_t;
 
 static const char *const axis_name[6] = {"surge", "sway", "heave", "roll", "pitch", "yaw"};
 
-static const char *input_name(const doctor_t *d, int j)
+const char *doctor_input_name(const doctor_t *d, int j)
 {
     static const char *const of_thrusters[6] = {
         "the surge force of the thrusters",  "the sway force of the thrusters",
@@ -221,7 +221,7 @@ static bool moment_is_incidental(const doctor_t *d, int j)
 static void find_sign(doctor_t *d, int j)
 {
     const doctor_range_t *r = &d->pushed[j];
-    const char *input = input_name(d, j), *velocity = csv_name[CSV_NU + j];
+    const char *input = doctor_input_name(d, j), *velocity = csv_name[CSV_NU + j];
     int wrong = velocity_is_wrong(d, j);
     char where[48];
     doctor_where(d, r, where);
@@ -303,8 +303,9 @@ static bool find_exchange(doctor_t *d)
                : velocities ? DOCTOR_VELOCITY_EXCHANGED
                             : DOCTOR_EITHER_EXCHANGED,
                (velocities ? CSV_NU : d->inputs) + i, (velocities ? CSV_NU : d->inputs) + j, &best,
-               "%s follows %s, and %s follows %s%s: %s", csv_name[CSV_NU + i], input_name(d, j),
-               csv_name[CSV_NU + j], input_name(d, i), doctor_where(d, &best, where),
+               "%s follows %s, and %s follows %s%s: %s", csv_name[CSV_NU + i],
+               doctor_input_name(d, j), csv_name[CSV_NU + j], doctor_input_name(d, i),
+               doctor_where(d, &best, where),
                inputs && d->use != NULL
                    ? "thrusters are reversed or exchanged: compare each with the vehicle file"
                : inputs     ? "the two inputs are exchanged: exchange the columns"
@@ -357,7 +358,7 @@ void doctor_inputs(doctor_t *d)
         } else if (doctor_has_input(d, j) && !d->answers[j] && !exchanged && !pushed && !shifted) {
             doctor_add(d, DOCTOR_NOTE, DOCTOR_INPUT_WITHOUT_EFFECT, d->inputs + j, CSV_NU + j, NULL,
                        "%s does not visibly follow %s: %s is not identified from this log",
-                       csv_name[CSV_NU + j], input_name(d, j), axis_name[j]);
+                       csv_name[CSV_NU + j], doctor_input_name(d, j), axis_name[j]);
         }
     }
 }

@@ -293,6 +293,8 @@ void doctor_mirror_scan(doctor_t *d); /* doctor_mirror.c: after the other scans 
 /** Names an angle that is reversed with its rate. Returns whether there is one. */
 bool doctor_mirror(doctor_t *d);
 void doctor_inputs(doctor_t *d);
+/** What the log calls input j; of thrusters, whose forces make it, in words. */
+const char *doctor_input_name(const doctor_t *d, int j);
 /** Has DoF j an input and a velocity that can be compared? */
 bool doctor_has_input(const doctor_t *d, int j);
 /** Finds inputs that are early or late. sign_llr: of all wrong signs together, which explain a
