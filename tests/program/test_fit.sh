@@ -33,6 +33,9 @@ assert all(set(p) == {"name", "unit", "dof", "kind", "estimate", "sigma", "half_
                       "sigma_told", "thrust_error", "dvl_error", "identifiable", "note"}
            for p in d["parameters"])
 assert [p["name"] for p in d["parameters"]] == list(TRUTH)'
+check "it describes the held-out log as the other one" is fit.json '
+for key in "velocity_s", "gaps", "gap_s":
+    assert d["held_out_log"][key] == d["log"][key] is not None, d["held_out_log"]'
 check "parameters within 10 %, masses within 2 %" is fit.json '
 assert all(error(n) < (0.02 if n[0] == "m" else 0.1) for n in TRUTH), {n: error(n) for n in TRUTH}'
 check "every parameter is within four standard errors, W-B with exact thrust" is \

@@ -222,7 +222,7 @@ static void warn_too_long(const job_t *job, const auvid_identifier_t *id)
 /* What the report says of the logs. */
 static void gather_logs(const job_t *job, const replay_inputs_t *inputs, result_t *result)
 {
-    const survey_t *survey = &job->survey;
+    const survey_t *survey = &job->survey, *held_out = &job->test_survey;
     const csv_log_t *test = &job->test_log.csv;
     result->log = (report_log_t){.path = job->path,
                                  .paths = job->train.logs,
@@ -245,7 +245,10 @@ static void gather_logs(const job_t *job, const replay_inputs_t *inputs, result_
                                           .paths = 1,
                                           .shift_s = job->shift_s + job->train.logs,
                                           .rows = test->rows,
-                                          .duration_s = test->last_s - test->first_s};
+                                          .duration_s = test->last_s - test->first_s,
+                                          .velocity_s = 1e-6 * survey_velocity_us(held_out),
+                                          .gaps = held_out->gaps,
+                                          .gap_s = held_out->gap_s};
     }
     result->wrong_log = has_wrong_log(job);
     result->trace = &job->trace;

@@ -33,7 +33,7 @@ typedef struct {
     const options_t *options;
     log_t log[OPTIONS_LOGS], test_log;
     log_set_t train, test;
-    survey_t survey; /**< of the training logs */
+    survey_t survey, test_survey; /**< of the training logs, and of the held-out one */
     log_use_t use;
     auvid_real_t tau_max[AUVID_DOF_COUNT];
     uint32_t cell_us;                         /**< length of the cells; 0: not chosen yet */

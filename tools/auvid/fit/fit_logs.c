@@ -286,7 +286,6 @@ static int survey_log(const job_t *job, survey_t *survey, log_t *log)
 
 static int survey_all(job_t *job)
 {
-    survey_t test;
     double row_gap_s = velocity_row_gap_s(job->options->max_gap_s);
     int status = survey_begin(&job->survey, row_gap_s);
     job->use.gap_us = (uint32_t)(1e6 * row_gap_s + 0.5);
@@ -295,9 +294,8 @@ static int survey_all(job_t *job)
     }
     status = status != 0 ? status : check_thrust(job);
     if (status == 0 && job->test.logs > 0) {
-        status = survey_begin(&test, row_gap_s);
-        status = status != 0 ? status : survey_log(job, &test, &job->test_log);
-        survey_end(&test);
+        status = survey_begin(&job->test_survey, row_gap_s);
+        status = status != 0 ? status : survey_log(job, &job->test_survey, &job->test_log);
     }
     return status;
 }
@@ -427,6 +425,7 @@ int fit_read_logs(job_t *job)
     status = status != 0 ? status : examine_logs(job);
     if (status == 0 && job->logs_left_out > 0) {
         survey_end(&job->survey);
+        survey_end(&job->test_survey);
         status = survey_all(job);
     }
     if (status == 0) {
@@ -454,4 +453,5 @@ void fit_close_logs(job_t *job)
     }
     csv_close(&job->test_log.csv);
     survey_end(&job->survey);
+    survey_end(&job->test_survey);
 }
