@@ -413,4 +413,51 @@ print("\n".join(bad))
 assert links > 20 and not bad
 END
 check "links in the documentation have targets" python3 links.py "$ROOT"
+# The guide of the program names each key of its JSON.
+cat >keys.py <<'END'
+import json, pathlib, re, sys
+guide = pathlib.Path(sys.argv[1]).read_text()
+section = guide.split("\n## JSON\n")[1].split("\n## ")[0]
+words = lambda text: {w for code in re.findall(r"`([^`\n]+)`", text)
+                      for w in re.findall(r"[\w-]+", code)}
+axes = set("XYZKMNuvwpqr") | {"surge", "sway", "heave", "roll", "pitch", "yaw"}
+
+def keys(d, named=()):
+    """All keys of objects, but for those that are names: of axes, groups, parameters."""
+    if isinstance(d, list):
+        return set().union(*(keys(x) for x in d)) if d else set()
+    if not isinstance(d, dict):
+        return set()
+    names = {p["name"] for p in d.get("parameters", [])} if not named else named
+    out = set(d) - axes - names
+    for key, value in d.items():
+        values = value.values() if key == "groups" else [value]
+        out = out.union(*(keys(x, names if key == "truth" else ()) for x in values))
+    return out
+
+for name in sys.argv[2:]:
+    d = json.load(open(name))
+    documented = words(section)
+    if "thrusters" in d:  # the keys of a vehicle file are in the guide's other sections, and in C
+        d = {k: v for k, v in d.items() if k not in ("guard", "uncertainty", "uncertain")}
+        documented |= words(guide)
+    assert keys(d) and keys(d) <= documented, (name, sorted(keys(d) - documented))
+END
+known_keys() {
+    "$AUVID" demo --json --sets 2 --csv whole.csv >1.json
+    "$AUVID" demo --json --sets 1 --literal >2.json
+    "$AUVID" demo --json --sets 1 --adaptive >3.json
+    "$AUVID" demo --json --sets 1 --runs 2 >4.json 2>err
+    "$AUVID" demo --json --scenario operator-abort >5.json
+    "$AUVID" demo --json --scenario current >6.json
+    sed '1s/X_N,Y_N,Z_N,K_Nm,M_Nm,N_Nm/cmd_surge,cmd_sway,cmd_heave,cmd_roll,cmd_pitch,cmd_yaw/' \
+        whole.csv >commands.csv
+    "$AUVID" fit commands.csv --json --plain --map auto --validate commands.csv >7.json 2>err
+    "$AUVID" fit whole.csv --json --thrusters girona500 >8.json 2>err || true
+    "$AUVID" fit none.csv --json >9.json 2>err || true
+    "$AUVID" check whole.csv --json >10.json
+    "$AUVID" check surface --json >11.json
+    python3 keys.py "$ROOT/tools/auvid/README.md" ./*.json
+}
+check "the guide of the program names each key of its JSON" known_keys
 finish
