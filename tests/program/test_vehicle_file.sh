@@ -387,7 +387,8 @@ smallest() { # NAME FILE
     [[ "$sizes" == *THRUSTERS=* ]] && ./smallest
 }
 for name in minnow:minnow.ini bluerov2_standard:bluerov2_standard surface:surface; do
-    check "${name%%:*}: the sizes that the header asks for are enough" smallest "${name%%:*}" "${name#*:}"
+    check "${name%%:*}: the sizes that the header asks for are enough" \
+        smallest "${name%%:*}" "${name#*:}"
 done
 
 # ---- on a Cortex-M4F ----
