@@ -97,10 +97,10 @@ struct Reference {
         return first[j];
     }
 
-    // Products of both drags with a column, of early rows that faded.
-    Vector2d faded(int at) const
+    // Products of both drags with a column, of early rows that are forgotten.
+    Vector2d forgotten(int at) const
     {
-        return Vector2d(double(u.faded[0][at]), double(u.faded[1][at]));
+        return Vector2d(double(u.forgotten[0][at]), double(u.forgotten[1][at]));
     }
 
     // Columns with the inputs of hull and weight orthogonal to the drag of the DoF, over all rows.
@@ -119,11 +119,11 @@ struct Reference {
         }
         Matrix2d dd = d.transpose() * d;
         for (int p = 0; p < 2; ++p) {
-            dd.col(p) += faded(AUVID_UNCERTAIN_OWN + 2 * j + p);
+            dd.col(p) += forgotten(AUVID_UNCERTAIN_OWN + 2 * j + p);
         }
         for (int k = 0; k < e.inputs; ++k) {
             if (code(j, k) >= INPUT_ASYMMETRY) {
-                Vector2d dc = d.transpose() * all.col(k) + faded(e.own_at + k);
+                Vector2d dc = d.transpose() * all.col(k) + forgotten(e.own_at + k);
                 out.col(k) -= chosen * dd.ldlt().solve(dc);
             }
         }

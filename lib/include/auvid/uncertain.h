@@ -339,11 +339,11 @@ typedef struct auvid_uncertain {
     auvid_real_t rows[AUVID_DOF_COUNT]; /* in the R factors */
     /* products of linear, then of quadratic drag with own inputs, then with both drags of each DoF,
        over rows from before the first solution */
-    auvid_real_t faded[2][AUVID_UNCERTAIN_OWN + 2 * AUVID_DOF_COUNT];
+    auvid_real_t forgotten[2][AUVID_UNCERTAIN_OWN + 2 * AUVID_DOF_COUNT];
     auvid_real_t linear[AUVID_DOF_COUNT];        /* part of the drag at 1 m/s or rad/s */
     auvid_real_t hidden[AUVID_DOF_COUNT][2];     /* linear and quadratic drag of the hull, more than
                                                     that of its parameters: the asymmetry's */
-    auvid_real_t half_m;                         /* half of the length, roughly [m] */
+    auvid_real_t half_length_m;                  /* half of the length, roughly [m] */
     auvid_real_t pi[AUVID_MAX_PARAMETERS];       /* last solution */
     auvid_real_t shared[AUVID_UNCERTAIN_SHARED]; /**< estimates by auvid_uncertain_input_t, valid
                                                       if estimate.number > 0; 0: no column */

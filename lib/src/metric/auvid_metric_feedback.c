@@ -32,8 +32,8 @@
  * Roll and pitch are summed by themselves: an autopilot often holds them while the rest is driven
  * in open loop. They have one block of the wrench's past: such an autopilot is quick, and more of
  * the past hides its answers (found in 5 of 12 logs, not 10). DoF that are known to be in closed or
- * in open loop do not count. Older rows fade: their weight halves while eleven sets enter a ring of
- * eight.
+ * in open loop do not count. Older rows are forgotten: their weight halves while eleven sets enter
+ * a ring of eight.
  */
 #include "auvid_metric_feedback_internal.h"
 
@@ -78,7 +78,7 @@ static uint32_t feedback_block(const auvid_metric_t *m, uint32_t *gap)
 }
 
 /* A set has been stored since the last row: the older rows count less. */
-static void feedback_fade(auvid_metric_feedback_t *f, const auvid_metric_t *m)
+static void feedback_forget(auvid_metric_feedback_t *f, const auvid_metric_t *m)
 {
     auvid_real_t keep = AUVID_C(1.0) - AUVID_C(0.5) / (auvid_real_t)m->cfg.sets;
     for (int j = 0; f->stored != m->sets.stored && j < AUVID_DOF_COUNT; ++j) {
@@ -155,7 +155,7 @@ void auvid_metric_watch(auvid_metric_t *m, const auvid_sample_t *cell, const auv
     }
     uint32_t phase = f->cells++ % block;
     if (phase == gap - 1u) {
-        feedback_fade(f, m);
+        feedback_forget(f, m);
         for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
             if ((dofs >> j & 1) != 0) {
                 feedback_add_row(m, j);

@@ -243,8 +243,8 @@ static bool instruments_column_is_strong(const instruments_t *n, int j, const ui
     return p > INSTRUMENTS_STRONG * (auvid_real_t)n->of[j].count * noise;
 }
 
-/* The rows hold about as much as the ring: older ones fade. */
-static void instruments_fade(instruments_t *n, const auvid_metric_t *m, int j)
+/* The rows hold about as much as the ring: older ones are forgotten. */
+static void instruments_forget(instruments_t *n, const auvid_metric_t *m, int j)
 {
     const auvid_instrument_t *of = &n->of[j];
     auvid_real_t full = (auvid_real_t)m->cfg.sets * (auvid_real_t)m->cfg.set_rows;
@@ -267,7 +267,7 @@ static uint32_t instruments_strong(auvid_uncertain_t *u, const auvid_metric_t *m
         if (!(n->rows[j] >= AUVID_UNCERTAIN_LEAST_ROWS) || !auvid_uncertain_has_rows(u, j)) {
             continue;
         }
-        instruments_fade(n, m, j);
+        instruments_forget(n, m, j);
         for (int k = 0; k < auvid_metric_equation(m, j).count && count < INSTRUMENTS_OWN; ++k) {
             if ((int)m->cfg.vehicle->parameter[index[k]].dof == j) {
                 own[count++] = (uint8_t)(u->equation[j].inputs + k);

@@ -84,7 +84,7 @@ static bool uncertain_begin(auvid_identifier_t *id)
         return false; /* it is solved: only the sets have been measured again */
     }
     bool ready = uncertain_is_ready(id);
-    if (ready) { /* else the last estimate stays: early rows have faded, or a DoF is new */
+    if (ready) { /* else the last estimate stays: early rows are forgotten, or a DoF is new */
         auvid_uncertain_begin(uncertain_of(id));
     }
     return ready;
@@ -246,7 +246,7 @@ static void uncertain_publish(auvid_identifier_t *id)
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
         u->linear[j] = auvid_uncertain_linear_part(u, &id->metric, j);
     }
-    u->half_m = auvid_uncertain_half_length(u, &id->metric);
+    u->half_length_m = auvid_uncertain_half_length(u, &id->metric);
     u->informed = (uint8_t)(u->informed + (u->informed < 2));
 }
 
@@ -281,7 +281,7 @@ static void uncertain_check(const auvid_identifier_t *id, const auvid_uncertain_
 /* Connect them to what calls them. */
 static void uncertain_connect(auvid_identifier_t *id, auvid_uncertain_t *u)
 {
-    u->half_m = uncertain_first_half(&id->metric);
+    u->half_length_m = uncertain_first_half(&id->metric);
     id->attached.uncertain = u;
     id->attached.uncertain_functions = &uncertain_table;
     id->metric.extra = &auvid_uncertain_extra;
@@ -358,7 +358,7 @@ auvid_status_t auvid_uncertain_start(auvid_uncertain_t *uncertain, const auvid_u
     memcpy(u->own, known->own, sizeof u->own);
     memcpy(u->linear, known->linear, sizeof u->linear);
     memcpy(u->hidden, known->hidden, sizeof u->hidden);
-    u->half_m = known->half_m;
+    u->half_length_m = known->half_length_m;
     u->scale = known->scale;
     u->informed = 2;
     u->given = true;

@@ -32,10 +32,10 @@ static const auvid_checkpoint_limit_t checkpoint_limit_uncertain[] = {
     FINITE(uncertain, work.part.factor, work.part.scale),
     FINITE(uncertain, factor, factor),
     UP_TO(uncertain, rows, rows, AUVID_C(1e9)),
-    FINITE(uncertain, faded, faded),
+    FINITE(uncertain, forgotten, forgotten),
     UP_TO(uncertain, linear, linear, 1),
     FINITE(uncertain, hidden, hidden),
-    UP_TO(uncertain, half_m, half_m, AUVID_LARGEST),
+    UP_TO(uncertain, half_length_m, half_length_m, AUVID_LARGEST),
     VALUE(uncertain, pi, own),
     UP_TO(uncertain, scale, scale, 2),
     FLAG(uncertain, excited, excited),
@@ -75,7 +75,7 @@ static bool checkpoint_check_solution(const auvid_identifier_t *id, const uint8_
     int phase = (int)OF_INPUTS(work.phase), j = (int)OF_INPUTS(work.dof);
     int i = (int)OF_INPUTS(work.row);
     bool projected = OF_INPUTS(work.strong) != 0;
-    bool seeks = (phase == SOLVE_LEFT && i > 0) || phase == SOLVE_OPTIMUM || phase == SOLVE_START;
+    bool seeks = (phase == SOLVE_REDUCE && i > 0) || phase == SOLVE_OPTIMUM || phase == SOLVE_START;
     if (work != AUVID_WORK_LINEARISE) {
         return (work == AUVID_WORK_MEASURE || work == AUVID_WORK_CONFIDENCE) && phase == SOLVE_DONE;
     }

@@ -414,17 +414,18 @@ static auvid_real_t uncertain_drag(const auvid_uncertain_t *u, const auvid_sampl
     return speed * (linear + (AUVID_C(1.0) - linear) * speed);
 }
 
-/* Returns DoF j's column of cross-flow drag; half_m: half of the length, 0: not known. */
-static auvid_real_t uncertain_cross_flow(const auvid_real_t *nu, auvid_real_t half_m, int j)
+/* Returns DoF j's column of cross-flow drag; half_length_m: half of the length, 0: not known. */
+static auvid_real_t uncertain_cross_flow(const auvid_real_t *nu, auvid_real_t half_length_m, int j)
 {
     auvid_real_t square = AUVID_C(0.0), turn = AUVID_C(0.0);
     for (int i = AUVID_SURGE; i <= AUVID_HEAVE; ++i) {
         square += nu[i] * nu[i];
     }
     if (j < AUVID_HEAVE) {
-        turn = STRIP * half_m * nu[AUVID_YAW];
+        turn = STRIP * half_length_m * nu[AUVID_YAW];
     } else if (j >= AUVID_ROLL) {
-        square = half_m > AUVID_C(0.0) ? square / (half_m * half_m) : AUVID_C(0.0);
+        square =
+            half_length_m > AUVID_C(0.0) ? square / (half_length_m * half_length_m) : AUVID_C(0.0);
         turn = nu[j];
     }
     return (auvid_sqrt(square + turn * turn) - auvid_abs(nu[j])) * nu[j];
@@ -445,7 +446,7 @@ static auvid_real_t uncertain_motion(const auvid_uncertain_t *u, const auvid_sam
     case INPUT_LIFT:
         return nu[AUVID_SURGE] * nu[j == AUVID_YAW ? AUVID_SWAY : AUVID_SURGE];
     case INPUT_CROSS_FLOW:
-        return uncertain_cross_flow(nu, u->half_m, j);
+        return uncertain_cross_flow(nu, u->half_length_m, j);
     case INPUT_ASTERN:
         return j == AUVID_YAW ? down[1] : -down[2];
     default: /* INPUT_PORT */

@@ -72,18 +72,19 @@ static void uncertain_find_drag(uncertain_t *u, const auvid_metric_t *m, int j)
     }
 }
 
-/* Where the product of drag d with an own input k, or with drag, of faded rows is. */
-static auvid_real_t *uncertain_faded(uncertain_t *u, int j, int d, int k)
+/* Where the product of drag d with an own input k, or with drag, of forgotten rows is. */
+static auvid_real_t *uncertain_forgotten(uncertain_t *u, int j, int d, int k)
 {
     const auvid_uncertain_equation_t *e = &u->equation[j];
     int drag = AUVID_UNCERTAIN_OWN + 2 * j + (k == u->work.part.drag_at[1]);
-    return &u->faded[d][k < e->own ? e->own_at + k : drag];
+    return &u->forgotten[d][k < e->own ? e->own_at + k : drag];
 }
 
 /* Product of drag d with an own input k, or with drag, over all rows. */
 static auvid_real_t uncertain_drag_product(uncertain_t *u, int j, int d, int k)
 {
-    return auvid_uncertain_product(u, j, u->work.part.drag_at[d], k) + *uncertain_faded(u, j, d, k);
+    return auvid_uncertain_product(u, j, u->work.part.drag_at[d], k) +
+           *uncertain_forgotten(u, j, d, k);
 }
 
 /* Products of linear and quadratic drag. */
@@ -351,15 +352,15 @@ static void uncertain_keep_rows(uncertain_t *u, int j, auvid_real_t rows)
     u->rows[j] = rows;
 }
 
-/* Keep this part of the products of DoF j's faded rows, and add one of those of the others. */
-static void uncertain_change_faded(uncertain_t *u, int j, auvid_real_t keep, auvid_real_t add)
+/* Keep this part of the products of DoF j's forgotten rows, and add one of those of the others. */
+static void uncertain_change_forgotten(uncertain_t *u, int j, auvid_real_t keep, auvid_real_t add)
 {
     const auvid_uncertain_equation_t *e = &u->equation[j];
     for (int k = 0; k < e->own + 2; ++k) {
         int column = k < e->own ? k : u->work.part.drag_at[k - e->own];
         for (int d = 0; d < 2 && column < e->order; ++d) {
             int drag = u->work.part.drag_at[d];
-            auvid_real_t *product = uncertain_faded(u, j, d, column);
+            auvid_real_t *product = uncertain_forgotten(u, j, d, column);
             *product *= keep;
             if (add > AUVID_C(0.0) && drag < e->order) {
                 *product += add * auvid_uncertain_product(u, j, drag, column);
@@ -368,14 +369,14 @@ static void uncertain_change_faded(uncertain_t *u, int j, auvid_real_t keep, auv
     }
 }
 
-/* The rows hold about as much as the ring, but enough for a solution: older ones fade. */
-static void uncertain_fade(uncertain_t *u, const auvid_metric_t *m, int j)
+/* The rows hold about as much as the ring, but enough for a solution: older ones are forgotten. */
+static void uncertain_forget(uncertain_t *u, const auvid_metric_t *m, int j)
 {
     auvid_real_t full = auvid_max((auvid_real_t)m->cfg.sets * (auvid_real_t)m->cfg.set_rows,
                                   AUVID_UNCERTAIN_LEAST_ROWS);
     auvid_real_t keep = full / u->rows[j];
     if (keep < AUVID_C(1.0)) {
-        uncertain_change_faded(u, j, keep, AUVID_C(0.0));
+        uncertain_change_forgotten(u, j, keep, AUVID_C(0.0));
         uncertain_keep_rows(u, j, full);
     }
 }
@@ -385,7 +386,7 @@ static void uncertain_fade(uncertain_t *u, const auvid_metric_t *m, int j)
  * eight makes Y_v 33 % too large. The second set knows the vehicle, but no current, and its rows
  * lack the square of this. The rows do not vanish, as other DoF may be excited later; and what drag
  * takes of the hull's inputs is to be that of the whole motion. */
-void auvid_uncertain_fade_early(uncertain_t *u, const auvid_metric_t *m, int j)
+void auvid_uncertain_forget_early(uncertain_t *u, const auvid_metric_t *m, int j)
 {
     auvid_real_t keep = EARLY_ROW;
     if (u->informed > 0) {
@@ -394,7 +395,7 @@ void auvid_uncertain_fade_early(uncertain_t *u, const auvid_metric_t *m, int j)
         keep = auvid_max(keep, AUVID_C(1.0) / (AUVID_C(1.0) + x * x + y * y));
     }
     uncertain_find_drag(u, m, j);
-    uncertain_change_faded(u, j, AUVID_C(1.0), AUVID_C(1.0) - keep);
+    uncertain_change_forgotten(u, j, AUVID_C(1.0), AUVID_C(1.0) - keep);
     uncertain_keep_rows(u, j, keep * u->rows[j]);
 }
 
@@ -405,7 +406,7 @@ void auvid_uncertain_prepare(uncertain_t *u, const auvid_metric_t *m, int j)
     auvid_zero(p, sizeof *p);
     uncertain_find_drag(u, m, j);
     if (u->work.pass == 0) {
-        uncertain_fade(u, m, j);
+        uncertain_forget(u, m, j);
     }
     uncertain_prepare_values(u, m, j);
     for (int band = 0; band < AUVID_METRIC_BANDS; ++band) {

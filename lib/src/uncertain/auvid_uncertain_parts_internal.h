@@ -21,7 +21,7 @@ enum {
     SOLVE_SHARED,
     SOLVE_FINISH,
     SOLVE_SCALE,
-    SOLVE_LEFT, /**< from its second step to SOLVE_START, id->optimum is in use */
+    SOLVE_REDUCE, /**< from its second step to SOLVE_START, id->optimum is in use */
     SOLVE_OPTIMUM,
     SOLVE_START,
     SOLVE_SEARCH, /**< id->optimizer is in use, if id->work.searching */
@@ -88,7 +88,7 @@ void auvid_uncertain_prepare(auvid_uncertain_t *u, const auvid_metric_t *m, int 
 
 /** At the end of the first and second solution: DoF j's rows from before it count less from now on,
  * because their columns of current, lever arm and late DVL are of no vehicle, or of no current. */
-void auvid_uncertain_fade_early(auvid_uncertain_t *u, const auvid_metric_t *m, int j);
+void auvid_uncertain_forget_early(auvid_uncertain_t *u, const auvid_metric_t *m, int j);
 
 /** Find what column k of DoF j, of the hull, has of its linear and quadratic drag. Writes
  * work.part.drag_at, too. */
@@ -152,9 +152,9 @@ static inline const auvid_real_t *auvid_uncertain_joint_row(const auvid_uncertai
     return u->work.joint + auvid_qr_row(JOINT_ORDER, i) - i;
 }
 
-/** Take row i of the parameters, which is left, into the problem of their minimum; the first begins
- * it. */
-void auvid_uncertain_leave(auvid_uncertain_t *u, int i);
+/** Take row i of the reduced R factor, which has the parameters alone, into the problem of their
+ * minimum; the first begins it. */
+void auvid_uncertain_reduce(auvid_uncertain_t *u, int i);
 
 /** Change the active set of the minimum within the bounds. @return is it found? */
 bool auvid_uncertain_find_optimum(auvid_uncertain_t *u);

@@ -20,7 +20,7 @@ enum { UNCERTAIN_NONE, UNCERTAIN_CELL, UNCERTAIN_FORMED };
 void auvid_uncertain_restart(auvid_uncertain_t *u)
 {
     auvid_zero(u->factor, sizeof u->factor);
-    auvid_zero(u->faded, sizeof u->faded);
+    auvid_zero(u->forgotten, sizeof u->forgotten);
     memset(u->rows, 0, sizeof u->rows);
     u->begin_us = 0;
     u->recorded.pending = 0;

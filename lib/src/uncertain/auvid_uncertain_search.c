@@ -15,8 +15,8 @@
 
 typedef auvid_uncertain_t uncertain_t;
 
-/* Norm of parameter p's column in what is left. */
-static auvid_real_t uncertain_left_norm(const uncertain_t *u, int p)
+/* Norm of parameter p's column in the reduced factor. */
+static auvid_real_t uncertain_reduced_norm(const uncertain_t *u, int p)
 {
     auvid_real_t squares = AUVID_C(0.0);
     for (int i = 0; i <= p; ++i) {
@@ -41,7 +41,7 @@ static void uncertain_begin_optimum(uncertain_t *u)
     id->work.active = 0;
     for (int p = 0; p < id->metric.cfg.vehicle->parameters; ++p) {
         auvid_real_t z = auvid_uncertain_joint_row(u, PARAMETERS_AT + p)[JOINT_ORDER - 1];
-        id->work.active |= (uint32_t)(uncertain_left_norm(u, p) > AUVID_C(0.0)) << p;
+        id->work.active |= (uint32_t)(uncertain_reduced_norm(u, p) > AUVID_C(0.0)) << p;
         squares += z * z;
     }
     u->work.weight = squares > AUVID_C(0.0) ? AUVID_C(1.0) / squares : AUVID_C(1.0);
@@ -49,7 +49,7 @@ static void uncertain_begin_optimum(uncertain_t *u)
     id->optimum.dof = AUVID_DOF_COUNT;
 }
 
-void auvid_uncertain_leave(uncertain_t *u, int i)
+void auvid_uncertain_reduce(uncertain_t *u, int i)
 {
     auvid_bounded_ls_t *ls = &u->id->optimum;
     auvid_real_t row[AUVID_MAX_PARAMETERS + 1];
@@ -77,7 +77,7 @@ void auvid_uncertain_begin_search(uncertain_t *u)
     auvid_real_t unit[SCALES], scale = auvid_sqrt(u->work.weight);
     auvid_minimum_t minimum = auvid_identifier_take_optimum(id, uncertain_constant(u), u->pi);
     for (int p = 0; p < AUVID_MAX_PARAMETERS; ++p) {
-        auvid_real_t norm = uncertain_left_norm(u, p);
+        auvid_real_t norm = uncertain_reduced_norm(u, p);
         unit[p] = norm > AUVID_C(0.0) ? AUVID_C(1.0) / (scale * norm) : AUVID_C(0.0);
     }
     id->work.searching =

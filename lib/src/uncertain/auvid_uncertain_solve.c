@@ -246,9 +246,9 @@ static uint32_t uncertain_rotation(int n)
     return (uint32_t)(n * (n + 8)) / 36u;
 }
 
-/* Is input i of DoF j the last to read its rows before the early ones fade? Those of a passive
- * vehicle stay: a controller moves it so little that each set counts. */
-static bool uncertain_fades(const uncertain_t *u, int j, int i)
+/* Is input i of DoF j the last to read its rows before the early ones are forgotten? Those of a
+ * passive vehicle stay: a controller moves it so little that each set counts. */
+static bool uncertain_forgets(const uncertain_t *u, int j, int i)
 {
     const auvid_uncertain_equation_t *e = &u->equation[j];
     bool moves = false; /* has it a column that is formed with the last solution? */
@@ -284,7 +284,7 @@ static uint32_t uncertain_price(const uncertain_t *u)
         return uncertain_rotation(JOINT_ORDER - auvid_uncertain_joint_column(u, m, j, i));
     case SOLVE_SHARED:
         return uncertain_rotation(JOINT_ORDER - i);
-    case SOLVE_LEFT:
+    case SOLVE_REDUCE:
         return uncertain_rotation(m->cfg.vehicle->parameters);
     case SOLVE_START:
         return SEARCH_START_COST;
@@ -300,7 +300,8 @@ static uint32_t uncertain_price(const uncertain_t *u)
     case SOLVE_SIGMA:
         return joint / 15u;
     default: /* SOLVE_CAUSES */
-        return joint / 24u + (uncertain_fades(u, j, i) ? (uint32_t)(e->order * e->order) / 7u : 0u);
+        return joint / 24u +
+               (uncertain_forgets(u, j, i) ? (uint32_t)(e->order * e->order) / 7u : 0u);
     }
 }
 
@@ -324,7 +325,7 @@ static int uncertain_steps(const uncertain_t *u, const auvid_metric_t *m, int ph
         return AUVID_DOF_COUNT;
     case SOLVE_CAUSES:
         return e->inputs;
-    case SOLVE_LEFT:
+    case SOLVE_REDUCE:
     case SOLVE_SIGMA:
         return m->cfg.vehicle->parameters;
     default:
@@ -375,8 +376,8 @@ static bool uncertain_step(uncertain_t *u, const auvid_metric_t *m)
     case SOLVE_SCALE:
         uncertain_scale(u, m, i);
         break;
-    case SOLVE_LEFT:
-        auvid_uncertain_leave(u, i);
+    case SOLVE_REDUCE:
+        auvid_uncertain_reduce(u, i);
         break;
     case SOLVE_OPTIMUM:
         return !auvid_uncertain_find_optimum(u);
@@ -396,8 +397,8 @@ static bool uncertain_step(uncertain_t *u, const auvid_metric_t *m)
         break;
     default: /* SOLVE_CAUSES */
         auvid_uncertain_consider(u, j, i);
-        if (uncertain_fades(u, j, i)) {
-            auvid_uncertain_fade_early(u, m, j);
+        if (uncertain_forgets(u, j, i)) {
+            auvid_uncertain_forget_early(u, m, j);
         }
         break;
     }

@@ -276,7 +276,7 @@ static void test_a_record_of_feedback_gives_no_prior(void)
     TEST_ASSERT_TRUE(auvid_prior_load(&id, record, sizeof record) < 0 || prior.known == 0);
 }
 
-/* The controller's rows fade. */
+/* The controller's rows are forgotten. */
 static void test_flags_return_after_the_controller(void)
 {
     run(400.0, CONTROLLER);

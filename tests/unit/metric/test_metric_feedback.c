@@ -79,7 +79,7 @@ static void expect_row(int n, int count, int j)
 }
 
 /* A set has been stored: older rows count less. */
-static void fade(void)
+static void forget(void)
 {
     double keep = metric.sets.stored != stored ? 1.0 - 0.5 / cfg.sets : 1.0;
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
@@ -124,7 +124,7 @@ static void feed_cells(void)
         count = counts ? count + 1 : 0;
         bool complete = counts && count > block && (count - gap) % block == 0;
         if (complete) {
-            fade();
+            forget();
         }
         for (int j = 0; complete && j < AUVID_DOF_COUNT; ++j) {
             if ((dofs >> j & 1) != 0) {

@@ -186,8 +186,9 @@ static void test_the_first_length_is_that_of_the_thrusters(void)
     TEST_ASSERT_EQUAL(AUVID_OK, attach());
     const auvid_real_t *max = chain.id.metric.cfg.tau_max;
     double force = fmax(fmax((double)max[0], (double)max[1]), (double)max[2]);
-    TEST_ASSERT_DOUBLE_WITHIN(1e-6, 2.0 * (double)max[AUVID_YAW] / force, (double)storage.half_m);
-    TEST_ASSERT_TRUE(storage.half_m < AUVID_C(0.6));
+    TEST_ASSERT_DOUBLE_WITHIN(1e-6, 2.0 * (double)max[AUVID_YAW] / force,
+                              (double)storage.half_length_m);
+    TEST_ASSERT_TRUE(storage.half_length_m < AUVID_C(0.6));
 }
 
 static void test_more_columns_than_there_is_room_for_are_refused(void)
