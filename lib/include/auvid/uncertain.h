@@ -313,7 +313,10 @@ typedef struct {
 
 /** Uncertain inputs. The caller owns it; only the functions write. */
 typedef struct auvid_uncertain {
-    auvid_uncertain_config_t cfg;
+    union {
+        auvid_uncertain_config_t cfg;
+        auvid_refusal_t refusal; /**< what attaching was refused for; not after AUVID_OK */
+    };
     auvid_identifier_t *id;
     const auvid_allocation_t *allocation;
     struct auvid_instruments *instruments;                                  /* NULL: none */
@@ -328,10 +331,7 @@ typedef struct auvid_uncertain {
                             thrust; of moments likewise */
     /* state: from here on, see checkpoint.h */
     uint64_t begin_us;         /* of the first cell of the rows; 0: none */
-    union {
-        auvid_sample_t cell;     /* the last one */
-        auvid_refusal_t refusal; /**< what attaching was refused for; not after AUVID_OK */
-    };
+    auvid_sample_t cell;       /* the last one */
     auvid_estimate_t estimate; /* read auvid_identifier_estimate */
     auvid_uncertain_rows_t recorded;
     auvid_uncertain_solution_t work;

@@ -167,7 +167,7 @@ typedef struct {
  * (built_for is NULL or not AUVID_BUILD: the model may have been compiled with other sizes);
  * AUVID_ERR_PARAMETERS (n out of range); AUVID_ERR_MODEL (no path; neither residual nor regressor;
  * `thrust` without residual or ignores_inputs; no DoF modelled; a mask or `affine` has a parameter
- * >= n; a parameter is not in the equation of its dof;
+ * >= n; a parameter's dof is not modelled, or it is in other equations only;
  * `reads` of a DoF has a velocity >= 6 or lacks the DoF's own). Cost: O(n). */
 auvid_status_t auvid_vehicle_check(const auvid_vehicle_t *vehicle);
 

@@ -36,9 +36,9 @@ static void vehicle_check_masks(const auvid_vehicle_t *vehicle, auvid_refusal_t 
     for (int i = 0; i < vehicle->parameters; ++i) {
         auvid_dof_t dof = vehicle->parameter[i].dof;
         auvid_check_element(why, i);
-        auvid_check_that(why,
-                         (unsigned)dof < AUVID_DOF_COUNT && (vehicle->columns[dof] >> i & 1u) != 0,
-                         AUVID_ERR_MODEL, "parameter.dof");
+        uint32_t columns = (unsigned)dof < AUVID_DOF_COUNT ? vehicle->columns[dof] : 0u;
+        bool elsewhere = ((all & ~columns) >> i & 1u) != 0;
+        auvid_check_that(why, columns != 0 && !elsewhere, AUVID_ERR_MODEL, "parameter.dof");
     }
 }
 
