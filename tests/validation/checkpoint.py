@@ -16,9 +16,9 @@ from auvid_validation.dwarf import Binding
 
 # Unused between calls: unions whose other member is saved; the configuration, which init copies;
 # what follows from it.
-DEAD = ("cfg.", "refusal.", "actuation.refusal.", "uncertain.refusal.", "metric.evaluator.regressor",
-        "confidence.regressor", "metric.layout.", "metric.cfg.velocity_us", "default_scale",
-        "instruments.of", "instruments.lags")
+DEAD = ("cfg.", "refusal.", "actuation.refusal.", "uncertain.refusal.",
+        "metric.evaluator.regressor", "confidence.regressor", "metric.layout.",
+        "metric.cfg.velocity_us", "default_scale", "instruments.of", "instruments.lags")
 # Costs and residuals, infinite or not a number where a model fails; rows not yet checked.
 MAY_FAIL = ("change.predicted", "change.statistic", "metric.evaluator.window",
             "metric.evaluator.sum", "metric.evaluator.compensation", "metric.evaluator.squares",

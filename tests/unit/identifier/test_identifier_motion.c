@@ -193,6 +193,47 @@ static void test_the_period_of_motion_from_elsewhere_is_observed(void)
     TEST_ASSERT_EQUAL_UINT32(50000, chain.id.metric.cfg.velocity_us);
 }
 
+/* Mass of a body in surge that answers within half a second, from velocities so far apart. */
+static double mass_from_velocities(uint32_t period_us)
+{
+    const double mass = 80.0, drag = 160.0, dt = 0.01;
+    const auvid_real_t level[3] = {0, 0, 0};
+    auvid_real_t nu[AUVID_DOF_COUNT] = {0}, wrench[AUVID_DOF_COUNT] = {0};
+    auvid_identifier_t *id = &chain.id;
+    double u = 0.0;
+    uint32_t next = 0;
+    sim_rng_t rng;
+    sim_rng_seed(&rng, 1, 1);
+    cfg.id.exact_inputs = true;
+    cfg.id.metric.free = 1u << AUVID_G500_M_U | 1u << AUVID_G500_X_U;
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(id, &cfg.id));
+    for (uint32_t k = 0; k < 30000; ++k) {
+        uint64_t t_us = (uint64_t)(k + 1u) * 10000u;
+        if (k == next) { /* steps of 1 to 3 s */
+            wrench[AUVID_SURGE] = (auvid_real_t)(100.0 * sim_rng_uniform(&rng) - 50.0);
+            next += 100u + (uint32_t)(200.0 * sim_rng_uniform(&rng));
+        }
+        nu[AUVID_SURGE] = (auvid_real_t)u;
+        (void)auvid_identifier_applied(id, t_us, wrench, NULL);
+        (void)auvid_identifier_attitude(id, t_us, level, nu + AUVID_ROLL);
+        if (t_us % period_us == 0) {
+            (void)auvid_identifier_velocity(id, t_us, nu, 7u);
+        }
+        u += ((double)wrench[AUVID_SURGE] - drag * u) / mass * dt;
+        (void)auvid_identifier_work(id, AUVID_DEFAULT_BUDGET);
+    }
+    TEST_ASSERT_EQUAL_UINT32(period_us, id->metric.cfg.velocity_us);
+    TEST_ASSERT_TRUE(id->estimate.number > 0);
+    return (double)id->estimate.pi[AUVID_G500_M_U] / mass;
+}
+
+static void test_velocities_that_are_far_apart_leave_the_mass_right(void)
+{
+    for (uint32_t period_us = 100000; period_us <= 900000; period_us += 100000) {
+        TEST_ASSERT_DOUBLE_WITHIN(0.04, 1.0, mass_from_velocities(period_us));
+    }
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -204,5 +245,6 @@ int main(void)
     RUN_TEST(test_attitude_and_velocity_apart_may_have_different_rates);
     RUN_TEST(test_attitude_and_velocity_of_a_wrong_time_or_value_are_refused);
     RUN_TEST(test_the_period_of_motion_from_elsewhere_is_observed);
+    RUN_TEST(test_velocities_that_are_far_apart_leave_the_mass_right);
     return UNITY_END();
 }
