@@ -347,6 +347,7 @@ static void make_estimate(auvid_estimate_t *e, const double pi[3], double p[3][3
     static const int at[3] = {AUVID_G500_M_W, AUVID_G500_Z_W, N};
     memset(e, 0, sizeof *e);
     e->number = 1;
+    e->sets = 1;
     e->confidence.uncertainty.thrust_scale = (auvid_real_t)prior;
     for (int i = 0; i < 3; ++i) {
         double thrust = prior * pi[i];
@@ -437,6 +438,11 @@ static void test_flags_follow_the_half_width_in_si(void)
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_calibrated_estimate(&model, &told, &si));
     TEST_ASSERT_EQUAL_HEX32(1u << AUVID_G500_M_W | 1u << N, si.confidence.identifiable);
     TEST_ASSERT_EQUAL(AUVID_NOTE_NONE, si.confidence.note[AUVID_G500_M_W]);
+    told.sets = 0; /* of a prior record: no data have shown k */
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_calibrated_estimate(&model, &told, &si));
+    TEST_ASSERT_EQUAL_HEX32(0, si.confidence.identifiable >> N & 1u);
+    told.sets = 1;
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_calibrated_estimate(&model, &told, &si));
     TEST_ASSERT_EQUAL(AUVID_NOTE_THRUST_SCALE, si.confidence.note[AUVID_G500_Z_W]);
     TEST_ASSERT_DOUBLE_WITHIN(1e-4, 0.01, (double)si.confidence.bound[AUVID_G500_Z_W]);
     c->note[AUVID_G500_M_W] = AUVID_NOTE_COMBINATION; /* another fault stays */

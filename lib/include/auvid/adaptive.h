@@ -20,7 +20,8 @@
  * The run ends by itself, with a fade, when every parameter is identifiable, known to be small, or
  * abandoned. A parameter is abandoned if its degree of freedom is not excited. It is also abandoned
  * after three sets if its uncertainty would remain more than 1.5 times too large at the end: with
- * all data that fit into the run and the ring; or once the ring is full.
+ * all data that fit into the run and the ring; or once the ring is full. If sets are dropped, for a
+ * change of the vehicle or longer cells, all is open again.
  * auvid_adaptive_t.abandoned lists the abandoned parameters; estimate.confidence holds the reason.
  * The estimate that decides is that of auvid_identifier_estimate: with uncertain inputs attached it
  * is known later, mostly by the end of the ring.
@@ -60,8 +61,9 @@ typedef struct {
     auvid_real_t amplitude[AUVID_DOF_COUNT];
     /** Excursion limit: displacement of each DoF beyond which it is brought back [m, rad], >= 0;
      * zero: no limit. Default 5 m in surge and sway, 3 m in heave, 2 pi in yaw. In surge and sway
-     * at most 0.3 of the guard's distance_max_m is used, unless that limit is off: otherwise the
-     * vehicle would wander until the guard aborts. */
+     * at most 0.3 of the guard's distance_max_m is used, unless that limit is off, and in heave 0.3
+     * of half the way from depth_min_m to depth_max_m: otherwise the vehicle would wander until the
+     * guard aborts. Begin in the middle of the depths. */
     auvid_real_t excursion_limit[AUVID_DOF_COUNT];
     auvid_real_t max_s; /**< longest run [s], 30..AUVID_EXCITATION_LONGEST_S; default 480 */
     uint64_t seed;      /**< of signs and holds, any value; default 1 */
@@ -76,10 +78,9 @@ typedef struct {
                              DoF is not excited, or all data of the run would not suffice */
     uint32_t estimate;  /* number of the last estimate evaluated */
     uint32_t sets;      /* recorded by then */
-    uint16_t close_rows;            /* complete the set at so many rows; 0: when full */
-    uint8_t playing;                /**< bit j: DoF j is excited at present */
-    uint8_t tried[AUVID_DOF_COUNT]; /* sets recorded while it was, 255: that or more */
-    uint8_t reserved[7];
+    uint16_t close_rows; /* complete the set at so many rows; 0: when full */
+    uint8_t playing;     /**< bit j: DoF j is excited at present */
+    uint8_t reserved[5];
 } auvid_adaptive_t;
 
 #define auvid_adaptive_defaults AUVID_SIZED0(auvid_adaptive_defaults)

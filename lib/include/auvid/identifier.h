@@ -355,6 +355,9 @@ typedef struct auvid_identifier {
 
 #define auvid_identifier_estimate AUVID_SIZED(auvid_identifier_estimate)
 /** Read the last estimate.
+ * With uncertain inputs it is that of their last solution. After a change of the vehicle, or with
+ * longer cells, it is the one without them until the next solution, in which nothing is
+ * identifiable; its number is that of the same sets.
  * @return it, valid until the next call of work or restore; NULL: there is none yet (or `id` is
  * NULL). Its numbers are zero until then, so do not read them otherwise. Cost: O(1). */
 const auvid_estimate_t *auvid_identifier_estimate(const auvid_identifier_t *id);

@@ -8,7 +8,13 @@
  * identifier started with a record has its parameters as the first estimate, and also as one data
  * set recorded before. They are not identifiable yet: the vehicle may have been changed ashore. The
  * first recorded set is tested against the record. If the two do not belong to the same vehicle,
- * the record is discarded; then the identifier behaves as after a cold start.
+ * the record is discarded; then the identifier behaves as after a cold start. So it is after a
+ * change of the vehicle.
+ *
+ * With uncertain inputs a record is the first estimate, and the start of searches; their solution
+ * does not contain it. A slow vehicle's dive may end with longer cells (metric_config.h,
+ * max_cell_us): begin the next one with these (cfg.recorder.cell_us), else the noise of its first
+ * set contradicts the record.
  *
  * A model on the residual path uses a record's parameters only as a point to search from. The prior
  * of auvid_prior_set and auvid_thrusters_attach_prior acts there. The search counts it 15 times as

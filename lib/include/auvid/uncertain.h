@@ -50,7 +50,8 @@
  * with uncertain inputs: they are eliminated, and both phases of the optimizer search what is left,
  * within the bounds. auvid_identifier_estimate then returns it. The estimate without uncertain
  * inputs is identifier.estimate; nothing in it is identifiable. After a change of the vehicle the
- * rows begin again. The rows hold about as much as the ring of sets.
+ * rows begin again. Rows of a set that the change test deletes stay. After an excitation the last
+ * estimate stays, whatever the vehicle does then. The rows hold about as much as the ring of sets.
  *
  *     static auvid_uncertain_t uncertain;
  *     auvid_uncertain_defaults(&inputs);
@@ -355,6 +356,7 @@ typedef struct auvid_uncertain {
                               first one's, 2: a later one's */
     bool contradicted;     /**< the best scale exceeds AUVID_UNCERTAIN_CONTRADICTED: no estimate */
     bool given;            /* by auvid_uncertain_start: pi, shared, own, scale */
+    bool fresh;            /* there are rows that the last solution did not have */
 } auvid_uncertain_t;
 
 #define auvid_uncertain_defaults AUVID_SIZED(auvid_uncertain_defaults)

@@ -39,6 +39,7 @@
 #define ADAPTIVE_SIGN_CHANGES AUVID_C(0.3)
 #define TIME_CONSTANTS AUVID_C(4.0)
 #define SWING_S AUVID_C(1.5)        /* hold in roll and pitch, by their restoring moments */
+#define DEPTHS (AUVID_GUARD_BIT(AUVID_GUARD_DEPTH_MIN) | AUVID_GUARD_BIT(AUVID_GUARD_DEPTH_MAX))
 #define LIMIT_FRACTION AUVID_C(0.3) /* of the guard's distance, for the overshoot */
 
 enum { MIN_SETS = 3, MIN_ROWS = 12 }; /* before abandoning; in a set completed early */
@@ -185,13 +186,15 @@ static void adaptive_assess_parameter(auvid_identifier_t *id, int i, auvid_real_
                  (id->metric.cfg.closed_loop >> j & 1) != 0;
     auvid_real_t rows = (auvid_real_t)id->metric.result.dof_rows[j];
     a->missing &= ~(1u << i);
-    a->abandoned &= ~((uint32_t)known << i);
+    /* in the ring: a change of the vehicle or longer cells drop its sets */
+    bool tried = auvid_metric_excited_sets(&id->metric, j, 0) >= MIN_SETS;
+    a->abandoned &= ~((uint32_t)(known || (excitable && !tried)) << i);
     if (known || (a->abandoned >> i & 1u)) {
         return;
     }
     auvid_real_t square = e->number == 0 ? UNKNOWN_RATIO : adaptive_variance_ratio(id, i);
-    if (!excitable || (a->tried[j] >= MIN_SETS &&
-                       adaptive_is_hopeless(square, rows, adaptive_available_rows(id, j)))) {
+    if (!excitable ||
+        (tried && adaptive_is_hopeless(square, rows, adaptive_available_rows(id, j)))) {
         a->abandoned |= 1u << i;
         return;
     }
@@ -247,10 +250,6 @@ static void adaptive_evaluate(auvid_identifier_t *id)
     auvid_adaptive_t *a = adaptive_state(id);
     auvid_real_t need[AUVID_DOF_COUNT] = {AUVID_C(0.0)};
     const auvid_metric_t *m = &id->metric;
-    for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
-        bool more = (a->playing >> j & 1) && m->sets.recorded != a->sets && a->tried[j] < UINT8_MAX;
-        a->tried[j] = (uint8_t)(a->tried[j] + more);
-    }
     a->estimate = id->estimate.number;
     a->sets = m->sets.recorded;
     a->close_rows = 0;
@@ -381,6 +380,9 @@ static void adaptive_plan(auvid_identifier_t *id, const auvid_adaptive_config_t 
         auvid_real_t *limit = &to->excursion_limit[j]; /* zero, no limit, stays */
         if (j <= AUVID_SWAY && (guard->off & AUVID_GUARD_BIT(AUVID_GUARD_DISTANCE)) == 0) {
             *limit = auvid_min(*limit, LIMIT_FRACTION * guard->distance_max_m);
+        } else if (j == AUVID_HEAVE && (guard->off & DEPTHS) == 0) {
+            auvid_real_t half_m = AUVID_C(0.5) * (guard->depth_max_m - guard->depth_min_m);
+            *limit = auvid_min(*limit, LIMIT_FRACTION * half_m);
         }
         if (adaptive_is_excitable(id, cfg, j)) {
             auvid_segment_t *s = &to->segment[to->segments++];

@@ -9,6 +9,7 @@
  * disturbance nor a set with other motion raises an alarm. Drift is tested last, with the accepted
  * estimate (auvid_identifier_drift.c).
  */
+#include "auvid/prior.h"
 #include "auvid_identifier_internal.h"
 
 #include <string.h>
@@ -19,6 +20,9 @@
 
 /* A prediction is worse only if its cost is larger by this factor. */
 #define MARGIN AUVID_C(1.1)
+/* An estimate is restored only if the variance of its residuals in each DoF of the set is below
+ * this multiple of that in its own data. */
+#define LIMIT_RESTORE AUVID_C(3.0)
 
 /* Chow's F is about 1 in each DoF if nothing has changed. A payload affects all DoF, so there are
  * two criteria: the sum of F - 1 over the DoF exceeds LIMIT_ONE - 1 (LIMIT_TWO - 1 for two new
@@ -115,13 +119,30 @@ static void identifier_record_prediction(auvid_identifier_t *id)
     id->attached.change->predicted = identifier_predicted_cost(id);
 }
 
+/* Does the accepted estimate predict each DoF of the set about as well as its own data? Not if it
+ * is from before a change of the vehicle, or a record without data. */
+static bool identifier_explains_set(const auvid_identifier_t *id, const auvid_estimate_t *accepted)
+{
+    const auvid_set_t *set = auvid_metric_newest(&id->metric);
+    bool explains = true;
+    for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
+        auvid_real_t residual = accepted->confidence.residual_rms[j];
+        auvid_real_t own = (auvid_real_t)set->rows_of[j] * residual * residual;
+        bool counts = (set->excited & accepted->excited) >> j & 1;
+        explains =
+            explains && (!counts || auvid_metric_predicted(&id->metric, j) <= LIMIT_RESTORE * own);
+    }
+    return explains;
+}
+
 /* The accepted estimate's prediction is complete: keep one of the two. An estimate of other DoF is
  * no substitute: its parameters of the remaining DoF are not estimates. */
 static void identifier_compare_estimates(auvid_identifier_t *id)
 {
     bool worse = id->attached.change->predicted > MARGIN * identifier_predicted_cost(id);
     if (worse && (id->estimate.excited != id->attached.change->accepted.excited ||
-                  id->estimate.coupled != id->attached.change->accepted.coupled)) {
+                  id->estimate.coupled != id->attached.change->accepted.coupled ||
+                  !identifier_explains_set(id, &id->attached.change->accepted))) {
         return;
     }
     if (worse) {
@@ -262,6 +283,10 @@ static void identifier_conclude_test(auvid_identifier_t *id)
         id->work.searching = false;
         id->events |= AUVID_EVENT_CHANGED;
         identifier_judge_uncertain(id, true);
+        if (id->metric.add_rows != NULL && !auvid_metric_stores_rows(&id->metric)) {
+            /* a prior of the vehicle before; of thrusters it is a data sheet */
+            ((auvid_prior_t *)id->metric.add_rows_context)->known = 0;
+        }
         auvid_identifier_restart_drift(id);
     } else if (id->estimate.accepted && id->estimate.confidence.sets >= ENOUGH - 1 &&
                auvid_metric_feedback_dofs(&id->metric) != AUVID_FEEDBACK_ALL) {

@@ -60,6 +60,7 @@ static void identifier_lengthen_cells(auvid_identifier_t *id)
     }
     identifier_judge_uncertain(id, true);
     if (id->attached.change != NULL) { /* noise has biased its masses: no reference for drift */
+        memset(&id->attached.change->accepted, 0, sizeof id->attached.change->accepted);
         memset(&id->attached.change->first, 0, sizeof id->attached.change->first);
         memset(id->attached.change->noise, 0, sizeof id->attached.change->noise);
     }

@@ -330,7 +330,7 @@ static void calibrated_convert_all(auvid_estimate_t *si, const calibrated_scale_
             calibrated_convert(si, scale, i, row[0]);
         }
     }
-    bool shown = scale->variance <= scale->prior &&
+    bool shown = si->sets > 0 && scale->variance <= scale->prior &&
                  AUVID_CONFIDENCE_HALF_WIDTH * part <= AUVID_CONFIDENCE_IDENTIFIABLE;
     si->pi[k] = scale->k;
     c->sigma[k] = scale->sigma;

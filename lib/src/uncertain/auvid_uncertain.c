@@ -83,8 +83,11 @@ static bool uncertain_begin(auvid_identifier_t *id)
     if (uncertain_of(id)->work.solving) {
         return false; /* it is solved: only the sets have been measured again */
     }
-    bool ready = uncertain_is_ready(id);
-    if (ready) { /* else the last estimate stays: early rows are forgotten, or a DoF is new */
+    /* sets after an excitation have no rows here, and say nothing of its DoF */
+    bool over = uncertain_of(id)->excited && !uncertain_of(id)->fresh;
+    bool ready = !over && uncertain_is_ready(id);
+    if (ready) { /* else the last estimate stays: also if early rows are forgotten, a DoF is new */
+        uncertain_of(id)->fresh = false;
         auvid_uncertain_begin(uncertain_of(id));
     }
     return ready;
@@ -99,7 +102,7 @@ static const auvid_estimate_t *uncertain_estimate(const auvid_identifier_t *id)
 static void uncertain_judge(auvid_identifier_t *id, bool changed)
 {
     auvid_uncertain_t *u = uncertain_of(id);
-    u->estimate.accepted = u->estimate.number == id->estimate.number;
+    u->estimate.accepted = u->estimate.accepted || u->estimate.number == id->estimate.number;
     if (changed) {
         auvid_uncertain_restart(u);
         u->estimate.number = 0;

@@ -50,6 +50,7 @@ static void uncertain_rotate_rows(auvid_uncertain_t *u, int most)
             auvid_qr_update(u->factor[k % 2] + e->factor_at, e->order, 0,
                             u->recorded.band[k % 2] + e->row_at);
             u->recorded.pending = (uint16_t)(u->recorded.pending & ~(1u << k));
+            u->fresh = true;
             --most;
         }
     }

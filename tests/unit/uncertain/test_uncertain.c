@@ -311,6 +311,7 @@ static const auvid_estimate_t *limit(int i, auvid_real_t upper)
 {
     run.id.search.upper[i] = upper;
     run.id.work.set_pending = true;
+    run.uncertain.fresh = true;
     for (int k = 0; k < 100000 && auvid_identifier_work(&run.id, 100) == AUVID_PENDING; ++k) {
     }
     return auvid_identifier_estimate(&run.id);

@@ -38,6 +38,7 @@ static auvid_uncertain_config_t inputs;
 static auvid_uncertain_t uncertain, before;
 static auvid_instruments_t instruments, untouched;
 static auvid_identifier_t same;
+static double pilot_N; /* who drives surge beside the excitation */
 static uint8_t saved[MOST], again[MOST];
 static uint32_t bytes;
 static uint64_t seen[2]; /* steps of solutions, bit phase + PHASES * pass; of projected rows */
@@ -121,6 +122,7 @@ static void tick_vehicle(void)
     (void)auvid_identifier_step(id, &in, &chain.out);
     memcpy(chain.wrench, chain.out.excitation, sizeof chain.wrench);
     chain.wrench[AUVID_HEAVE] -= (auvid_real_t)cfg.sim.parameter[SIM_WB];
+    chain.wrench[AUVID_SURGE] += (auvid_real_t)pilot_N;
     memcpy(command, chain.wrench, 3 * sizeof command[0]);
     command[3] = chain.wrench[AUVID_YAW];
     (void)auvid_identifier_applied(id, in.t_us, chain.wrench, command);
@@ -289,6 +291,28 @@ static void test_the_estimate_stays_while_early_rows_count_less(void)
         estimated = uncertain.estimate.number > 0;
     }
     TEST_ASSERT_TRUE(waited && estimated);
+}
+
+/* A pilot drives surge alone when the excitation is over: the ring forgets the other axes, but the
+ * rows of the excitation are all there. */
+static void test_driving_after_an_excitation_does_not_erase_its_result(void)
+{
+    begin(EXCITED);
+    cfg.id.metric.sets = 4;
+    begin_world();
+    for (uint32_t k = 0; k < 20000; ++k) {
+        pilot_N = k > 9000 ? 60.0 * sin(0.02 * k) : 0.0;
+        tick();
+        (void)auvid_identifier_work(id, 100000);
+        if (k == 9000) {
+            before = uncertain;
+        }
+    }
+    pilot_N = 0.0;
+    TEST_ASSERT_TRUE(id->estimate.number > before.estimate.number);
+    TEST_ASSERT_FALSE(id->estimate.excited >> AUVID_HEAVE & 1);
+    TEST_ASSERT_TRUE(uncertain.estimate.excited >> AUVID_HEAVE & 1);
+    TEST_ASSERT_EQUAL_MEMORY(before.estimate.pi, uncertain.estimate.pi, sizeof before.estimate.pi);
 }
 
 /* ---- refusals ---- */
@@ -581,6 +605,7 @@ int main(void)
     RUN_TEST(test_a_split_run_ends_as_a_whole_one_with_instruments);
     RUN_TEST(test_an_equation_without_uncertain_inputs_can_be_saved_at_any_step);
     RUN_TEST(test_the_estimate_stays_while_early_rows_count_less);
+    RUN_TEST(test_driving_after_an_excitation_does_not_erase_its_result);
     RUN_TEST(test_it_is_refused_by_an_identifier_with_less_or_more_attached);
     RUN_TEST(test_one_of_other_inputs_or_thrusters_is_refused);
     RUN_TEST(test_every_damaged_byte_is_detected_and_every_cut);
