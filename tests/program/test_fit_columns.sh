@@ -106,6 +106,50 @@ check "  its wrench is smoothed as the velocity is" is out '
 assert d["log"]["velocity_s"] == 1
 for name, truth in (("m_u", 17.9), ("m_v", 18.6), ("m_w", 30.2)):
     assert abs(P[name]["estimate"] / truth - 1) < 0.12, P[name]'
+python3 - <<'END'
+import csv, random
+head, *rows = csv.reader(open("quick.csv"))
+at = {n: i for i, n in enumerate(head)}
+velocity = [at[n] for n in ("u_mps", "v_mps", "w_mps")]
+inputs = [i for n, i in at.items() if n.endswith(("_N", "_Nm"))]
+def write(name, rows):
+    csv.writer(open(name, "w", newline="")).writerows([head, *rows])
+def thin(keep):
+    return [[x if j not in velocity or keep(k) else "" for j, x in enumerate(r)]
+            for k, r in enumerate(rows)]
+random.seed(1)
+lost = {k for k in range(0, len(rows), 10) if random.random() < 0.4}
+usual = thin(lambda k: k % 10 == 0)
+write("usual.csv", usual)
+write("lost.csv", thin(lambda k: k % 10 == 0 and k not in lost))
+late = usual[10:] + usual[-1:] * 10
+write("early.csv", [[late[k][j] if j in inputs else x for j, x in enumerate(r)]
+                    for k, r in enumerate(usual)])
+parked = []
+for k in range(6000):  # two minutes
+    row = [f"{0.02 * k - 120:.2f}", *["0"] * (len(head) - 1)]
+    for j in velocity:
+        row[j] = f"{random.gauss(0, 0.005):.4f}" if k % 10 == 0 else ""
+    parked.append(row)
+write("parked.csv", [[f"{float(r[0]) + 120:.2f}", *r[1:]] for r in parked + usual])
+END
+for log in usual lost early parked; do
+    "$AUVID" fit "$log.csv" --vehicle bluerov2_standard --json >"$log.json" 2>"$log.err"
+done
+fitted='
+import json
+def parameter(log, name):
+    return {p["name"]: p["estimate"] for p in json.load(open(log + ".json"))["parameters"]}[name]
+def drag(log): return [x["force"] for x in json.load(open(log + ".json"))["drag"]["X"]]
+'
+check "a DVL that loses samples leaves the mass of a quick vehicle right" python3 -c "$fitted
+assert abs(parameter('lost', 'm_w') / 30.2 - 1) < 0.04, parameter('lost', 'm_w')"
+check "thrust that acts 0.2 s after its stamp leaves the drag right" python3 -c "$fitted
+for late, force in zip(drag('early'), drag('usual')):
+    assert abs(late / force - 1) < 0.03, (late, force)"
+check "  its inputs are shifted" grep -q '"input_shift_s": .0\.[12]' early.json
+check "two minutes at rest without thrust leave W-B as it is" python3 -c "$fitted
+assert abs(parameter('parked', 'W-B') - parameter('usual', 'W-B')) < 0.1"
 
 # ---- inputs of another clock ----
 late() { # CELLS OUT: motion and attitude so much later than the inputs, or earlier

@@ -331,6 +331,11 @@ static bool rate_is_wrong(const doctor_t *d, int j)
 void doctor_inputs(doctor_t *d)
 {
     double sign_llr = 0.0;
+    /* Forces that are stamped late seem reversed to a quick vehicle; those of a DVL that is mounted
+     * backwards leave heave and yaw without a shift. */
+    if (fabs(d->mounted) > 0.0 && doctor_shift(d, 0.0)) {
+        return;
+    }
     doctor_mounting(d);
     bool sound = !(fabs(d->mounted) > 0.0) && !depth_reverses_surge(d); /* u and v */
     if (d->use != NULL && sound && doctor_thrusters(d)) {

@@ -12,7 +12,7 @@
 #define SHIFT_PER_WINDOW 0.05
 #define FIRST_LAG (DOCTOR_EARLY - 1) /* usual lags */
 #define LAST_LAG (DOCTOR_EARLY + DOCTOR_MOST_USUAL)
-#define SHORT_LAG (DOCTOR_EARLY + 3) /* usual lags that fit finds in any log */
+#define SHORT_LAG (DOCTOR_EARLY + 1) /* usual lags that fit finds in any log */
 #define USUAL_S 0.15                 /* motion may lead by this: stamps */
 #define USUAL_LAG_S 0.1              /* .. and follows its input by this */
 #define FOUND_EARLY_S 0.45           /* fit finds the delay of motion that leads by less .. */

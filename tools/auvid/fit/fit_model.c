@@ -95,7 +95,8 @@ double fit_velocity_gap_s(const job_t *job)
  * it interpolated. */
 static void set_velocity_time(const job_t *job, auvid_identifier_config_t *cfg)
 {
-    double interval = fmin(survey_velocity_us(&job->survey), 1e6 * fit_velocity_gap_s(job));
+    double gap_us = 1e6 * fit_velocity_gap_s(job);
+    double interval = fmin(survey_bridged_us(&job->survey, gap_us), fmin(gap_us, 1e6));
     cfg->metric.velocity_us = interval >= cfg->recorder.cell_us ? (uint32_t)interval : 0u;
 }
 

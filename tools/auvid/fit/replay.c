@@ -1,6 +1,14 @@
 #include "replay.h"
 
+#include <math.h>
+
 #include "../log/log_shift.h"
+
+/* A vehicle without thrust that does not move for so long is parked: it stands, or floats, and what
+ * holds it is no force of the model. (W-B would become smaller with each minute of it.) */
+#define PARKED_US 3000000u
+#define PARKED_MPS 0.03
+#define PARKED_RADPS 0.03
 
 /* Each DoF that is used as a thruster. */
 static void one_per_dof(const log_use_t *use, const auvid_identifier_t *id,
@@ -50,12 +58,24 @@ typedef struct {
     const log_use_t *use;
     void (*take)(void *context, const log_sample_t *now);
     void *context;
+    uint64_t moved_us; /* when the vehicle last had thrust or moved; 0: not yet known */
 } taker_t;
 
-/* Passes on a sample; its known force is in the model. */
-static void pass(const taker_t *to, const log_sample_t *now)
+static bool is_parked(taker_t *to, const log_sample_t *now)
 {
-    if (!log_set_has(to->logs, now->t_us)) {
+    bool moves = to->moved_us == 0;
+    for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
+        moves = moves || fabs((double)now->wrench[j]) > 0.0 ||
+                fabs((double)now->nu[j]) > (j < AUVID_ROLL ? PARKED_MPS : PARKED_RADPS);
+    }
+    to->moved_us = moves ? now->t_us : to->moved_us;
+    return now->t_us > to->moved_us + PARKED_US;
+}
+
+/* Passes on a sample; its known force is in the model. */
+static void pass(taker_t *to, const log_sample_t *now)
+{
+    if (!log_set_has(to->logs, now->t_us) || is_parked(to, now)) {
         return;
     }
     if (to->use->calibrated != NULL && now->has_known) {
@@ -65,7 +85,7 @@ static void pass(const taker_t *to, const log_sample_t *now)
 }
 
 /* Passes on the samples of a log in the order of time. */
-static int read_log(log_t *log, const taker_t *to)
+static int read_log(log_t *log, taker_t *to)
 {
     log_reader_t reader;
     log_shift_t shift = {0};
@@ -87,7 +107,7 @@ static int read_log(log_t *log, const taker_t *to)
 static int each_sample(const log_set_t *logs, const log_use_t *use,
                        void (*take)(void *context, const log_sample_t *now), void *context)
 {
-    const taker_t to = {logs, use, take, context};
+    taker_t to = {logs, use, take, context, 0};
     int status = 0;
     auvid_calibrated_clear(use->calibrated);
     for (int i = 0; i < logs->logs && status == 0; ++i) {

@@ -17,6 +17,8 @@ enum { LONGEST_US = 1000000 }; /* longer times between velocities count as this 
 /* Time between logs, which is a gap for every cell length. */
 #define BETWEEN_US 10000000u
 
+#define IRREGULAR 0.05 /* times between velocities that differ by less are regular */
+
 /* Velocities of one log. */
 typedef struct {
     double last[3], resolution[3]; /* smallest step of each so far */
@@ -117,6 +119,18 @@ void survey_end(survey_t *survey)
 double survey_velocity_us(const survey_t *survey)
 {
     return median(survey->intervals);
+}
+
+double survey_bridged_us(const survey_t *survey, double gap_us)
+{
+    double usual = median(survey->intervals), time = 0.0, cubes = 0.0;
+    for (int i = 0; i <= LONGEST_US && i <= gap_us; ++i) {
+        double us = i, times = survey->intervals[i];
+        time += times * us;
+        cubes += times * us * us * us;
+    }
+    double bridged = time > 0.0 ? sqrt(cubes / time) : usual;
+    return fabs(bridged - usual) > IRREGULAR * usual ? bridged : usual;
 }
 
 /* Inputs and voltage that came last. */

@@ -36,6 +36,10 @@ int survey_inputs(survey_t *survey, log_t *log, const log_use_t *use);
 /** Median time between velocities [us], up to a second. */
 double survey_velocity_us(const survey_t *survey);
 
+/** Time between velocities [us] whose interpolation has the variance of all that are bridged, up to
+ * gap_us: a gap of twice the time smooths four times as much, for twice as long. */
+double survey_bridged_us(const survey_t *survey, double gap_us);
+
 void survey_end(survey_t *survey);
 
 #endif
