@@ -115,7 +115,7 @@ enum {
         "the DVL is turned further to port than configured, by ", "rad", UNCERTAIN_ANGLE)          \
     ROW(AUVID_UNCERTAIN_DVL_LATE, dvl_late_s, THRUST, PLANAR + HEAVE, AS_CONFIGURED, TIMING,       \
         "the DVL is later than the attitude, by ", "the attitude is later than the DVL, by ", "s", \
-        "check their time stamps")                                                                 \
+        "check their time stamps, and that the velocity is not filtered")                          \
     ROW(AUVID_UNCERTAIN_GAIN, gain, GAIN, ACTUATED, AS_CONFIGURED, COUNT, NULL, NULL, NULL, NULL)  \
     ROW(INPUT_DELAY, delay_s, THRUST, ACTUATED, AS_CONFIGURED, TIMING, UNCERTAIN_TIMING)           \
     ROW(INPUT_ASYMMETRY, asymmetry, HULL, DRAGGED, RELATIVE(table_asymmetry), ASYMMETRY,           \
