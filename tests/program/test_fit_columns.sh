@@ -436,6 +436,12 @@ assert P["m_u"]["note"] == P["X_uu"]["note"] == "closed loop: the wrench is feed
 check "  and what to do if there was no controller" is out '
 assert d["missing"][0].startswith("closed loop: the wrench is feedback of a controller; "), d
 assert d["missing"][0].endswith("; if no controller drove it: --open-loop AXIS,.."), d["missing"]'
+awk -F, -v OFS=, 'NR > 1 { $8 += 60 } { print }' loop.csv >biased.csv
+exits 3 fit biased.csv --thrusters girona500 --json >biased.said
+check "  nor with inputs that contradict the motion, and the controller is named" is out '
+assert d["wrong_inputs"][0].startswith("thrust, time stamps or sensors are far less exact"), d
+assert P["m_u"]["note"] == "closed loop: the wrench is feedback", P["m_u"]
+assert d["missing"][0].startswith("closed loop: "), d["missing"]'
 check "a log of a pilot" exits 0 fit open.csv --plain --json
 check "  is none of a controller" is out '
 assert P["m_u"]["identifiable"] and P["X_uu"]["identifiable"]'

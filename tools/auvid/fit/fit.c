@@ -72,7 +72,7 @@ static const char *why_nothing(const job_t *job, const result_t *result,
     if (result->estimate.not_converged) {
         return "the search did not converge";
     }
-    if (result->causes.contradicted) {
+    if (report_is_contradicted(result)) {
         return "the motion contradicts the inputs: see wrong inputs";
     }
     if (result->calibration == REPORT_CONTRADICTED) {
@@ -305,7 +305,7 @@ static void find_remedy(job_t *job, const auvid_identifier_t *id)
 static void ask_for_inputs(const job_t *job, result_t *result)
 {
     bool maps = job->options->map == MAP_AS_TOLD && fit_has_maps(job);
-    if (result->causes.contradicted && result->remedy == NULL) {
+    if (report_is_contradicted(result) && result->remedy == NULL) {
         result->remedy = maps ? "the inputs: correct them first; compare thrust maps: --map auto"
                               : "the inputs: correct them first";
     }

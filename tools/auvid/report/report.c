@@ -275,6 +275,15 @@ double report_true_drag(const result_t *result, auvid_dof_t j, double speed)
     return force;
 }
 
+bool report_is_contradicted(const result_t *result)
+{
+    bool feedback = false;
+    for (int i = 0; i < result->vehicle->parameters; ++i) {
+        feedback = feedback || result->estimate.confidence.note[i] == AUVID_NOTE_FEEDBACK;
+    }
+    return result->causes.contradicted && !feedback;
+}
+
 void report_note(const result_t *result, int i, char *text, size_t size)
 {
     const auvid_parameter_t *parameter = &result->vehicle->parameter[i];
@@ -285,7 +294,7 @@ void report_note(const result_t *result, int i, char *text, size_t size)
         (void)snprintf(text, size, "%s", why != NULL ? why : "not excited");
     } else if (result->wrong_log) {
         (void)snprintf(text, size, "the log has an error");
-    } else if (result->causes.contradicted) {
+    } else if (report_is_contradicted(result)) {
         (void)snprintf(text, size, "the motion contradicts the inputs");
     } else if (result->calibration == REPORT_CONTRADICTED) {
         (void)snprintf(text, size, "the known force contradicts the motion");

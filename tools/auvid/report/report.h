@@ -213,6 +213,9 @@ double report_true_drag(const result_t *result, auvid_dof_t j, double speed);
 
 /** Functions that tables and JSON share. */
 const char *report_unit(const result_t *result, int i);
+/** Does the motion contradict the inputs? Not if a controller drives: its answers to disturbances
+ * do. */
+bool report_is_contradicted(const result_t *result);
 bool report_is_identified(const result_t *result, int i);
 bool report_is_driven(const result_t *result, auvid_dof_t j);
 bool report_is_at_bound(const result_t *result, int i);
