@@ -62,8 +62,8 @@ typedef struct {
     /** Excursion limit: displacement of each DoF beyond which it is brought back [m, rad], >= 0;
      * zero: no limit. Default 5 m in surge and sway, 3 m in heave, 2 pi in yaw. In surge and sway
      * at most 0.3 of the guard's distance_max_m is used, unless that limit is off, and in heave 0.3
-     * of half the way from depth_min_m to depth_max_m: otherwise the vehicle would wander until the
-     * guard aborts. Begin in the middle of the depths. */
+     * of half the way from depth_min_m to depth_max_m, 0.1 m at least: otherwise the vehicle would
+     * wander until the guard aborts. Begin in the middle of the depths. */
     auvid_real_t excursion_limit[AUVID_DOF_COUNT];
     auvid_real_t max_s; /**< longest run [s], 30..AUVID_EXCITATION_LONGEST_S; default 480 */
     uint64_t seed;      /**< of signs and holds, any value; default 1 */

@@ -39,6 +39,7 @@
 #define ADAPTIVE_SIGN_CHANGES AUVID_C(0.3)
 #define TIME_CONSTANTS AUVID_C(4.0)
 #define SWING_S AUVID_C(1.5)        /* hold in roll and pitch, by their restoring moments */
+#define LEAST_LIMIT AUVID_C(0.1)    /* [m]; 0 would be none */
 #define DEPTHS (AUVID_GUARD_BIT(AUVID_GUARD_DEPTH_MIN) | AUVID_GUARD_BIT(AUVID_GUARD_DEPTH_MAX))
 #define LIMIT_FRACTION AUVID_C(0.3) /* of the guard's distance, for the overshoot */
 
@@ -382,7 +383,7 @@ static void adaptive_plan(auvid_identifier_t *id, const auvid_adaptive_config_t 
             *limit = auvid_min(*limit, LIMIT_FRACTION * guard->distance_max_m);
         } else if (j == AUVID_HEAVE && (guard->off & DEPTHS) == 0) {
             auvid_real_t half_m = AUVID_C(0.5) * (guard->depth_max_m - guard->depth_min_m);
-            *limit = auvid_min(*limit, LIMIT_FRACTION * half_m);
+            *limit = auvid_min(*limit, auvid_max(LIMIT_FRACTION * half_m, LEAST_LIMIT));
         }
         if (adaptive_is_excitable(id, cfg, j)) {
             auvid_segment_t *s = &to->segment[to->segments++];

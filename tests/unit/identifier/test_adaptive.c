@@ -306,6 +306,21 @@ static void test_with_a_small_distance_limit_it_is_brought_back_in_time(void)
     }
 }
 
+/* In heave a part of the depths that the guard permits; none, which is 0, would be no limit. */
+static void test_heave_stays_within_the_depths_of_the_guard(void)
+{
+    static const double depths[][3] = {{1, 12, 1.65}, {1, 100, 3}, {5, 5, 0.1}};
+    for (size_t k = 0; k < sizeof depths / sizeof depths[0]; ++k) {
+        make_world(1, 1.0);
+        config.acting.guard.depth_min_m = (auvid_real_t)depths[k][0];
+        config.acting.guard.depth_max_m = (auvid_real_t)depths[k][1];
+        begin();
+        TEST_ASSERT_DOUBLE_WITHIN(
+            1e-6, depths[k][2],
+            (double)chain.id.actuation->excitation.cfg.excursion_limit[AUVID_HEAVE]);
+    }
+}
+
 static void check_refused(auvid_status_t status)
 {
     static auvid_identifier_t before;
@@ -639,6 +654,7 @@ int main(void)
     RUN_TEST(test_the_operator_ends_it_with_a_fade_or_at_once);
     RUN_TEST(test_a_limit_of_the_guard_ends_it);
     RUN_TEST(test_with_a_small_distance_limit_it_is_brought_back_in_time);
+    RUN_TEST(test_heave_stays_within_the_depths_of_the_guard);
     RUN_TEST(test_an_invalid_configuration_is_refused);
     RUN_TEST(test_calls_out_of_order_are_refused);
     RUN_TEST(test_a_checkpoint_continues_bit_for_bit);
