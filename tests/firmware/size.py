@@ -80,8 +80,8 @@ POINTERS = PATHS | {
     r"part->check\(": NOTHING,
     r"uncertain(_functions)?->(add_cell|rotate|begin|solve|publish|estimate|judge)\(": NOTHING,
     r"uncertain->(sag|drag)\(": NOTHING,
-    r"m->add_rows\(": r"auvid_prior_rows\.c:auvid_prior_add_rows",
-    r"m->prior_weight\(": r"auvid_prior_rows\.c:auvid_prior_weight",
+    r"\bprior->(add_rows|weight|change_vehicle)\(":
+        r"auvid_prior_rows\.c:prior_(add_rows|weight|change_vehicle)$",
     r"listener->command\(": r"auvid_thrusters\.c:thrusters_listen$",
     r"listener->set\(": r"auvid_thrusters\.c:thrusters_drop_lost_sets$",
     r"listener->lead_us\(": r"auvid_thrusters\.c:thrusters_lead_us$",

@@ -87,7 +87,7 @@ void chain_copy(chain_t *to, const chain_t *from)
     *to = *from;
     to->id.attached.prediction = &to->prediction;
     to->id.attached.change = &to->change;
-    to->id.metric.add_rows_context = &to->prior;
+    to->id.metric.prior_context = &to->prior;
     if (from->id.actuation != NULL) {
         to->id.actuation = &to->actuation;
         to->actuation.shape_context = from->actuation.shape != NULL ? &to->adaptive : NULL;
@@ -104,7 +104,7 @@ bool chain_is_same(const chain_t *a, const chain_t *b)
     id.actuation = b->id.actuation;
     id.attached.prediction = b->id.attached.prediction;
     id.attached.change = b->id.attached.change;
-    id.metric.add_rows_context = b->id.metric.add_rows_context;
+    id.metric.prior_context = b->id.metric.prior_context;
     actuation.allocation = b->actuation.allocation;
     return memcmp(&id, &b->id, sizeof id) == 0 &&
            memcmp(&actuation, &b->actuation, sizeof actuation) == 0 &&

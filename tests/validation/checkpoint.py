@@ -39,10 +39,10 @@ LIVE = (("confidence.", CONFIDENCE, GLOBAL), ("optimum.", MERGE, GLOBAL),
         ("optimizer.crs.", ASK, GLOBAL),
         ("optimizer.", ASK, LOCAL), ("", ASK, GLOBAL))
 # Pointers that saving follows. Of the last two, it saves whether they are NULL.
-FOLLOWED = ("metric.cfg.vehicle", "metric.cfg.rows", "metric.add_rows", "metric.prior_weight",
-            "metric.add_rows_context", "actuation", "attached.change", "attached.prediction",
-            "prediction.vehicle", "actuation.shape", "actuation.shape_context",
-            "attached.uncertain", "uncertain.allocation", "uncertain.instruments")
+FOLLOWED = ("metric.cfg.vehicle", "metric.cfg.rows", "metric.prior", "metric.prior_context",
+            "actuation", "attached.change", "attached.prediction", "prediction.vehicle",
+            "actuation.shape", "actuation.shape_context", "attached.uncertain",
+            "uncertain.allocation", "uncertain.instruments")
 SET_ROWS = 2
 ROOM = 1 << 18
 REFUSED = -6, -10, -16, -27  # impossible; of other storage, another model, another configuration

@@ -24,7 +24,7 @@
  *
  * Also copy what is attached: the acting half (actuation.h), the storage of adaptive excitation, of
  * the change test, of the prior, of the prediction, of uncertain inputs and of instruments. Set
- * copy.actuation, its shape_context, copy.attached.change, copy.metric.add_rows_context,
+ * copy.actuation, its shape_context, copy.attached.change, copy.metric.prior_context,
  * copy.attached.prediction, copy.attached.uncertain and its `instruments` to the copies. On the
  * residual path also copy the model's storage (metric.rows), and set copy.metric.cfg.rows to the
  * copy.

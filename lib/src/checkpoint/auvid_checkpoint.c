@@ -50,7 +50,7 @@ static void *checkpoint_attached(const auvid_identifier_t *id, uint8_t root)
     return root == ROOT_ACTUATION     ? (void *)id->actuation
            : root == ROOT_ADAPTIVE    ? id->actuation->shape_context
            : root == ROOT_CHANGE      ? (void *)id->attached.change
-           : root == ROOT_PRIOR       ? id->metric.add_rows_context
+           : root == ROOT_PRIOR       ? id->metric.prior_context
            : root == ROOT_PREDICTION  ? (void *)id->attached.prediction
            : root == ROOT_UNCERTAIN   ? (void *)id->attached.uncertain
            : root == ROOT_INSTRUMENTS ? (void *)checkpoint_instruments(id)
@@ -90,7 +90,7 @@ static uint32_t checkpoint_parts(const auvid_identifier_t *id)
                  : 0u;
     parts |= id->actuation != NULL ? PART_ACTUATION : 0u;
     parts |= id->attached.change != NULL ? PART_CHANGE : 0u;
-    parts |= id->metric.add_rows != NULL ? PART_PRIOR : 0u;
+    parts |= id->metric.prior != NULL ? PART_PRIOR : 0u;
     parts |= checkpoint_adapts(id) ? PART_ADAPTIVE : 0u;
     parts |= id->attached.uncertain != NULL ? PART_UNCERTAIN : 0u;
     parts |= checkpoint_instruments(id) != NULL ? PART_INSTRUMENTS : 0u;

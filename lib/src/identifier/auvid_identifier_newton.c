@@ -43,11 +43,11 @@ static auvid_real_t identifier_newton_prior(const auvid_identifier_t *id, int j,
                                             auvid_real_t *mean)
 {
     const auvid_metric_t *m = &id->metric;
-    if (m->prior_weight == NULL) {
+    if (m->prior == NULL) {
         *mean = AUVID_C(0.0);
         return AUVID_C(0.0);
     }
-    return m->prior_weight(m, j, p, mean);
+    return m->prior->weight(m, j, p, mean);
 }
 
 static void identifier_begin_newton(auvid_identifier_t *id)

@@ -9,7 +9,6 @@
  * disturbance nor a set with other motion raises an alarm. Drift is tested last, with the accepted
  * estimate (auvid_identifier_drift.c).
  */
-#include "auvid/prior.h"
 #include "auvid_identifier_internal.h"
 
 #include <string.h>
@@ -283,9 +282,8 @@ static void identifier_conclude_test(auvid_identifier_t *id)
         id->work.searching = false;
         id->events |= AUVID_EVENT_CHANGED;
         identifier_judge_uncertain(id, true);
-        if (id->metric.add_rows != NULL && !auvid_metric_stores_rows(&id->metric)) {
-            /* a prior of the vehicle before; of thrusters it is a data sheet */
-            ((auvid_prior_t *)id->metric.add_rows_context)->known = 0;
+        if (id->metric.prior != NULL) {
+            id->metric.prior->change_vehicle(&id->metric);
         }
         auvid_identifier_restart_drift(id);
     } else if (id->estimate.accepted && id->estimate.confidence.sets >= ENOUGH - 1 &&

@@ -160,12 +160,11 @@ auvid_status_t auvid_identifier_attach_prior(auvid_identifier_t *id, auvid_prior
     if (id == NULL || storage == NULL) {
         return AUVID_ERR_NULL;
     }
-    auvid_status_t status = auvid_identifier_check_attach(id, id->metric.add_rows_context);
+    auvid_status_t status = auvid_identifier_check_attach(id, id->metric.prior_context);
     if (status == AUVID_OK) {
         memset(storage, 0, sizeof *storage);
-        id->metric.add_rows = auvid_prior_add_rows;
-        id->metric.prior_weight = auvid_prior_weight;
-        id->metric.add_rows_context = storage;
+        id->metric.prior = &auvid_prior_functions;
+        id->metric.prior_context = storage;
     }
     return status;
 }
@@ -173,8 +172,8 @@ auvid_status_t auvid_identifier_attach_prior(auvid_identifier_t *id, auvid_prior
 /* Is this before the first set, and is there memory? */
 static bool prior_is_allowed(const auvid_identifier_t *id)
 {
-    return identifier_is_ready(id) && id->metric.add_rows != NULL &&
-           id->metric.sets.recorded == 0 && id->estimate.number == 0;
+    return identifier_is_ready(id) && id->metric.prior != NULL && id->metric.sets.recorded == 0 &&
+           id->estimate.number == 0;
 }
 
 /* scale_errors: sigma does not include the errors of thrust and DVL scale yet. */
@@ -184,7 +183,7 @@ static auvid_status_t prior_begin(auvid_identifier_t *id, const auvid_prior_t *p
     auvid_status_t status = auvid_prior_check(&id->metric, prior);
     if (status == AUVID_OK) {
         if (!scale_errors || !auvid_metric_stores_rows(&id->metric)) { /* else a point only */
-            *(auvid_prior_t *)id->metric.add_rows_context = *prior;
+            *(auvid_prior_t *)id->metric.prior_context = *prior;
         }
         prior_publish(id, prior, scale_errors);
     }

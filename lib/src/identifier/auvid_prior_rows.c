@@ -67,9 +67,9 @@ static bool prior_apply(auvid_metric_t *m, const auvid_prior_t *prior, int j)
     return more <= PRIOR_LIMIT * weight * degrees * square;
 }
 
-auvid_status_t auvid_prior_add_rows(auvid_metric_t *m, uint32_t *budget)
+static auvid_status_t prior_add_rows(auvid_metric_t *m, uint32_t *budget)
 {
-    auvid_prior_t *prior = m->add_rows_context;
+    auvid_prior_t *prior = m->prior_context;
     auvid_metric_cursor_t *at = auvid_metric_cursor(m);
     if (prior->known == 0) {
         return AUVID_OK;
@@ -93,14 +93,24 @@ auvid_status_t auvid_prior_add_rows(auvid_metric_t *m, uint32_t *budget)
     return AUVID_OK;
 }
 
-auvid_real_t auvid_prior_weight(const auvid_metric_t *m, int j, int i, auvid_real_t *mean)
+static auvid_real_t prior_weight(const auvid_metric_t *m, int j, int i, auvid_real_t *mean)
 {
-    const auvid_prior_t *prior = m->add_rows_context;
+    const auvid_prior_t *prior = m->prior_context;
     *mean = prior->pi[i];
     return prior_is_in(m, prior, j, i)
                ? auvid_sqrt(STORED_WEIGHT * prior->variance_inflation[j]) / prior->sigma[i]
                : AUVID_C(0.0);
 }
+
+static void prior_change_vehicle(auvid_metric_t *m)
+{
+    if (!auvid_metric_stores_rows(m)) { /* there it is a data sheet, of the thrusters */
+        ((auvid_prior_t *)m->prior_context)->known = 0;
+    }
+}
+
+const auvid_metric_prior_t auvid_prior_functions = {
+    .add_rows = prior_add_rows, .weight = prior_weight, .change_vehicle = prior_change_vehicle};
 
 static bool prior_is_valid_error(auvid_real_t x)
 {

@@ -6,6 +6,7 @@
 #define AUVID_PRIOR_ROWS_INTERNAL_H
 
 #include "auvid/prior.h"
+#include "../metric/auvid_metric_internal.h"
 
 /** Typical variance inflation: of runs at 0 to 3 N, 1 to 3.5. */
 #define AUVID_PRIOR_INFLATION AUVID_C(2.0)
@@ -15,10 +16,7 @@
  * standard error or variance inflation of a known parameter is not > 0 or is beyond 2e30) */
 auvid_status_t auvid_prior_check(const auvid_metric_t *metric, const auvid_prior_t *prior);
 
-/** prior_weight of the metric. */
-auvid_real_t auvid_prior_weight(const auvid_metric_t *m, int j, int i, auvid_real_t *mean);
-
-/** add_rows of the metric; its context is an auvid_prior_t. */
-auvid_status_t auvid_prior_add_rows(auvid_metric_t *m, uint32_t *budget);
+/** Of the metric's prior; the context is an auvid_prior_t. */
+extern const auvid_metric_prior_t auvid_prior_functions;
 
 #endif

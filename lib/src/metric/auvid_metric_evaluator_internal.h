@@ -189,7 +189,7 @@ static inline auvid_real_t auvid_metric_merged_rows(const auvid_metric_t *m, int
     return (auvid_real_t)m->result.dof_rows[j] / (auvid_real_t)auvid_metric_stride(m);
 }
 
-/** Rows from outside, auvid_metric_t.add_rows: where it stands. */
+/** Rows from outside, auvid_metric_prior_t.add_rows: where it stands. */
 static inline auvid_metric_cursor_t *auvid_metric_cursor(auvid_metric_t *m)
 {
     return &m->evaluator.at;

@@ -57,6 +57,18 @@ struct auvid_path {
     const auvid_path_start_t *start;
 };
 
+/** What is known of the parameters before the sets, attached from outside (prior.h). */
+typedef struct auvid_metric_prior {
+    /** Rotates its rows into the merged factors, after those of the sets. Returns AUVID_OK;
+     * AUVID_PENDING; AUVID_EMPTY (repeat the last pass) */
+    auvid_status_t (*add_rows)(auvid_metric_t *m, uint32_t *budget);
+    /** Residual path: writes the mean of parameter i's prior in DoF j's equation. Returns w: a
+     * distance d from it costs as much as (w d)^2 mean squares of the residual; 0: it has none. */
+    auvid_real_t (*weight)(const auvid_metric_t *m, int j, int i, auvid_real_t *mean);
+    /** The vehicle has changed: discards what holds for the one before only. */
+    void (*change_vehicle)(auvid_metric_t *m);
+} auvid_metric_prior_t;
+
 /** Where a cell is in the record. */
 typedef struct {
     uint32_t n;          /**< its number since the last gap */

@@ -311,7 +311,7 @@ auvid_status_t auvid_metric_merge_sets(auvid_metric_t *m, uint32_t *budget)
         }
         auvid_metric_restart_pass(m, (uint8_t)(at->pass + 1));
     }
-    return m->add_rows == NULL || at->plain ? AUVID_OK : m->add_rows(m, budget);
+    return m->prior == NULL || at->plain ? AUVID_OK : m->prior->add_rows(m, budget);
 }
 
 void auvid_metric_weigh_dof(auvid_metric_t *m, int j)

@@ -206,11 +206,11 @@ static auvid_real_t metric_prior_cost(const auvid_metric_t *m, int j)
 {
     const auvid_metric_evaluator_t *ev = &m->evaluator;
     auvid_real_t squares = AUVID_C(0.0), mean;
-    if (m->prior_weight == NULL || !auvid_metric_is_excited(m, j)) {
+    if (m->prior == NULL || !auvid_metric_is_excited(m, j)) {
         return AUVID_C(0.0);
     }
     for (int i = 0; i < m->cfg.vehicle->parameters; ++i) {
-        auvid_real_t weight = m->prior_weight(m, j, i, &mean);
+        auvid_real_t weight = m->prior->weight(m, j, i, &mean);
         auvid_real_t off = weight > AUVID_C(0.0) ? weight * (ev->pi[i] - mean) : AUVID_C(0.0);
         squares += off * off;
     }

@@ -247,7 +247,7 @@ static void test_the_period_of_the_dvl_is_observed_and_no_cell_is_lost_at_5_hz(v
     TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&other, &cfg));
     chain_run(&chain, 20.0);
     chain_run(&other, 20.0);
-    other.id.metric.add_rows_context = chain.id.metric.add_rows_context; /* each has its own */
+    other.id.metric.prior_context = chain.id.metric.prior_context; /* each has its own */
     TEST_ASSERT_EQUAL_MEMORY(&other.id.metric, &chain.id.metric, sizeof chain.id.metric);
 }
 
@@ -261,7 +261,7 @@ static void test_the_period_of_another_dvl_spreads_the_wrench_as_if_it_were_give
     chain_run(&chain, 20.0);
     chain_run(&other, 20.0);
     TEST_ASSERT_EQUAL_UINT32(100000, chain.id.metric.cfg.velocity_us);
-    other.id.metric.add_rows_context = chain.id.metric.add_rows_context; /* each has its own */
+    other.id.metric.prior_context = chain.id.metric.prior_context; /* each has its own */
     TEST_ASSERT_EQUAL_MEMORY(&other.id.metric, &chain.id.metric, sizeof chain.id.metric);
 }
 

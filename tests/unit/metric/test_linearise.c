@@ -301,7 +301,7 @@ static void test_any_split_of_the_budget_linearises_to_the_same_bits(void)
 /* Rows from outside that are discarded the first time. */
 static auvid_status_t discard_once(auvid_metric_t *m, uint32_t *budget)
 {
-    int *left = m->add_rows_context;
+    int *left = m->prior_context;
     (void)budget;
     if (*left == 0) {
         return AUVID_OK;
@@ -313,6 +313,7 @@ static auvid_status_t discard_once(auvid_metric_t *m, uint32_t *budget)
 
 static void test_it_tells_that_a_prior_was_discarded(void)
 {
+    static const auvid_metric_prior_t prior = {.add_rows = discard_once};
     uint32_t budget = UINT32_MAX;
     int left = 1;
     use_residual_path(5, 30);
@@ -321,8 +322,8 @@ static void test_it_tells_that_a_prior_was_discarded(void)
     (void)feed_set(&w, 0, 5);
     merge_all(&metric);
     (void)squares_of(&metric, truth, 0.1);
-    metric.add_rows = discard_once;
-    metric.add_rows_context = &left;
+    metric.prior = &prior;
+    metric.prior_context = &left;
     auvid_metric_linearise_begin(&metric, truth, 0, cfg.sets);
     TEST_ASSERT_EQUAL(AUVID_EMPTY, auvid_metric_linearise(&metric, &windows, &budget));
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_metric_linearise(&metric, &windows, &budget));

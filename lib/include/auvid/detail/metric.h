@@ -266,14 +266,9 @@ typedef struct {
 /** The metric. Read `result`; the rest is private where it says so. */
 typedef struct auvid_metric {
     auvid_metric_config_t cfg;
-    /* Rotates rows from outside into the merged factors, after those of the sets (prior.h). NULL:
-     * there are none. Returns AUVID_OK; AUVID_PENDING; AUVID_EMPTY (repeat the last pass) */
-    auvid_status_t (*add_rows)(struct auvid_metric *m, uint32_t *budget);
-    /* Residual path: writes the mean of parameter i's prior in DoF j's equation. Returns w: a
-     * distance d from it costs as much as (w d)^2 mean squares of the residual; 0: it has none.
-     * NULL: there is no prior */
-    auvid_real_t (*prior_weight)(const struct auvid_metric *m, int j, int i, auvid_real_t *mean);
-    void *add_rows_context; /* of both */
+    /* What is known of the parameters before the sets (prior.h). NULL: nothing */
+    const struct auvid_metric_prior *prior;
+    void *prior_context;
     /* More columns of the regressor path's rows, outside of the metric (uncertain.h). NULL: none */
     const struct auvid_metric_extra *extra;
     void *extra_context;
