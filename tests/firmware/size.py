@@ -68,7 +68,7 @@ POINTERS = PATHS | {
     r"simulate->finish\(": r"auvid_identifier_simulate\.c:simulate_finish$",
     r"functions->step\(": r"auvid_actuation\.c:actuation_step$",
     r"functions->refuse\(": r"auvid_actuation\.c:actuation_refuse$",
-    r"a->shape\(": r"auvid_adaptive\.c:adaptive_apply$",
+    r"a->shape\(": r"auvid_adaptive\.c:adaptive_shape$",
     r"\bc->other->\w+\(": NOTHING,
     r"\bvehicle->thrust\(": NOTHING,
     r"node->arm\(": r"auvid_actuation\.c:auvid_identifier_arm",

@@ -1,6 +1,7 @@
 /**
  * @file auvid_excitation_init_internal.h
- * Private: functions shared by the files of the excitation, and the inits of this folder.
+ * Private: functions shared by the files of the excitation, the inits of this folder, and what the
+ * identifier changes of excitation and guard.
  */
 #ifndef AUVID_EXCITATION_INIT_INTERNAL_H
 #define AUVID_EXCITATION_INIT_INTERNAL_H
@@ -36,6 +37,31 @@ auvid_real_t auvid_excitation_excursion(const auvid_excitation_t *e, int dof);
  *         the current hold continues */
 auvid_excitation_channel_t *auvid_excitation_due(auvid_excitation_t *e, uint32_t index,
                                                  uint64_t t_us);
+
+/** End the current hold of a degree of freedom: auvid_excitation_due begins the next one. */
+static inline void auvid_excitation_end_hold(auvid_excitation_t *e, int dof)
+{
+    e->channel[dof].hold_to_us = 0;
+}
+
+/** Until the next displacement is set, do not bring a degree of freedom back. */
+static inline void auvid_excitation_clear_displacement(auvid_excitation_t *e, int dof)
+{
+    e->displacement[dof] = AUVID_C(0.0);
+}
+
+/** The same, but bring it back as if only this part of the displacement were there, 0..1. */
+static inline void auvid_excitation_reduce_displacement(auvid_excitation_t *e, int dof,
+                                                        auvid_real_t part)
+{
+    e->displacement[dof] *= part;
+}
+
+/** After auvid_guard_arm: must the next step be later than that, or may it have the same time? */
+static inline void auvid_guard_require_later(auvid_guard_t *g, bool later)
+{
+    g->stepped = later;
+}
 
 /** Convert s [s], 0..86400, to microseconds. */
 uint64_t auvid_excitation_us(auvid_real_t s);

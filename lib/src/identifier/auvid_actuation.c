@@ -294,8 +294,8 @@ auvid_status_t auvid_identifier_arm(auvid_identifier_t *id)
     }
     actuation_fill_guard_input(id, false, &seen);
     status = auvid_guard_arm(&a->guard, id->t_us, &seen);
-    if (status == AUVID_OK) { /* a step at the time of arming exists: the next must be later */
-        a->guard.stepped = id->started;
+    if (status == AUVID_OK) { /* a step at the time of arming exists, if it has started */
+        auvid_guard_require_later(&a->guard, id->started);
     }
     return status;
 }

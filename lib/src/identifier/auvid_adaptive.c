@@ -240,7 +240,7 @@ static void adaptive_select_dofs(auvid_identifier_t *id, const auvid_real_t *nee
     }
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
         if ((playing ^ adaptive_state(id)->playing) >> j & 1u) {
-            id->actuation->excitation.channel[j].hold_to_us = 0;
+            auvid_excitation_end_hold(&id->actuation->excitation, j);
         }
     }
     adaptive_state(id)->playing = (uint8_t)playing;
@@ -307,13 +307,13 @@ static void adaptive_shape(auvid_identifier_t *id)
         int j = (int)e->cfg.segment[i].dof;
         auvid_excitation_channel_t *c = auvid_excitation_due(e, i, id->t_us);
         if ((a->playing >> j & 1) == 0) {
-            e->displacement[j] = AUVID_C(0.0); /* not brought back */
+            auvid_excitation_clear_displacement(e, j);
         }
         if (c != NULL) {
             adaptive_choose_hold(id, j, c);
         }
-        e->displacement[j] *=
-            adaptive_return_part(&e->channel[j], (uint32_t)(id->t_us - e->start_us));
+        auvid_excitation_reduce_displacement(
+            e, j, adaptive_return_part(&e->channel[j], (uint32_t)(id->t_us - e->start_us)));
     }
 }
 

@@ -163,8 +163,7 @@ auvid_status_t auvid_identifier_attach_prior(auvid_identifier_t *id, auvid_prior
     auvid_status_t status = auvid_identifier_check_attach(id, id->metric.prior_context);
     if (status == AUVID_OK) {
         memset(storage, 0, sizeof *storage);
-        id->metric.prior = &auvid_prior_functions;
-        id->metric.prior_context = storage;
+        auvid_metric_attach_prior(&id->metric, &auvid_prior_functions, storage);
     }
     return status;
 }

@@ -69,6 +69,14 @@ typedef struct auvid_metric_prior {
     void (*change_vehicle)(auvid_metric_t *m);
 } auvid_metric_prior_t;
 
+/** Attach a prior. */
+static inline void auvid_metric_attach_prior(auvid_metric_t *m, const auvid_metric_prior_t *prior,
+                                             void *context)
+{
+    m->prior = prior;
+    m->prior_context = context;
+}
+
 /** Where a cell is in the record. */
 typedef struct {
     uint32_t n;          /**< its number since the last gap */
@@ -94,6 +102,14 @@ typedef struct auvid_metric_extra {
      * @param dofs those that have a row, a bit each */
     void (*take)(void *context, const auvid_metric_t *m, uint32_t slot, bool counts, uint8_t dofs);
 } auvid_metric_extra_t;
+
+/** Attach further columns. */
+static inline void auvid_metric_attach_extra(auvid_metric_t *m, const auvid_metric_extra_t *extra,
+                                             void *context)
+{
+    m->extra = extra;
+    m->extra_context = context;
+}
 
 /** Call `add` for each row under construction that the cell meets. */
 void auvid_metric_add_extra(const auvid_metric_t *m, const auvid_metric_place_t *place,

@@ -16,6 +16,14 @@ void auvid_recorder_set_up(auvid_recorder_t *recorder, const auvid_recorder_conf
  * @param cell_us 1000..1000000 */
 void auvid_recorder_set_cell(auvid_recorder_t *rec, uint32_t cell_us);
 
+/** Attach what takes the input part by part. */
+static inline void auvid_recorder_attach(auvid_recorder_t *rec, auvid_recorder_part_t *take_part,
+                                         void *context)
+{
+    rec->take_part = take_part;
+    rec->part_context = context;
+}
+
 /** Slope of a mean from those of the cells two and one before it, and one and two after it; of
  * fourth order. */
 static inline auvid_real_t auvid_recorder_slope(const auvid_recorder_t *rec, auvid_real_t before2,

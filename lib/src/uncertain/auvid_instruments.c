@@ -334,8 +334,7 @@ auvid_status_t auvid_identifier_attach_instruments(auvid_identifier_t *id,
     storage->checkpoint = &auvid_instruments_checkpoint;
     u->instruments = storage;
     u->strong = instruments_strong;
-    id->metric.extra = &instruments_extra;
-    id->metric.extra_context = storage;
+    auvid_metric_attach_extra(&id->metric, &instruments_extra, storage);
     return AUVID_OK;
 }
 

@@ -9,6 +9,7 @@
 #include "auvid_uncertain_parts_internal.h"
 #include "../base/auvid_refusal_internal.h"
 #include "../metric/auvid_metric_feedback_internal.h"
+#include "../navigation/auvid_recorder_internal.h"
 
 /* Linear part of the drag at 1 m/s or rad/s before the first solution: as large as the quadratic
  * one at 0.33. */
@@ -287,10 +288,8 @@ static void uncertain_connect(auvid_identifier_t *id, auvid_uncertain_t *u)
     u->half_length_m = uncertain_first_half(&id->metric);
     id->attached.uncertain = u;
     id->attached.uncertain_functions = &uncertain_table;
-    id->metric.extra = &auvid_uncertain_extra;
-    id->metric.extra_context = u;
-    id->recorder.take_part = auvid_uncertain_advance_propellers;
-    id->recorder.part_context = u;
+    auvid_metric_attach_extra(&id->metric, &auvid_uncertain_extra, u);
+    auvid_recorder_attach(&id->recorder, auvid_uncertain_advance_propellers, u);
 }
 
 auvid_status_t auvid_identifier_attach_uncertain(auvid_identifier_t *id, auvid_uncertain_t *storage,
