@@ -62,7 +62,7 @@ static inline void configure(uint64_t seed)
     config.period_us = PERIOD_US;
     config.log = commands;
     config.slots = SLOTS;
-    TEST_ASSERT_EQUAL(AUVID_OK, auvid_thrusters_init(&thrusters, &config));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_thrusters_init(&thrusters, &config, NULL));
     auvid_identifier_defaults(&cfg, &thrusters.vehicle);
     cfg.exact_inputs = true;
     memset(&cfg.uncertainty, 0,

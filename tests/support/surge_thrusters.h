@@ -89,7 +89,7 @@ static inline void defaults(uint16_t row_cells, uint16_t set_s)
 
 static inline void begin(void)
 {
-    TEST_ASSERT_EQUAL(AUVID_OK, auvid_thrusters_init(&thrusters, &cfg));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_thrusters_init(&thrusters, &cfg, NULL));
     defaults(ROW_CELLS, 30);
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_thrusters_configure(&thrusters, &id_config));
 }
@@ -134,7 +134,7 @@ static inline void configure(uint64_t seed, uint16_t set_s, uint16_t row_cells)
     static auvid_actuation_t actuation;
     auvid_actuation_config_t acting;
     auvid_identifier_config_t plain;
-    TEST_ASSERT_EQUAL(AUVID_OK, auvid_thrusters_init(&thrusters, &cfg));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_thrusters_init(&thrusters, &cfg, NULL));
     defaults(row_cells, set_s);
     auvid_identifier_defaults(&plain, &hull);
     plain.metric.set_rows = (uint16_t)(set_s * 2);

@@ -90,7 +90,7 @@ class Subject:
         lib.auvid_adaptive_defaults(plan)
         plan.amplitude[0] = 100
         self.adaptive = lib.auvid_adaptive_t()
-        assert lib.auvid_adaptive_begin(self.id, self.adaptive, plan) == 0
+        assert lib.auvid_adaptive_begin(self.id, self.adaptive, plan, None) == 0
         self.change = lib.auvid_change_detector_t()
         assert lib.auvid_identifier_attach_change_test(self.id, self.change) == 0
         self.prior = lib.auvid_prior_t()

@@ -84,7 +84,7 @@ static void test_a_hull_with_thrusters(void)
     }
     own.log = log;
     own.slots = SLOTS;
-    TEST_ASSERT_EQUAL(AUVID_OK, auvid_thrusters_init(&model, &own));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_thrusters_init(&model, &own, NULL));
     auvid_identifier_defaults(&cfg, &model.vehicle);
     cfg.metric.rows = rows;
     cfg.metric.sets = SETS;

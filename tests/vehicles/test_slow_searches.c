@@ -164,7 +164,7 @@ static void test_thrusters_with_continuous_excitation_give_estimates(void)
     two.log = commands;
     two.slots = SLOTS;
     sim_defaults(&world);
-    TEST_ASSERT_EQUAL(AUVID_OK, auvid_thrusters_init(&thrusters, &two));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_thrusters_init(&thrusters, &two, NULL));
     auvid_identifier_defaults(&cfg, &thrusters.vehicle);
     cfg.metric.rows = rows;
     cfg.metric.sets = SETS;

@@ -83,7 +83,7 @@ static void identify(field_vehicle_t vehicle, uint64_t seed, double strength)
     config.uncertain = false;
     if (way != PLAIN) {
         describe(&described);
-        TEST_ASSERT_EQUAL(AUVID_OK, auvid_thrusters_init(&thrusters, &described));
+        TEST_ASSERT_EQUAL(AUVID_OK, auvid_thrusters_init(&thrusters, &described, NULL));
         config.model = &thrusters.vehicle;
         config.configure = configure;
         config.attach = attach;

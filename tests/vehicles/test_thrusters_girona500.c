@@ -67,7 +67,7 @@ static void test_thrusters_can_wrap_a_hull_in_a_current(void)
     config.log = commands;
     config.slots = SLOTS;
     config.period_us = PERIOD_US;
-    TEST_ASSERT_EQUAL(AUVID_OK, auvid_thrusters_init(&thrusters, &config));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_thrusters_init(&thrusters, &config, NULL));
     TEST_ASSERT_EQUAL_UINT8(OWN + 2 + 4, thrusters.vehicle.parameters);
     auvid_identifier_defaults(&cfg, &thrusters.vehicle);
     cfg.exact_inputs = true;

@@ -94,6 +94,7 @@ void auvid_adaptive_defaults(auvid_adaptive_config_t *cfg);
  * sequence, if any. A DoF that is not actuated is omitted.
  * @param storage written; must outlive the identifier
  * @param cfg copied; need not outlive the call.
+ * @param refusal written: what is refused, e.g. field "amplitude", element 2; NULL: not wanted
  * @return AUVID_OK; AUVID_ERR_NULL; AUVID_ERR_STATE if not initialised, or if the guard is neither
  *         DISARMED nor DONE; AUVID_ERR_DETACHED without acting half (actuation.h);
  *         AUVID_ERR_NOT_FINITE; AUVID_ERR_RANGE if a field is outside its range, or no amplitude
@@ -102,7 +103,7 @@ void auvid_adaptive_defaults(auvid_adaptive_config_t *cfg);
  *         changes.
  */
 auvid_status_t auvid_adaptive_begin(auvid_identifier_t *id, auvid_adaptive_t *storage,
-                                    const auvid_adaptive_config_t *cfg);
+                                    const auvid_adaptive_config_t *cfg, auvid_refusal_t *refusal);
 
 #ifdef __cplusplus
 }

@@ -15,7 +15,7 @@
  * tick, and the model recomputes each row's thrust from them for each candidate.
  *
  *     auvid_thrusters_defaults(&cfg);                     then hull, matrix, group, log
- *     auvid_thrusters_init(&thrusters, &cfg);
+ *     auvid_thrusters_init(&thrusters, &cfg, NULL);
  *     auvid_identifier_defaults(&id_cfg, &thrusters.vehicle);
  *     id_cfg.metric.rows = rows;                          then free and fixed
  *     auvid_thrusters_configure(&thrusters, &id_cfg);
@@ -201,12 +201,14 @@ void auvid_thrusters_defaults(auvid_thrusters_config_t *cfg);
 /** Makes the model, with an empty log.
  * @param thrusters out; unchanged if refused
  * @param cfg copied; may be thrusters->cfg; cfg->hull and cfg->log must outlive *thrusters
+ * @param refusal written: what is refused, e.g. part "sheet", field "lag_s", element 1, a group;
+ * NULL: not wanted
  * @return AUVID_OK; AUVID_ERR_NULL (also log or hull); the errors of auvid_vehicle_check;
  * AUVID_ERR_RANGE (a field out of its range, group numbers with gaps); AUVID_ERR_NOT_FINITE
  * (any real); AUVID_ERR_PARAMETERS (more than AUVID_MAX_PARAMETERS together); AUVID_ERR_MODEL (a
  * group acts on no DoF that the hull models, or the hull is &thrusters->vehicle). */
 auvid_status_t auvid_thrusters_init(auvid_thrusters_t *thrusters,
-                                    const auvid_thrusters_config_t *cfg);
+                                    const auvid_thrusters_config_t *cfg, auvid_refusal_t *refusal);
 
 #define auvid_thrusters_configure AUVID_SIZED(auvid_thrusters_configure)
 /** Prepares the identifier's configuration for this model. Call it after auvid_identifier_defaults

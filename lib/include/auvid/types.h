@@ -138,7 +138,8 @@ auvid_status_t auvid_selftest(void);
 /**
  * What a configuration was refused for. Written by auvid_identifier_init and
  * auvid_identifier_init_motion, auvid_node_init (to its identifier),
- * auvid_identifier_attach_actuation (to its storage) and auvid_terms_init.
+ * auvid_identifier_attach_actuation (to its storage), auvid_terms_init, auvid_thrusters_init and
+ * auvid_adaptive_begin.
  * To print it: "cfg.<part>.<field>[<element>] is <value>, limit <limit>";
  * without "<part>." if part is empty, without "[<element>]" if element is -1. An empty field: all
  * of the part.

@@ -329,21 +329,6 @@ void auvid_adaptive_defaults(auvid_adaptive_config_t *cfg)
     }
 }
 
-static auvid_status_t adaptive_check_config(const auvid_adaptive_config_t *cfg)
-{
-    static const auvid_field_t fields[] = {
-        REALS_IN(auvid_adaptive_config_t, amplitude, AUVID_DOF_COUNT, AUVID_C(0.0),
-                 AUVID_EXCITATION_LARGEST),
-        REALS_IN(auvid_adaptive_config_t, excursion_limit, AUVID_DOF_COUNT, AUVID_C(0.0),
-                 AUVID_LARGEST),
-        REALS_IN(auvid_adaptive_config_t, max_s, 1, AUVID_C(30.0), AUVID_EXCITATION_LONGEST_S),
-    };
-    auvid_refusal_t why;
-    auvid_check_begin(&why);
-    AUVID_CHECK_TABLE(&why, cfg, fields);
-    return why.status;
-}
-
 static bool adaptive_is_excitable(const auvid_identifier_t *id, const auvid_adaptive_config_t *cfg,
                                   int j)
 {
@@ -352,21 +337,43 @@ static bool adaptive_is_excitable(const auvid_identifier_t *id, const auvid_adap
 }
 
 /* Check that some DoF is excitable, and that the thrusters suffice for each of them. */
-static auvid_status_t adaptive_check_thrusters(const auvid_identifier_t *id,
-                                               const auvid_adaptive_config_t *cfg)
+static void adaptive_check_thrusters(const auvid_identifier_t *id,
+                                     const auvid_adaptive_config_t *cfg, auvid_refusal_t *why)
 {
-    int count = 0;
+    const auvid_allocation_t *allocation = id->actuation->allocation;
+    uint32_t count = 0;
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
         auvid_real_t peak[AUVID_DOF_COUNT] = {AUVID_C(0.0)};
+        auvid_allocation_fit_t fit = {.factor = AUVID_C(1.0)};
         if (adaptive_is_excitable(id, cfg, j)) {
             peak[j] = cfg->amplitude[j];
             ++count;
-            if (!adaptive_thrusters_suffice(id, peak)) {
-                return AUVID_ERR_CAPACITY;
-            }
+            bool suffices = allocation == NULL ||
+                            auvid_allocation_check(allocation, peak, NULL, &fit) >= AUVID_OK;
+            auvid_check_element(why, j);
+            auvid_check_limit(why, suffices, AUVID_ERR_CAPACITY, "amplitude", peak[j],
+                              fit.factor * peak[j]);
         }
     }
-    return count == 0 ? AUVID_ERR_RANGE : count > AUVID_MAX_SEGMENTS ? AUVID_ERR_SIZE : AUVID_OK;
+    auvid_check_element(why, -1);
+    auvid_check_count(why, count == 0 ? AUVID_ERR_RANGE : AUVID_ERR_SIZE, "amplitude", count,
+                      AUVID_MAX_SEGMENTS);
+}
+
+static void adaptive_check(const auvid_identifier_t *id, const auvid_adaptive_config_t *cfg,
+                           auvid_refusal_t *why)
+{
+    static const auvid_field_t fields[] = {
+        REALS_IN(auvid_adaptive_config_t, amplitude, AUVID_DOF_COUNT, AUVID_C(0.0),
+                 AUVID_EXCITATION_LARGEST),
+        REALS_IN(auvid_adaptive_config_t, excursion_limit, AUVID_DOF_COUNT, AUVID_C(0.0),
+                 AUVID_LARGEST),
+        REALS_IN(auvid_adaptive_config_t, max_s, 1, AUVID_C(30.0), AUVID_EXCITATION_LONGEST_S),
+    };
+    AUVID_CHECK_TABLE(why, cfg, fields);
+    if (why->status == AUVID_OK) {
+        adaptive_check_thrusters(id, cfg, why);
+    }
 }
 
 /* Configure the excitation: steps in each DoF. They are checked, so init cannot fail. */
@@ -398,19 +405,20 @@ static void adaptive_plan(auvid_identifier_t *id, const auvid_adaptive_config_t 
 }
 
 auvid_status_t auvid_adaptive_begin(auvid_identifier_t *id, auvid_adaptive_t *storage,
-                                    const auvid_adaptive_config_t *cfg)
+                                    const auvid_adaptive_config_t *cfg, auvid_refusal_t *refusal)
 {
+    auvid_refusal_t why;
     auvid_status_t status =
         storage == NULL || cfg == NULL ? AUVID_ERR_NULL : auvid_actuation_check(id);
     if (status == AUVID_OK && id->actuation->guard.state != AUVID_GUARD_DISARMED &&
         id->actuation->guard.state != AUVID_GUARD_DONE) {
         status = AUVID_ERR_STATE;
     }
+    auvid_check_begin(&why);
+    auvid_check_that(&why, status == AUVID_OK, status, "");
     if (status == AUVID_OK) {
-        status = adaptive_check_config(cfg);
-    }
-    if (status == AUVID_OK) {
-        status = adaptive_check_thrusters(id, cfg);
+        adaptive_check(id, cfg, &why);
+        status = why.status;
     }
     if (status == AUVID_OK) {
         adaptive_plan(id, cfg);
@@ -418,6 +426,9 @@ auvid_status_t auvid_adaptive_begin(auvid_identifier_t *id, auvid_adaptive_t *st
         storage->run_us = UINT64_MAX;
         id->actuation->shape_context = storage;
         id->actuation->shape = adaptive_shape;
+    }
+    if (refusal != NULL) {
+        *refusal = why;
     }
     return status;
 }

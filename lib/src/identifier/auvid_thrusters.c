@@ -47,47 +47,56 @@ void auvid_thrusters_defaults(auvid_thrusters_config_t *cfg)
     }
 }
 
+/* Check a standard deviation; 0: there is none. */
+static void thrusters_check_sigma(auvid_refusal_t *why, const char *field, auvid_real_t sigma)
+{
+    bool none = auvid_abs(sigma) <= AUVID_C(0.0);
+    auvid_check_in(why, field, none ? AUVID_C(1.0) : sigma, AUVID_C(1e-4), AUVID_C(1.0));
+}
+
 /* Check what the data sheet says of a group. */
 static void thrusters_check_sheet(const auvid_thrusters_config_t *cfg, int group,
                                   auvid_refusal_t *why)
 {
     const auvid_thrusters_sheet_t *sheet = &cfg->sheet[group];
-    const auvid_real_t sigma[] = {sheet->gain_sigma, sheet->backward_sigma, sheet->dead_band_sigma,
-                                  sheet->lag_sigma_s};
     auvid_check_element(why, group);
-    auvid_check_in(why, "sheet.gain", sheet->gain, AUVID_C(0.0), cfg->gain_max);
-    auvid_check_in(why, "sheet.backward", sheet->backward, AUVID_C(0.0), AUVID_C(100.0));
-    auvid_check_in(why, "sheet.dead_band", sheet->dead_band, AUVID_C(0.0), cfg->dead_band_max);
-    auvid_check_in(why, "sheet.lag_s", sheet->lag_s, AUVID_C(0.0), AUVID_C(2.0));
-    for (size_t k = 0; k < sizeof sigma / sizeof sigma[0]; ++k) {
-        bool none = auvid_abs(sigma[k]) <= AUVID_C(0.0);
-        auvid_check_in(why, "sheet: sigma", none ? AUVID_C(1.0) : sigma[k], AUVID_C(1e-4),
-                       AUVID_C(1.0));
-    }
+    auvid_check_in(why, "gain", sheet->gain, AUVID_C(0.0), cfg->gain_max);
+    auvid_check_in(why, "backward", sheet->backward, AUVID_C(0.0), AUVID_C(100.0));
+    auvid_check_in(why, "dead_band", sheet->dead_band, AUVID_C(0.0), cfg->dead_band_max);
+    auvid_check_in(why, "lag_s", sheet->lag_s, AUVID_C(0.0), AUVID_C(2.0));
+    thrusters_check_sigma(why, "gain_sigma", sheet->gain_sigma);
+    thrusters_check_sigma(why, "backward_sigma", sheet->backward_sigma);
+    thrusters_check_sigma(why, "dead_band_sigma", sheet->dead_band_sigma);
+    thrusters_check_sigma(why, "lag_sigma_s", sheet->lag_sigma_s);
 }
 
-static auvid_status_t thrusters_check(const auvid_thrusters_config_t *cfg)
+/* Check all but the groups. */
+static void thrusters_check(const auvid_thrusters_config_t *cfg, auvid_refusal_t *why)
 {
-    const auvid_real_t least = AUVID_C(1e-6), largest = AUVID_RECORDER_LARGEST;
-    bool fits = cfg->delay_us <= 1000000 && cfg->period_us >= 1000 && cfg->period_us <= 100000 &&
-                cfg->slots >= 1 && (uint64_t)cfg->slots * cfg->period_us <= 4000000000u;
-    auvid_refusal_t why;
-    auvid_check_begin(&why);
-    auvid_check_that(&why, cfg->log != NULL, AUVID_ERR_NULL, "log");
-    auvid_vehicle_check_fields(cfg->hull, &why);
-    auvid_check_that(
-        &why, auvid_all_finite(cfg->matrix[0], sizeof cfg->matrix / sizeof cfg->matrix[0][0]),
-        AUVID_ERR_NOT_FINITE, "matrix");
-    auvid_check_in(&why, "command_max", cfg->command_max, least, largest);
-    auvid_check_in(&why, "gain_max", cfg->gain_max, least, largest);
-    auvid_check_in(&why, "dead_band_max", cfg->dead_band_max, least, largest);
-    auvid_check_in(&why, "lag_max_s", cfg->lag_max_s, AUVID_C(0.01), AUVID_C(2.0));
-    auvid_check_count(&why, AUVID_ERR_RANGE, "thrusters", cfg->thrusters, AUVID_MAX_COMMANDS);
-    auvid_check_that(&why, fits, AUVID_ERR_RANGE, "slots");
+#define SIZE_OF(name)                                                                              \
+    REALS_IN(auvid_thrusters_config_t, name, 1, AUVID_C(1e-6), AUVID_RECORDER_LARGEST)
+    static const auvid_field_t field[] = {
+        REALS_IN(auvid_thrusters_config_t, matrix, AUVID_DOF_COUNT * AUVID_COMMAND_SLOTS,
+                 -AUVID_LARGEST, AUVID_LARGEST),
+        SIZE_OF(command_max),
+        SIZE_OF(gain_max),
+        SIZE_OF(dead_band_max),
+        REALS_IN(auvid_thrusters_config_t, lag_max_s, 1, AUVID_C(0.01), AUVID_C(2.0)),
+        WHOLE_IN(auvid_thrusters_config_t, thrusters, 1, 1, AUVID_MAX_COMMANDS),
+        WHOLE_IN(auvid_thrusters_config_t, delay_us, 1, 0, 1000000),
+        WHOLE_IN(auvid_thrusters_config_t, period_us, 1, 1000, 100000)};
+    auvid_check_that(why, cfg->log != NULL, AUVID_ERR_NULL, "log");
+    auvid_check_part(why, "hull");
+    auvid_vehicle_check_fields(cfg->hull, why);
+    auvid_check_part(why, "");
+    AUVID_CHECK_TABLE(why, cfg, field);
+    auvid_check_count(why, AUVID_ERR_RANGE, "slots", cfg->slots,
+                      UINT32_C(4000000000) / (cfg->period_us > 0 ? cfg->period_us : 1));
+    auvid_check_part(why, "sheet");
     for (int g = 0; g < AUVID_THRUSTERS_GROUPS; ++g) {
-        thrusters_check_sheet(cfg, g, &why);
+        thrusters_check_sheet(cfg, g, why);
     }
-    return why.status;
+    auvid_check_part(why, "");
 }
 
 /* Returns the number of groups; 0 if their numbers have gaps or are too large. */
@@ -116,6 +125,23 @@ static uint32_t thrusters_dofs_of_group(const auvid_thrusters_config_t *cfg, int
         }
     }
     return dofs;
+}
+
+/* Check the groups of a configuration that is valid otherwise. */
+static void thrusters_check_groups(const auvid_thrusters_config_t *cfg, int groups,
+                                   auvid_refusal_t *why)
+{
+    int n = cfg->hull->parameters + groups * AUVID_THRUSTERS_PER_GROUP;
+    auvid_check_that(why, groups > 0, AUVID_ERR_RANGE, "group");
+    auvid_check_part(why, "hull");
+    auvid_check_count(why, AUVID_ERR_PARAMETERS, "parameters", (uint32_t)n, AUVID_MAX_PARAMETERS);
+    auvid_check_part(why, "");
+    for (int i = 0; why->status == AUVID_OK && i < cfg->thrusters; ++i) {
+        auvid_check_element(why, i);
+        auvid_check_that(why, thrusters_dofs_of_group(cfg, cfg->group[i]) != 0, AUVID_ERR_MODEL,
+                         "group");
+    }
+    auvid_check_element(why, -1);
 }
 
 /* Describes the four parameters of a group. */
@@ -166,33 +192,10 @@ static void thrusters_regressor(const void *context, const auvid_sample_t *sampl
     }
 }
 
-auvid_status_t auvid_thrusters_init(auvid_thrusters_t *thrusters,
-                                    const auvid_thrusters_config_t *cfg)
+/* Makes the model of a configuration that is valid. */
+static void thrusters_make(auvid_thrusters_t *th, const auvid_thrusters_config_t *cfg, int groups)
 {
-    if (thrusters == NULL || cfg == NULL) {
-        return AUVID_ERR_NULL;
-    }
-    auvid_status_t status = thrusters_check(cfg);
-    if (status < 0) {
-        return status;
-    }
-    if (cfg->hull == &thrusters->vehicle) {
-        return AUVID_ERR_MODEL;
-    }
-    int groups = thrusters_count_groups(cfg), hull = cfg->hull->parameters;
-    int n = hull + groups * AUVID_THRUSTERS_PER_GROUP;
-    if (groups == 0) {
-        return AUVID_ERR_RANGE;
-    }
-    if (n > AUVID_MAX_PARAMETERS) {
-        return AUVID_ERR_PARAMETERS;
-    }
-    for (int g = 0; g < groups; ++g) {
-        if (thrusters_dofs_of_group(cfg, g) == 0) {
-            return AUVID_ERR_MODEL;
-        }
-    }
-    auvid_thrusters_t *th = thrusters;
+    int hull = cfg->hull->parameters, n = hull + groups * AUVID_THRUSTERS_PER_GROUP;
     th->cfg = *cfg; /* it may be this one */
     memset(&th->vehicle, 0, sizeof *th - offsetof(auvid_thrusters_t, vehicle));
     th->carry = &th->state.carry;
@@ -223,7 +226,30 @@ auvid_status_t auvid_thrusters_init(auvid_thrusters_t *thrusters,
             vehicle->columns[j] |= (dofs >> j & 1u) != 0 ? 15u << first : 0u;
         }
     }
-    return AUVID_OK;
+}
+
+auvid_status_t auvid_thrusters_init(auvid_thrusters_t *thrusters,
+                                    const auvid_thrusters_config_t *cfg, auvid_refusal_t *refusal)
+{
+    auvid_refusal_t why;
+    bool given = thrusters != NULL && cfg != NULL;
+    auvid_check_begin(&why);
+    auvid_check_that(&why, given, AUVID_ERR_NULL, "");
+    if (given) {
+        thrusters_check(cfg, &why);
+        auvid_check_that(&why, cfg->hull != &thrusters->vehicle, AUVID_ERR_MODEL, "hull");
+    }
+    if (given && why.status == AUVID_OK) {
+        int groups = thrusters_count_groups(cfg);
+        thrusters_check_groups(cfg, groups, &why);
+        if (why.status == AUVID_OK) {
+            thrusters_make(thrusters, cfg, groups);
+        }
+    }
+    if (refusal != NULL) {
+        *refusal = why;
+    }
+    return why.status;
 }
 
 /* Returns the kind of parameter i within its group; AUVID_THRUSTERS_PER_GROUP for the hull's. */

@@ -106,7 +106,7 @@ static void begin(world_t world)
         adaptive.amplitude[AUVID_SURGE] = adaptive.amplitude[AUVID_SWAY] = AUVID_C(100.0);
         adaptive.amplitude[AUVID_HEAVE] = AUVID_C(100.0);
         adaptive.amplitude[AUVID_YAW] = AUVID_C(40.0);
-        TEST_ASSERT_EQUAL(AUVID_OK, auvid_adaptive_begin(id, &chain.adaptive, &adaptive));
+        TEST_ASSERT_EQUAL(AUVID_OK, auvid_adaptive_begin(id, &chain.adaptive, &adaptive, NULL));
     }
 }
 

@@ -70,7 +70,7 @@ static void test_impossible_values_of_the_acting_half_are_refused(void)
     auvid_adaptive_defaults(&plan);
     plan.amplitude[AUVID_SURGE] = 100;
     init_acting();
-    TEST_ASSERT_EQUAL(AUVID_OK, auvid_adaptive_begin(&id, &adaptive, &plan));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_adaptive_begin(&id, &adaptive, &plan, NULL));
     before = actuation;
     for (int k = 0; k < 6; ++k) {
         actuation = before;

@@ -59,7 +59,7 @@ static void test_orders_to_a_passive_identifier_are_refused(void)
     adaptive.amplitude[AUVID_SURGE] = 100;
     check_orders(AUVID_ERR_DETACHED);
     TEST_ASSERT_EQUAL(AUVID_ERR_DETACHED,
-                      auvid_adaptive_begin(&chain.id, &chain.adaptive, &adaptive));
+                      auvid_adaptive_begin(&chain.id, &chain.adaptive, &adaptive, NULL));
     memset(&chain.id, 0, sizeof chain.id);
     check_orders(AUVID_ERR_STATE); /* not initialised */
 }

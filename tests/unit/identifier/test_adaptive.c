@@ -80,7 +80,7 @@ void tearDown(void)
 static void begin(void)
 {
     TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &config));
-    TEST_ASSERT_EQUAL(AUVID_OK, auvid_adaptive_begin(&chain.id, &chain.adaptive, &cfg));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_adaptive_begin(&chain.id, &chain.adaptive, &cfg, NULL));
 }
 
 /* Run until the guard is DONE or ABORTED, at most max_s. */
@@ -155,7 +155,7 @@ static void test_a_run_may_be_begun_again(void)
     begin();
     run(300);
     double first_s = 1e-6 * (double)chain.t_us;
-    TEST_ASSERT_EQUAL(AUVID_OK, auvid_adaptive_begin(&chain.id, &chain.adaptive, &cfg));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_adaptive_begin(&chain.id, &chain.adaptive, &cfg, NULL));
     chain.waiting = true;
     chain_tick(&chain);
     run(600); /* everything is known: nothing remains to be done */
@@ -177,7 +177,7 @@ static void test_dives_with_a_prior_record_end_sooner_but_not_without_a_set(void
         make_world(100 + dive, 1.0);
         TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &config));
         TEST_ASSERT_EQUAL(AUVID_OK, auvid_prior_load(&chain.id, record, sizeof record));
-        TEST_ASSERT_EQUAL(AUVID_OK, auvid_adaptive_begin(&chain.id, &chain.adaptive, &cfg));
+        TEST_ASSERT_EQUAL(AUVID_OK, auvid_adaptive_begin(&chain.id, &chain.adaptive, &cfg, NULL));
         run(300);
         prior_s += seen.end_s;
         TEST_ASSERT_EQUAL(AUVID_GUARD_DONE, chain.out.guard);
@@ -325,7 +325,7 @@ static void check_refused(auvid_status_t status)
 {
     static auvid_identifier_t before;
     before = chain.id;
-    TEST_ASSERT_EQUAL(status, auvid_adaptive_begin(&chain.id, &chain.adaptive, &cfg));
+    TEST_ASSERT_EQUAL(status, auvid_adaptive_begin(&chain.id, &chain.adaptive, &cfg, NULL));
     TEST_ASSERT_EQUAL_MEMORY(&before, &chain.id, sizeof before);
     setUp();
 }
@@ -333,9 +333,9 @@ static void check_refused(auvid_status_t status)
 static void test_an_invalid_configuration_is_refused(void)
 {
     TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &config));
-    TEST_ASSERT_EQUAL(AUVID_ERR_NULL, auvid_adaptive_begin(NULL, &chain.adaptive, &cfg));
-    TEST_ASSERT_EQUAL(AUVID_ERR_NULL, auvid_adaptive_begin(&chain.id, &chain.adaptive, NULL));
-    TEST_ASSERT_EQUAL(AUVID_ERR_NULL, auvid_adaptive_begin(&chain.id, NULL, &cfg));
+    TEST_ASSERT_EQUAL(AUVID_ERR_NULL, auvid_adaptive_begin(NULL, &chain.adaptive, &cfg, NULL));
+    TEST_ASSERT_EQUAL(AUVID_ERR_NULL, auvid_adaptive_begin(&chain.id, &chain.adaptive, NULL, NULL));
+    TEST_ASSERT_EQUAL(AUVID_ERR_NULL, auvid_adaptive_begin(&chain.id, NULL, &cfg, NULL));
     auvid_adaptive_defaults(NULL);
     memset(cfg.amplitude, 0, sizeof cfg.amplitude);
     check_refused(AUVID_ERR_RANGE);
@@ -358,7 +358,8 @@ static void test_an_invalid_configuration_is_refused(void)
 static void test_calls_out_of_order_are_refused(void)
 {
     memset(&chain, 0, sizeof chain);
-    TEST_ASSERT_EQUAL(AUVID_ERR_STATE, auvid_adaptive_begin(&chain.id, &chain.adaptive, &cfg));
+    TEST_ASSERT_EQUAL(AUVID_ERR_STATE,
+                      auvid_adaptive_begin(&chain.id, &chain.adaptive, &cfg, NULL));
     begin();
     chain_run(&chain, 5); /* exciting */
     check_refused(AUVID_ERR_STATE);
@@ -383,7 +384,7 @@ static void restore_and_continue(uint32_t count, int seconds)
     other = chain;
     memset(&other.id, 0xA5, sizeof other.id);
     TEST_ASSERT_EQUAL(AUVID_OK, chain_init(&other, &config));
-    TEST_ASSERT_EQUAL(AUVID_OK, auvid_adaptive_begin(&other.id, &other.adaptive, &cfg));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_adaptive_begin(&other.id, &other.adaptive, &cfg, NULL));
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_checkpoint_resume(&other.id, bytes, count));
     for (int k = 0; k < seconds * 50; ++k) {
         chain_tick(&chain);
@@ -471,7 +472,7 @@ static void run_one(uint32_t seed, double disturbance_N, bool other, int way)
     TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &config));
     if (way == ADAPTIVE) {
         cfg.max_s = MAX_S;
-        TEST_ASSERT_EQUAL(AUVID_OK, auvid_adaptive_begin(&chain.id, &chain.adaptive, &cfg));
+        TEST_ASSERT_EQUAL(AUVID_OK, auvid_adaptive_begin(&chain.id, &chain.adaptive, &cfg, NULL));
     }
     const auvid_estimate_t *e = &chain.id.estimate;
     while (1e-6 * (double)chain.t_us < max_s + 12.0 && chain.out.guard != AUVID_GUARD_ABORTED &&

@@ -103,7 +103,8 @@ static void test_heave_must_be_measured_where_the_adaptive_excitation_excites_it
         wrong = 0;
         TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &cfg));
         adaptive.amplitude[AUVID_HEAVE] = (auvid_real_t)(60 * heave);
-        TEST_ASSERT_EQUAL(AUVID_OK, auvid_adaptive_begin(&chain.id, &chain.adaptive, &adaptive));
+        TEST_ASSERT_EQUAL(AUVID_OK,
+                          auvid_adaptive_begin(&chain.id, &chain.adaptive, &adaptive, NULL));
         chain_run(&chain, BEFORE_S);
         wrong = NO_HEAVE;
         chain_run(&chain, 5.0);

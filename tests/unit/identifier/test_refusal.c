@@ -7,6 +7,7 @@
 
 #include "auvid/node.h"
 #include "by_residual.h"
+#include "refusal.h"
 #include "unity.h"
 
 static auvid_identifier_config_t cfg;
@@ -35,20 +36,6 @@ void setUp(void)
 
 void tearDown(void)
 {
-}
-
-static void assert_why(const auvid_refusal_t *why, const char *part, const char *field, int element,
-                       double value, double limit)
-{
-    TEST_ASSERT_EQUAL_STRING(part, why->part);
-    TEST_ASSERT_EQUAL_STRING(field, why->field);
-    TEST_ASSERT_EQUAL_INT(element, why->element);
-    if (isnan(value)) {
-        TEST_ASSERT_TRUE(isnan((double)why->value));
-    } else {
-        TEST_ASSERT_TRUE((auvid_real_t)value == why->value);
-    }
-    TEST_ASSERT_TRUE(fabs(limit - (double)why->limit) <= 3e-6 * fabs(limit));
 }
 
 static void check_named(auvid_status_t status, const char *part, const char *field, int element,

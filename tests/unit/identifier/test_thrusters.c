@@ -315,9 +315,9 @@ static void test_the_log_skips_a_pause_and_keeps_the_commands_before_it(void)
 static void test_init_accepts_its_own_configuration(void)
 {
     static auvid_thrusters_t again;
-    TEST_ASSERT_EQUAL(AUVID_OK, auvid_thrusters_init(&thrusters, &cfg));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_thrusters_init(&thrusters, &cfg, NULL));
     again = thrusters;
-    TEST_ASSERT_EQUAL(AUVID_OK, auvid_thrusters_init(&thrusters, &thrusters.cfg));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_thrusters_init(&thrusters, &thrusters.cfg, NULL));
     TEST_ASSERT_EQUAL_MEMORY(&again, &thrusters, sizeof again);
 }
 
@@ -326,30 +326,30 @@ static void test_init_accepts_its_own_configuration(void)
 static void test_init_refuses_values_out_of_range(void)
 {
     auvid_thrusters_config_t good = cfg;
-    TEST_ASSERT_EQUAL(AUVID_ERR_NULL, auvid_thrusters_init(&thrusters, NULL));
+    TEST_ASSERT_EQUAL(AUVID_ERR_NULL, auvid_thrusters_init(&thrusters, NULL, NULL));
     cfg.log = NULL;
-    TEST_ASSERT_EQUAL(AUVID_ERR_NULL, auvid_thrusters_init(&thrusters, &cfg));
+    TEST_ASSERT_EQUAL(AUVID_ERR_NULL, auvid_thrusters_init(&thrusters, &cfg, NULL));
     cfg = good;
     auvid_vehicle_t other_sizes = *good.hull;
     other_sizes.built_for = NULL;
     cfg.hull = &other_sizes;
-    TEST_ASSERT_EQUAL(AUVID_ERR_SIZE, auvid_thrusters_init(&thrusters, &cfg));
+    TEST_ASSERT_EQUAL(AUVID_ERR_SIZE, auvid_thrusters_init(&thrusters, &cfg, NULL));
     cfg = good;
     cfg.thrusters = AUVID_MAX_COMMANDS + 1;
-    TEST_ASSERT_EQUAL(AUVID_ERR_RANGE, auvid_thrusters_init(&thrusters, &cfg));
+    TEST_ASSERT_EQUAL(AUVID_ERR_RANGE, auvid_thrusters_init(&thrusters, &cfg, NULL));
     cfg = good;
     cfg.group[0] = 1; /* and none is 0 */
-    TEST_ASSERT_EQUAL(AUVID_ERR_RANGE, auvid_thrusters_init(&thrusters, &cfg));
+    TEST_ASSERT_EQUAL(AUVID_ERR_RANGE, auvid_thrusters_init(&thrusters, &cfg, NULL));
     cfg = good;
     cfg.lag_max_s = (auvid_real_t)NAN;
-    TEST_ASSERT_EQUAL(AUVID_ERR_NOT_FINITE, auvid_thrusters_init(&thrusters, &cfg));
+    TEST_ASSERT_EQUAL(AUVID_ERR_NOT_FINITE, auvid_thrusters_init(&thrusters, &cfg, NULL));
     cfg = good;
     cfg.command_max = (auvid_real_t)1e-7;
-    TEST_ASSERT_EQUAL(AUVID_ERR_RANGE, auvid_thrusters_init(&thrusters, &cfg));
+    TEST_ASSERT_EQUAL(AUVID_ERR_RANGE, auvid_thrusters_init(&thrusters, &cfg, NULL));
     cfg = good;
-    TEST_ASSERT_EQUAL(AUVID_OK, auvid_thrusters_init(&thrusters, &cfg));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_thrusters_init(&thrusters, &cfg, NULL));
     cfg.hull = &thrusters.vehicle; /* it would call itself */
-    TEST_ASSERT_EQUAL(AUVID_ERR_MODEL, auvid_thrusters_init(&thrusters, &cfg));
+    TEST_ASSERT_EQUAL(AUVID_ERR_MODEL, auvid_thrusters_init(&thrusters, &cfg, NULL));
     auvid_real_t *const sheet[] = {&cfg.sheet[0].gain,
                                    &cfg.sheet[0].backward,
                                    &cfg.sheet[0].dead_band,
@@ -362,31 +362,31 @@ static void test_init_refuses_values_out_of_range(void)
     for (size_t k = 0; k < sizeof sheet / sizeof sheet[0]; ++k) {
         cfg = good;
         *sheet[k] = beyond[k];
-        TEST_ASSERT_EQUAL(AUVID_ERR_RANGE, auvid_thrusters_init(&thrusters, &cfg));
+        TEST_ASSERT_EQUAL(AUVID_ERR_RANGE, auvid_thrusters_init(&thrusters, &cfg, NULL));
         *sheet[k] = -1;
-        TEST_ASSERT_EQUAL(AUVID_ERR_RANGE, auvid_thrusters_init(&thrusters, &cfg));
+        TEST_ASSERT_EQUAL(AUVID_ERR_RANGE, auvid_thrusters_init(&thrusters, &cfg, NULL));
         *sheet[k] = (auvid_real_t)NAN;
-        TEST_ASSERT_EQUAL(AUVID_ERR_NOT_FINITE, auvid_thrusters_init(&thrusters, &cfg));
+        TEST_ASSERT_EQUAL(AUVID_ERR_NOT_FINITE, auvid_thrusters_init(&thrusters, &cfg, NULL));
     }
     cfg = good;
     cfg.matrix[AUVID_YAW][0] = (auvid_real_t)INFINITY;
-    TEST_ASSERT_EQUAL(AUVID_ERR_NOT_FINITE, auvid_thrusters_init(&thrusters, &cfg));
+    TEST_ASSERT_EQUAL(AUVID_ERR_NOT_FINITE, auvid_thrusters_init(&thrusters, &cfg, NULL));
     cfg = good;
     cfg.thrusters = 2; /* the second acts on nothing */
     cfg.group[1] = 1;
-    TEST_ASSERT_EQUAL(AUVID_ERR_MODEL, auvid_thrusters_init(&thrusters, &cfg));
+    TEST_ASSERT_EQUAL(AUVID_ERR_MODEL, auvid_thrusters_init(&thrusters, &cfg, NULL));
     cfg.thrusters = 4;
     for (int i = 1; i < 4; ++i) {
         cfg.group[i] = (uint8_t)i;
         cfg.matrix[AUVID_SURGE][i] = 1;
     }
     TEST_ASSERT_EQUAL(HULL + 4 * 4 <= AUVID_MAX_PARAMETERS ? AUVID_OK : AUVID_ERR_PARAMETERS,
-                      auvid_thrusters_init(&thrusters, &cfg));
+                      auvid_thrusters_init(&thrusters, &cfg, NULL));
 }
 
 static void test_masses_drags_and_gains_must_not_all_be_free(void)
 {
-    TEST_ASSERT_EQUAL(AUVID_OK, auvid_thrusters_init(&thrusters, &cfg));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_thrusters_init(&thrusters, &cfg, NULL));
     defaults(ROW_CELLS, 30);
     TEST_ASSERT_EQUAL(AUVID_ERR_NULL, auvid_thrusters_configure(NULL, &id_config));
     TEST_ASSERT_EQUAL(AUVID_ERR_NULL, auvid_thrusters_configure(&thrusters, NULL));
@@ -427,7 +427,7 @@ static void test_thrusters_refused_by_init_are_refused_and_do_nothing(void)
     auvid_real_t wrench[AUVID_DOF_COUNT] = {1};
     memset(&thrusters, 0, sizeof thrusters);
     cfg.thrusters = 0;
-    TEST_ASSERT_EQUAL(AUVID_ERR_RANGE, auvid_thrusters_init(&thrusters, &cfg));
+    TEST_ASSERT_EQUAL(AUVID_ERR_RANGE, auvid_thrusters_init(&thrusters, &cfg, NULL));
     defaults(ROW_CELLS, 30);
     TEST_ASSERT_EQUAL(AUVID_ERR_STATE, auvid_thrusters_configure(&thrusters, &id_config));
     TEST_ASSERT_NULL(id_config.listener);
@@ -445,7 +445,7 @@ static void test_commands_before_configure_are_not_logged(void)
 {
     const auvid_real_t command[AUVID_MAX_COMMANDS] = {1};
     static auvid_thrusters_t before;
-    TEST_ASSERT_EQUAL(AUVID_OK, auvid_thrusters_init(&thrusters, &cfg));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_thrusters_init(&thrusters, &cfg, NULL));
     before = thrusters;
     auvid_thrusters_command(&thrusters, 1000000, command);
     TEST_ASSERT_EQUAL_MEMORY(&before, &thrusters, sizeof before);

@@ -139,7 +139,7 @@ static void begin_expensive(void)
     cfg.period_us = SHORT_US;
     cfg.log = short_log;
     cfg.slots = SHORT_SLOTS;
-    TEST_ASSERT_EQUAL(AUVID_OK, auvid_thrusters_init(&thrusters, &cfg));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_thrusters_init(&thrusters, &cfg, NULL));
     defaults(5, 5);
     id_config.metric.sets = 1;
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_thrusters_configure(&thrusters, &id_config));
@@ -214,7 +214,7 @@ static void test_rows_too_expensive_for_work_are_refused(void)
     id_config.metric.sets = 1;
     id_config.metric.set_rows = 1;
     cfg.slots = 4000000; /* the log is not accessed */
-    TEST_ASSERT_EQUAL(AUVID_OK, auvid_thrusters_init(&thrusters, &cfg));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_thrusters_init(&thrusters, &cfg, NULL));
     TEST_ASSERT_EQUAL(AUVID_ERR_RANGE, auvid_thrusters_configure(&thrusters, &id_config));
     TEST_ASSERT_NULL(id_config.listener);
 }

@@ -20,7 +20,7 @@ static auvid_status_t adapt(world_t *world, const world_config_t *config)
     memcpy(cfg.excursion_limit, plan->cfg.excursion_limit, sizeof cfg.excursion_limit);
     cfg.max_s = (auvid_real_t)(config->sets * WORLD_SET_S);
     cfg.seed = config->seed;
-    return auvid_adaptive_begin(&world->node[0].id, &world->adaptive, &cfg);
+    return auvid_adaptive_begin(&world->node[0].id, &world->adaptive, &cfg, NULL);
 }
 
 void world_identifier(auvid_identifier_config_t *cfg, const world_config_t *config)

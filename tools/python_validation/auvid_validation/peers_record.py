@@ -129,7 +129,7 @@ def girona500_thrusters(lib):
         config.matrix[j][:5] = world.thruster_matrix[j][:5]
     config.command_max, config.gain_max, config.period_us, config.slots = 2, 300, period_us, slots
     config.log = log.ctypes.data_as(ctypes.POINTER(ctypes.c_int16))
-    assert lib.auvid_thrusters_init(model, config) == 0
+    assert lib.auvid_thrusters_init(model, config, None) == 0
     return model, log
 
 
