@@ -124,17 +124,21 @@ objects = $(patsubst %.c,build/$(1)/%.o,$(2))
 TESTED = $(call objects,$(1),$(LIB) $(SIMULATOR) $(WORLD) $(SUPPORT)) build/$(1)/unity.o
 # Under the sanitizers and in double these take a minute, and others run the same code: the long
 # form only. The program itself is never built in double.
-SLOW := $(addprefix %/tests/unit/,$(addprefix identifier/,test_adaptive test_change_test \
+SLOW := $(addprefix %/tests/unit/,$(addprefix identifier/,test_adaptive \
+    test_adaptive_benefit test_adaptive_checkpoint test_change_test \
     test_width) $(addprefix uncertain/,test_uncertain test_uncertain_rows \
     test_uncertain_causes))
-SLOW_SANITIZED := $(SLOW) $(addprefix %/tests/unit/,$(addprefix tools/test_,doctor \
+SLOW_SANITIZED := $(SLOW) $(addprefix %/tests/unit/,$(addprefix tools/test_,doctor doctor_samples \
     doctor_sensors doctor_units doctor_campaign field field_mismatch field_run field_sensors \
     simulator simulator_sensors simulator_vehicle) \
-    $(addprefix identifier/test_,drift identifier identifier_work prior prior_benefit prior_known \
+    $(addprefix identifier/test_,drift identifier identifier_work identifier_work_model \
+    identifier_work_sets prior prior_benefit prior_known \
     thrusters thrusters_identify thrusters_prior underactuated user_model) \
-    uncertain/test_instruments uncertain/test_uncertain_checkpoint navigation/test_latency \
+    uncertain/test_instruments uncertain/test_uncertain_checkpoint \
+    uncertain/test_uncertain_estimate navigation/test_latency \
     can/test_can_accuracy excitation/test_excitation_plan search/test_optimizer_figures)
 SLOW_DOUBLE := $(SLOW) $(addprefix %/tests/unit/,uncertain/test_uncertain_checkpoint \
+    uncertain/test_uncertain_estimate \
     identifier/test_user_model) build/double/tests/unit/can/% build/double/tests/unit/checkpoint/%
 unit_tests = $(UNIT:tests/unit/%.c=build/$(1)/tests/unit/%)
 TEST_PROGRAMS := $(call unit_tests,release) \

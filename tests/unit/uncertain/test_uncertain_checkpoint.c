@@ -1,97 +1,29 @@
 /* The checkpoint of uncertain inputs and instruments: a run that is split at any moment of a
- * solution ends as one that is not, byte for byte; one of other inputs, or damaged, is refused. Two
- * worlds: Girona500 that is excited, and a body in surge that a controller drives. */
-#include <math.h>
+ * solution ends as one that is not, byte for byte; one of other inputs, or damaged, is refused. */
 #include <string.h>
 
 #include "auvid/checkpoint.h"
-#include "auvid/uncertain.h"
 #include "base/auvid_checksum_internal.h"
 #include "base/auvid_math_internal.h"
 #include "binomial.h"
-#include "chain.h"
 #include "checkpoint/auvid_checkpoint_layout_internal.h"
 #include "save_checkpoint.h"
-#include "unity.h"
 #include "uncertain/auvid_uncertain_parts_internal.h"
+#include "uncertain_worlds.h"
+#include "unity.h"
 
 enum {
-    TICK_US = 20000,
-    SAMPLE = 10,             /* ticks between velocities of the body */
     SPLIT = 997,             /* ticks from one split to the next, outside of solutions */
     PHASES = SOLVE_DONE + 1, /* of a solution */
     PASSES = 4,
-    SET_ROWS = 40,
     MOST = AUVID_CHECKPOINT_MAX(0) + sizeof(auvid_uncertain_t) + sizeof(auvid_instruments_t)
 };
-#define TAU_MAX_N AUVID_C(300.0)
 
-typedef enum { EXCITED, PASSIVE, INSTRUMENTS } world_t;
-
-static world_t world;
-static chain_config_t cfg;
-static chain_t chain;
-static auvid_identifier_t *const id = &chain.id;
-static auvid_allocation_config_t allocation;
-static auvid_allocation_t thrusters;
-static auvid_uncertain_config_t inputs;
-static auvid_uncertain_t uncertain, before;
-static auvid_instruments_t instruments, untouched;
+static auvid_instruments_t untouched;
 static auvid_identifier_t same;
-static double pilot_N; /* who drives surge beside the excitation */
 static uint8_t saved[MOST], again[MOST];
 static uint32_t bytes;
 static uint64_t seen[2]; /* steps of solutions, bit phase + PHASES * pass; of projected rows */
-static struct {
-    sim_rng_t rng;
-    double u, disturbance, wanted, smooth, sum, tau, sampled;
-} body;
-
-/* Init and attach, as a program does that was started again. */
-static void start(void)
-{
-    memset(&uncertain, 0xA5, sizeof uncertain);
-    memset(&instruments, 0xA5, sizeof instruments);
-    TEST_ASSERT_EQUAL(AUVID_OK, auvid_allocation_init(&thrusters, &allocation));
-    TEST_ASSERT_EQUAL(AUVID_OK, chain_init(&chain, &cfg));
-    TEST_ASSERT_EQUAL(AUVID_OK,
-                      auvid_identifier_attach_uncertain(id, &uncertain, &inputs, &thrusters));
-    if (world == INSTRUMENTS) {
-        TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_attach_instruments(id, &instruments));
-    }
-}
-
-static void begin_world(void)
-{
-    memset(&body, 0, sizeof body);
-    sim_rng_seed(&body.rng, 1, 1);
-    memset(&chain, 0, sizeof chain);
-    TEST_ASSERT_TRUE(sim_init(&chain.sim, &cfg.sim));
-    chain.waiting = true;
-    start();
-}
-
-/* One thruster for each DoF that is driven. */
-static void begin(world_t of)
-{
-    static const int driven[] = {AUVID_SURGE, AUVID_SWAY, AUVID_HEAVE, AUVID_YAW};
-    world = of;
-    chain_defaults(&cfg, 1, 4, 1.0);
-    cfg.id.metric.set_rows = world == INSTRUMENTS ? 6 * SET_ROWS : SET_ROWS;
-    cfg.passive = world != EXCITED;
-    auvid_uncertain_defaults(&inputs);
-    auvid_allocation_defaults(&allocation);
-    allocation.thrusters = (uint8_t)(world == EXCITED ? 4 : 1);
-    for (int i = 0; i < allocation.thrusters; ++i) {
-        allocation.thruster[i].wrench[driven[i]] = 1;
-        allocation.thruster[i].max_N = TAU_MAX_N;
-        allocation.thruster[i].min_N = -TAU_MAX_N;
-    }
-    if (world != EXCITED) {
-        cfg.id.metric.free = 1u << AUVID_G500_M_U | 1u << AUVID_G500_X_U;
-    }
-    begin_world();
-}
 
 void setUp(void)
 {
@@ -100,74 +32,6 @@ void setUp(void)
 
 void tearDown(void)
 {
-}
-
-/* ---- the worlds ---- */
-
-static void tick_vehicle(void)
-{
-    sim_output_t out;
-    auvid_input_t in;
-    double wrench[AUVID_DOF_COUNT];
-    auvid_real_t command[AUVID_MAX_COMMANDS] = {0};
-    for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
-        wrench[j] = (double)chain.wrench[j];
-    }
-    sim_step(&chain.sim, NULL, wrench, &out);
-    chain_sense(&out, 0, &in);
-    if (chain.waiting && auvid_identifier_arm(id) == AUVID_OK) {
-        chain.waiting = false;
-        TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_excite(id));
-    }
-    (void)auvid_identifier_step(id, &in, &chain.out);
-    memcpy(chain.wrench, chain.out.excitation, sizeof chain.wrench);
-    chain.wrench[AUVID_HEAVE] -= (auvid_real_t)cfg.sim.parameter[SIM_WB];
-    chain.wrench[AUVID_SURGE] += (auvid_real_t)pilot_N;
-    memcpy(command, chain.wrench, 3 * sizeof command[0]);
-    command[3] = chain.wrench[AUVID_YAW];
-    (void)auvid_identifier_applied(id, in.t_us, chain.wrench, command);
-}
-
-/* A fast controller against a strong disturbance; see test_instruments.c. */
-static void tick_body(void)
-{
-    const double dt = TICK_US * 1e-6;
-    auvid_real_t attitude[3] = {0}, nu[AUVID_DOF_COUNT] = {0}, wrench[AUVID_DOF_COUNT] = {0};
-    auvid_real_t command[AUVID_MAX_COMMANDS] = {0}, reference[AUVID_DOF_COUNT] = {0};
-    uint64_t t_us = (uint64_t)(chain.tick + 1u) * TICK_US;
-    if (chain.tick % SAMPLE == 0) {
-        body.sampled = body.u + 0.003 * sim_rng_gauss(&body.rng);
-        nu[AUVID_SURGE] = (auvid_real_t)body.sampled;
-        (void)auvid_identifier_motion(id, t_us, attitude, nu);
-        if (chain.tick % 500 == 0) {
-            body.wanted = 2.0 * sim_rng_uniform(&body.rng) - 1.0;
-        }
-        body.smooth += (body.wanted - body.smooth) * 0.2;
-        body.sum += 10.0 * (body.smooth - body.sampled);
-        body.tau = fmax(-300.0, fmin(300.0, 250.0 * (body.smooth - body.sampled) + body.sum));
-    }
-    reference[AUVID_SURGE] = (auvid_real_t)body.smooth;
-    if (world == INSTRUMENTS) {
-        TEST_ASSERT_EQUAL(AUVID_OK, auvid_instruments_reference(&instruments, t_us, reference));
-    }
-    wrench[AUVID_SURGE] = command[0] = (auvid_real_t)body.tau;
-    (void)auvid_identifier_applied(id, t_us, wrench, command);
-    body.disturbance += -body.disturbance * dt / 2.0 + 40.0 * sqrt(dt) * sim_rng_gauss(&body.rng);
-    body.u += (body.tau + body.disturbance - 120.0 * body.u) / 250.0 * dt;
-}
-
-/* A tick, and work: so little that no phase of a solution is passed over. */
-static void tick(void)
-{
-    if (world == EXCITED) {
-        tick_vehicle();
-    } else {
-        tick_body();
-    }
-    ++chain.tick;
-    (void)auvid_identifier_work(id, id->work.phase == AUVID_WORK_IDLE ? 400
-                                    : world == EXCITED                ? 20
-                                                                      : 6);
 }
 
 /* ---- saving ---- */
@@ -273,46 +137,6 @@ static void test_an_equation_without_uncertain_inputs_can_be_saved_at_any_step(v
     }
     TEST_ASSERT_TRUE(solved > 100 && uncertain.estimate.number > 0);
     TEST_ASSERT_TRUE(auvid_is_zero(uncertain.causes.cause[AUVID_CAUSE_CURVE].sigma));
-}
-
-/* A set has fewer rows than a solution needs: those of the first sets are too few once they count
- * less. */
-static void test_the_estimate_stays_while_early_rows_count_less(void)
-{
-    bool waited = false, estimated = false;
-    begin(EXCITED);
-    cfg.id.metric.set_rows = 14;
-    begin_world();
-    for (uint32_t k = 0; k < 2500; ++k) {
-        tick();
-        (void)auvid_identifier_work(id, 100000);
-        waited = waited || (estimated && uncertain.estimate.number < id->estimate.number);
-        TEST_ASSERT_TRUE(!estimated || uncertain.estimate.number > 0);
-        estimated = uncertain.estimate.number > 0;
-    }
-    TEST_ASSERT_TRUE(waited && estimated);
-}
-
-/* A pilot drives surge alone when the excitation is over: the ring forgets the other axes, but the
- * rows of the excitation are all there. */
-static void test_driving_after_an_excitation_does_not_erase_its_result(void)
-{
-    begin(EXCITED);
-    cfg.id.metric.sets = 4;
-    begin_world();
-    for (uint32_t k = 0; k < 20000; ++k) {
-        pilot_N = k > 9000 ? 60.0 * sin(0.02 * k) : 0.0;
-        tick();
-        (void)auvid_identifier_work(id, 100000);
-        if (k == 9000) {
-            before = uncertain;
-        }
-    }
-    pilot_N = 0.0;
-    TEST_ASSERT_TRUE(id->estimate.number > before.estimate.number);
-    TEST_ASSERT_FALSE(id->estimate.excited >> AUVID_HEAVE & 1);
-    TEST_ASSERT_TRUE(uncertain.estimate.excited >> AUVID_HEAVE & 1);
-    TEST_ASSERT_EQUAL_MEMORY(before.estimate.pi, uncertain.estimate.pi, sizeof before.estimate.pi);
 }
 
 /* ---- refusals ---- */
@@ -604,8 +428,6 @@ int main(void)
     RUN_TEST(test_a_split_run_ends_as_a_whole_one_passive);
     RUN_TEST(test_a_split_run_ends_as_a_whole_one_with_instruments);
     RUN_TEST(test_an_equation_without_uncertain_inputs_can_be_saved_at_any_step);
-    RUN_TEST(test_the_estimate_stays_while_early_rows_count_less);
-    RUN_TEST(test_driving_after_an_excitation_does_not_erase_its_result);
     RUN_TEST(test_it_is_refused_by_an_identifier_with_less_or_more_attached);
     RUN_TEST(test_one_of_other_inputs_or_thrusters_is_refused);
     RUN_TEST(test_every_damaged_byte_is_detected_and_every_cut);
