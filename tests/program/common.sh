@@ -3,28 +3,12 @@
 set -uo pipefail
 AUVID=$(realpath "${1:-${AUVID:-build/auvid}}")
 ROOT=$(realpath "$(dirname "${BASH_SOURCE[0]}")/../..")
-cd "$(mktemp -d)" || exit 1
-trap 'rm -rf "$PWD"' EXIT
-failed=0
 
-# check NAME COMMAND...: runs one test, which passes if the command succeeds. The command runs in a
-# subshell that stops at the first failure. Not inside `if`: there the subshell would not stop.
-check() {
-    local name=$1 status
-    shift
-    (
-        set -e
-        "$@"
-    ) >check.log 2>&1
-    status=$?
-    if [ "$status" = 0 ]; then
-        echo "ok - $name"
-    else
-        echo "not ok - $name"
-        sed 's/^/# /' check.log | head -n 20
-        failed=1
-    fi
+# The output of a check that fails, from its beginning.
+show() {
+    [ "$1" = 0 ] || sed 's/^/# /' check.log | head -n 20
 }
+. "$ROOT/tests/support/check.sh"
 
 # is FILE CODE: runs Python with the JSON object in FILE as d; passes if no assertion fails.
 is() {
@@ -71,8 +55,4 @@ exits() {
     "$AUVID" "$@" >out 2>err </dev/null || status=$?
     head -n 3 err
     [ "$status" = "$wanted" ]
-}
-
-finish() {
-    exit "$failed"
 }

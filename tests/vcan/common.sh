@@ -9,28 +9,12 @@ fi
 set -uo pipefail
 TOP=$PWD PEER=$PWD/build/release/tests/vcan/peer
 PATH=$PATH:/usr/sbin:/sbin
-cd "$(mktemp -d)" || exit 1
-trap 'rm -rf "$PWD"' EXIT
-failed=0
 
-# check NAME COMMAND...: one test. The command runs in a separate shell that stops at the first
-# failure; the test passes if it succeeds. Not inside `if`: there that shell would not stop.
-check() {
-    local name=$1 status
-    shift
-    (
-        set -e
-        "$@"
-    ) >check.log 2>&1
-    status=$?
-    if [ "$status" = 0 ]; then
-        echo "ok - $name"
-    else
-        echo "not ok - $name"
-        failed=1
-    fi
+# The end of each check's output.
+show() {
     sed 's/^/# /' check.log | tail -n 20
 }
+. "$TOP/tests/support/check.sh"
 
 # listen INTERFACE [LOG]: starts a receiver and waits until it is open.
 listen() {
@@ -137,8 +121,4 @@ compared() {
     estimates memory.out >memory.estimates
     estimates node.out | awk 'NR == FNR { truth[$1] = $4; next }
         $1 in truth { print $1, $2, $3, truth[$1] }' memory.estimates -
-}
-
-finish() {
-    exit "$failed"
 }
