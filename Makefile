@@ -101,7 +101,7 @@ WAY_sanitized := -O1 -g1 -fno-omit-frame-pointer \
 WAY_bench := -O2 -DAUVID_MAX_POPULATION=130
 # The program's sizes, and those of the tests of models that the default sizes have no room for:
 # everything of the 6-DoF model free, and a known force beside its uncertain inputs.
-WIDE := -DAUVID_MAX_PARAMETERS=32 -DAUVID_MAX_UNCERTAIN=136
+WIDE := -DAUVID_MAX_PARAMETERS=32 -DAUVID_MAX_UNCERTAIN=146
 WAY_wide := $(WAY_release) $(WIDE)
 WAY_wide_double := $(WAY_double) $(WIDE)
 WAY_wide_sanitized := $(WAY_sanitized) $(WIDE)

@@ -66,10 +66,11 @@ static void print_allocation(const auvid_allocation_config_t *c)
 
 static void print_uncertain(const auvid_uncertain_config_t *c)
 {
-    const auvid_real_t all[] = {
-        c->backward, c->dead_band,  c->curve,     c->inflow,        c->sag,        c->gain,
-        c->lag_s,    c->delay_s,    c->current,   c->asymmetry,     c->cross,      c->force,
-        c->arm_m,    c->dvl_late_s, c->gravity_m, c->nominal_lag_s, c->cross_flow, c->mount_rad};
+    const auvid_real_t all[] = {c->backward,   c->dead_band,  c->curve,       c->inflow,
+                                c->sag,        c->gain,       c->lag_s,       c->delay_s,
+                                c->current,    c->asymmetry,  c->cross,       c->force,
+                                c->arm_m,      c->dvl_late_s, c->gravity_m,   c->nominal_lag_s,
+                                c->cross_flow, c->mount_rad,  c->response_s2, c->filter_s};
     reals("uncertain", all, (int)(sizeof all / sizeof all[0]));
     printf("fractions %d\n", c->fractions);
 }

@@ -16,7 +16,7 @@ extern "C" {
 #endif
 
 /** Version of the frames. Every heartbeat carries it. */
-#define AUVID_CAN_PROTOCOL 9u
+#define AUVID_CAN_PROTOCOL 10u
 /** Default first identifiers of the two blocks (auvid_can_ids_t). */
 #define AUVID_CAN_FAST_BASE 0x040u
 #define AUVID_CAN_SLOW_BASE 0x400u
@@ -230,7 +230,8 @@ enum {
     AUVID_CAN_INPUT_MOUNTING_LIFT = 19,
     AUVID_CAN_INPUT_MOUNTING_GRAVITY_ASTERN = 20,
     AUVID_CAN_INPUT_MOUNTING_GRAVITY_PORT = 21,
-    AUVID_CAN_INPUT_INFLOW_CROSS_FLOW = 22
+    AUVID_CAN_INPUT_INFLOW_CROSS_FLOW = 22,
+    AUVID_CAN_INPUT_TIMING_FILTER = 23
 };
 
 /** Values of `dof`. */

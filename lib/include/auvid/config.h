@@ -143,21 +143,21 @@
 #endif
 
 /** Largest number of columns of uncertain inputs (uncertain.h), all equations together. With the
- * default priors Girona500 and its five thrusters need 72, an ROV with four horizontal and two
- * vertical ones 79, a BlueROV2 Heavy in six degrees of freedom 129. An error of all thrusters has a
+ * default priors Girona500 and its five thrusters need 79, an ROV with four horizontal and two
+ * vertical ones 86, a BlueROV2 Heavy in six degrees of freedom 139. An error of all thrusters has a
  * column in each equation with thrust, the gain of one thruster in each equation in which it acts,
- * a current or a lever arm of the DVL in three, a late DVL in four. In a model of roll or pitch a
+ * a current, a lever arm of the DVL or a filter in three, a late DVL in four. In a model of roll or pitch a
  * lever arm has one in four, that ahead also in pitch, the height of the DVL in three, each of its
  * two angles in two. An input with a deviation of 0 has none. 0: no code for them,
  * auvid_identifier_attach_uncertain is refused. 0..256. */
 #ifndef AUVID_MAX_UNCERTAIN
 #define AUVID_TOKEN_UNCERTAIN 0
 #if AUVID_MAX_PARAMETERS >= 22
-#define AUVID_MAX_UNCERTAIN (2 * AUVID_MAX_PARAMETERS + 2 * AUVID_MAX_THRUSTERS + 70)
+#define AUVID_MAX_UNCERTAIN (2 * AUVID_MAX_PARAMETERS + 2 * AUVID_MAX_THRUSTERS + 80)
 #elif AUVID_MAX_PARAMETERS >= 13 && AUVID_MAX_PARAMETERS <= 16
-#define AUVID_MAX_UNCERTAIN (2 * AUVID_MAX_THRUSTERS + 67)
+#define AUVID_MAX_UNCERTAIN (2 * AUVID_MAX_THRUSTERS + 74)
 #else
-#define AUVID_MAX_UNCERTAIN (2 * AUVID_MAX_PARAMETERS + 2 * AUVID_MAX_THRUSTERS + 36)
+#define AUVID_MAX_UNCERTAIN (2 * AUVID_MAX_PARAMETERS + 2 * AUVID_MAX_THRUSTERS + 43)
 #endif
 #elif AUVID_MAX_UNCERTAIN == 0
 #define AUVID_TOKEN_UNCERTAIN none

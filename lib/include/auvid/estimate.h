@@ -369,7 +369,7 @@ typedef struct {
  * checkpoint does not contain the force: give it again after a restore.
  *
  * Regressor path only. k_tau has a column in each equation, also of the uncertain inputs: a
- * BlueROV2 Heavy in six degrees of freedom then needs AUVID_MAX_UNCERTAIN 136, Girona500 the
+ * BlueROV2 Heavy in six degrees of freedom then needs AUVID_MAX_UNCERTAIN 146, Girona500 the
  * default. An equation gives no rows while any velocity is unmeasured. Cost of the
  * regressor: the wrapped one's, a rotation matrix and five cross products. Memory:
  * sizeof(auvid_calibrated_t), 2 KiB. None of it is in the paper. Unused code is not linked. It must

@@ -38,8 +38,8 @@
  * taken as less certain by its square: then few parameters are identifiable. From 2 on none
  * is (AUVID_NOTE_UNCHECKED).
  *
- * The columns of current, lever arm, mounting angle and late DVL are formed with the last estimate,
- * those of the parameters with its current, arm and angle. Rows of an excitation from before the
+ * The columns of current, lever arm, mounting angle, filter and late DVL are formed with the last
+ * estimate, those of the parameters with all of these but the last. Rows of an excitation from before the
  * first one have none, and count a sixteenth once there is one; those from before the second one
  * count less where there is a current.
  *
@@ -100,13 +100,20 @@ typedef enum {
     AUVID_UNCERTAIN_ARM_Z,     /**< the DVL is further down than configured [m] */
     AUVID_UNCERTAIN_DVL_PITCH, /**< the DVL is turned further bow up than configured [rad] */
     AUVID_UNCERTAIN_DVL_YAW,   /**< the DVL is turned further to starboard than configured [rad] */
+    AUVID_UNCERTAIN_FILTER,    /**< the velocity lags behind the body's turns, too, as if filtered
+                                    in the world's axes with this time constant [s] */
     AUVID_UNCERTAIN_DVL_LATE,  /**< the DVL is later than the attitude [s] */
-    AUVID_UNCERTAIN_GAIN,      /**< the first thruster is stronger by this part */
+    AUVID_UNCERTAIN_FORCE_RESPONSE,  /**< half the second moment of the response that leads from the
+                                         thrust behind its nominal lag to the measured motion, of
+                                         forces [s^2]: d^2 / 2 of a delay d, T^2 of a first-order
+                                         filter of the velocity with time constant T */
+    AUVID_UNCERTAIN_MOMENT_RESPONSE, /**< likewise of moments [s^2] */
+    AUVID_UNCERTAIN_GAIN,            /**< the first thruster is stronger by this part */
     AUVID_UNCERTAIN_SHARED = AUVID_UNCERTAIN_GAIN + AUVID_MAX_THRUSTERS
 } auvid_uncertain_input_t;
 
 /** Number of those that change the motion: from the current on. */
-#define AUVID_UNCERTAIN_SHIFTS ((int)AUVID_UNCERTAIN_DVL_YAW - (int)AUVID_UNCERTAIN_CURRENT_X + 1)
+#define AUVID_UNCERTAIN_SHIFTS ((int)AUVID_UNCERTAIN_FILTER - (int)AUVID_UNCERTAIN_CURRENT_X + 1)
 
 /** Standard deviations of the priors; copied. 0: this input is exact and has no column. */
 typedef struct {
@@ -130,6 +137,11 @@ typedef struct {
     auvid_real_t mount_rad;  /**< pitch and yaw of the DVL in the vehicle, in a model of roll or
                                 pitch only [rad], 0..1; default 0.015 */
     auvid_real_t dvl_late_s; /**< delay of the DVL against the attitude [s], 0..1; default 0.05 */
+    auvid_real_t filter_s;   /**< time constant of a filter of the velocity in the world's axes,
+                                  as of an autopilot's [s], 0..1; default 0.05 */
+    auvid_real_t response_s2; /**< of AUVID_UNCERTAIN_FORCE_RESPONSE and that of the moments
+                                   [s^2], 0..1; default 0.02: a delay of 0.2 s, or a filter with
+                                   0.14 s */
     auvid_real_t gravity_m;  /**< centre of gravity ahead and aside [m], 0..1; default 0.01 */
     auvid_real_t cross_flow; /**< part of the quadratic drag that follows the whole speed instead
                                   of that of its axis, 0..1; default 0.5 */
@@ -161,12 +173,12 @@ typedef struct {
 #define AUVID_UNCERTAIN_COLUMNS (AUVID_MAX_UNCERTAIN + 27)
 #define AUVID_UNCERTAIN_FACTOR (AUVID_UNCERTAIN_COLUMNS * (AUVID_UNCERTAIN_COLUMNS + 4) / 8 + 24)
 #endif
-/** Most columns in one equation: gains of all thrusters, 20 other inputs, 5 parameters, and the
+/** Most columns in one equation: gains of all thrusters, 22 other inputs, 5 parameters, and the
  * thrust; with roll and pitch 4 and half of the parameters more. */
 #if AUVID_MAX_UNCERTAIN > 0 && AUVID_MAX_PARAMETERS >= 22
-#define AUVID_UNCERTAIN_ORDER (AUVID_MAX_THRUSTERS + AUVID_MAX_PARAMETERS / 2 + 16)
+#define AUVID_UNCERTAIN_ORDER (AUVID_MAX_THRUSTERS + AUVID_MAX_PARAMETERS / 2 + 18)
 #elif AUVID_MAX_UNCERTAIN > 0
-#define AUVID_UNCERTAIN_ORDER (AUVID_MAX_THRUSTERS + 26)
+#define AUVID_UNCERTAIN_ORDER (AUVID_MAX_THRUSTERS + 28)
 #endif
 /** Inputs, the thrust of each equation, and the parameters of surge, sway and yaw. */
 #define AUVID_UNCERTAIN_CHANNELS (AUVID_MAX_UNCERTAIN + 26)
@@ -267,6 +279,7 @@ typedef struct {
     auvid_real_t response[AUVID_RECORDER_CELLS][AUVID_MAX_THRUSTERS][2];
     auvid_real_t force[AUVID_MAX_THRUSTERS], lag_slope[AUVID_MAX_THRUSTERS]; /* of the last cell */
     auvid_real_t rate[AUVID_MAX_THRUSTERS]; /* of the force [N/s] */
+    auvid_real_t curvature[AUVID_MAX_THRUSTERS]; /* its second derivative [N/s^2] */
     auvid_real_t spread;                    /* of the interpolation at the last cell */
     auvid_real_t elapsed;                   /* since begin_us, over AUVID_UNCERTAIN_SAG_S */
     auvid_real_t wrench, difference; /* squares of the wrench; of the thrusters' less the wrench */

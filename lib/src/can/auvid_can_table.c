@@ -29,7 +29,7 @@ const auvid_can_type_t auvid_can_types[] = {
     {5, 28, AUVID_CAN_TYPE_UINT},
     {10, 28, AUVID_CAN_TYPE_UINT},
     {0, 27, AUVID_CAN_TYPE_UINT},
-    {22, 27, AUVID_CAN_TYPE_UINT},
+    {23, 27, AUVID_CAN_TYPE_UINT},
     {0, 26, AUVID_CAN_TYPE_UINT},
     {0, 25, AUVID_CAN_TYPE_UINT},
     {100, 25, AUVID_CAN_TYPE_UINT},

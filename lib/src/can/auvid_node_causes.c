@@ -6,11 +6,32 @@
 #include "../uncertain/auvid_uncertain_parts_internal.h"
 #include "auvid_node_step_internal.h"
 
-/* Inputs in the DBC: those of auvid_uncertain_input_t without the gains, which have no class, then
- * those that belong to one DoF. */
-_Static_assert((int)AUVID_UNCERTAIN_GAIN == AUVID_CAN_INPUT_TIMING_DELAY, "wrong_input.input");
-_Static_assert((int)INPUT_CROSS_FLOW - AUVID_MAX_THRUSTERS == AUVID_CAN_INPUT_INFLOW_CROSS_FLOW,
-               "wrong_input.input");
+/* Returns the number of an input in the DBC: that of auvid_uncertain_input_t without those that have
+ * no class, then those that belong to one DoF, then the filter, which is younger. */
+static uint32_t node_input(int input)
+{
+    int code = input < OWN_INPUTS ? input : input - OWN_INPUTS + AUVID_UNCERTAIN_FORCE_RESPONSE;
+    return input == (int)AUVID_UNCERTAIN_FILTER
+               ? (uint32_t)AUVID_CAN_INPUT_TIMING_FILTER
+               : (uint32_t)(code > (int)AUVID_UNCERTAIN_FILTER ? code - 1 : code);
+}
+
+/* Returns the input that has a number; INPUTS: none. */
+static int node_input_of(uint32_t number)
+{
+    int input = 0;
+    while (input < INPUTS && (auvid_uncertain_row(input)->class == AUVID_CAUSE_COUNT ||
+                              node_input(input) != number)) {
+        ++input;
+    }
+    return input;
+}
+
+_Static_assert((int)AUVID_UNCERTAIN_DVL_YAW == AUVID_CAN_INPUT_MOUNTING_DVL_YAW, "node_input");
+_Static_assert((int)AUVID_UNCERTAIN_DVL_LATE - 1 == AUVID_CAN_INPUT_TIMING_DVL, "node_input");
+_Static_assert((int)INPUT_CROSS_FLOW - OWN_INPUTS + 1 ==
+                   AUVID_CAN_INPUT_INFLOW_CROSS_FLOW - AUVID_CAN_INPUT_TIMING_DVL,
+               "node_input");
 _Static_assert(AUVID_CAUSE_COUNT == 7, "wrong_inputs.named, wrong_input.rank");
 _Static_assert((int)AUVID_YAW == AUVID_CAN_DOF_YAW, "wrong_input.dof");
 
@@ -33,12 +54,11 @@ static void node_report_causes(auvid_node_t *node, auvid_can_frame_t *frame, int
     }
     uint32_t rank = node->next.cause % causes->named;
     const auvid_cause_t *cause = &causes->cause[causes->order[rank]];
-    uint32_t thrusters = cause->input < OWN_INPUTS ? 0 : AUVID_MAX_THRUSTERS;
     node->next.cause = (uint8_t)(rank + 1);
     m = (auvid_can_message_t){.kind = AUVID_CAN_WRONG_INPUT};
     m.as.wrong_input.number = auvid_node_number(causes->number) % 4u;
     m.as.wrong_input.rank = rank;
-    m.as.wrong_input.input = cause->input - thrusters;
+    m.as.wrong_input.input = node_input(cause->input);
     m.as.wrong_input.dof = cause->dof;
     m.as.wrong_input.share =
         (uint32_t)(auvid_min(AUVID_C(100.0) * cause->share, AUVID_C(127.0)) + AUVID_C(0.5));
@@ -84,19 +104,18 @@ auvid_status_t auvid_causes_take(auvid_causes_t *causes, const auvid_can_message
         return causes_take_all(causes, &message->as.wrong_inputs);
     }
     const auvid_can_wrong_input_t *m = &message->as.wrong_input;
+    const int input = node_input_of(m->input);
     if (message->kind != AUVID_CAN_WRONG_INPUT || message->absent != 0 ||
         m->number != causes->number % 4u || m->rank > causes->named ||
-        m->rank >= AUVID_CAUSE_COUNT || m->input > AUVID_CAN_INPUT_INFLOW_CROSS_FLOW ||
-        m->dof > AUVID_CAN_DOF_YAW) {
+        m->rank >= AUVID_CAUSE_COUNT || input == INPUTS || m->dof > AUVID_CAN_DOF_YAW) {
         return AUVID_UNUSED;
     }
-    uint32_t code = m->input + (m->input < AUVID_UNCERTAIN_GAIN ? 0u : AUVID_MAX_THRUSTERS);
-    auvid_cause_class_t class = auvid_uncertain_row((int)code)->class;
+    auvid_cause_class_t class = auvid_uncertain_row(input)->class;
     causes->order[m->rank] = (uint8_t) class;
     causes->named = (uint8_t)(causes->named + (m->rank == causes->named));
     causes->cause[class] = (auvid_cause_t){.value = m->value,
                                            .share = AUVID_C(0.01) * (auvid_real_t)m->share,
-                                           .input = (uint8_t)code,
+                                           .input = (uint8_t)input,
                                            .dof = (uint8_t)m->dof,
                                            .named = true};
     return AUVID_OK;

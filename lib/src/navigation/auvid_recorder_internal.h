@@ -34,4 +34,15 @@ static inline auvid_real_t auvid_recorder_slope(const auvid_recorder_t *rec, auv
     return (AUVID_C(8.0) * (after - before) - (after2 - before2)) * per_12t;
 }
 
+/** Its second derivative, likewise. */
+static inline auvid_real_t auvid_recorder_curvature(const auvid_recorder_t *rec,
+                                                    auvid_real_t before2, auvid_real_t before,
+                                                    auvid_real_t mean, auvid_real_t after,
+                                                    auvid_real_t after2)
+{
+    auvid_real_t per_t = AUVID_C(1e6) / (auvid_real_t)rec->cell_us;
+    return (AUVID_C(16.0) * (before + after) - AUVID_C(30.0) * mean - (before2 + after2)) /
+           AUVID_C(12.0) * per_t * per_t;
+}
+
 #endif

@@ -33,6 +33,8 @@ void auvid_uncertain_defaults(auvid_uncertain_config_t *cfg)
                                           .arm_m = AUVID_C(0.05),
                                           .mount_rad = AUVID_C(0.015),
                                           .dvl_late_s = AUVID_C(0.05),
+                                          .filter_s = AUVID_C(0.05),
+                                          .response_s2 = AUVID_C(0.02),
                                           .gravity_m = AUVID_C(0.01),
                                           .cross_flow = AUVID_C(0.5),
                                           .nominal_lag_s = AUVID_C(0.15)};
@@ -58,6 +60,8 @@ static const auvid_field_t uncertain_fields[] = {
     UNCERTAIN_UP_TO(arm_m, ONE),
     UNCERTAIN_UP_TO(mount_rad, ONE),
     UNCERTAIN_UP_TO(dvl_late_s, ONE),
+    UNCERTAIN_UP_TO(filter_s, ONE),
+    UNCERTAIN_UP_TO(response_s2, ONE),
     UNCERTAIN_UP_TO(gravity_m, ONE),
     UNCERTAIN_UP_TO(cross_flow, ONE),
     REALS_IN(auvid_uncertain_config_t, nominal_lag_s, 1, AUVID_C(0.01), ONE)};

@@ -9,10 +9,16 @@
  *     dead band   f_n / sqrt(f_n^2 + d^2)        sag      f_n time / 240 s
  *     curve       -f_n ln|f_n / f_max|           gain     -f_n
  *     lag         (f_n - f_m) / b, m behind the lag T + b
- *     delay       d f_n / dt
+ *     delay       d f_n / dt                     response -d^2 f_n / dt^2
  *
  * f_n and f_m are their means over a cell (auvid_uncertain_propellers.c), and d f_n / dt is the
  * difference of such means that gives the acceleration, too (auvid_recorder_slope).
+ *
+ * Whatever stands between the supplied thrust and the measured motion is a filter, of which only
+ * the first moments matter, as the vehicle is slower: -m_1 d/dt of its delay, then +m_2/2 d^2/dt^2,
+ * by which a delay differs from a lag of the same mean. A velocity that has been filtered is as good
+ * as thrust that acts earlier, with a response of its own in the forces; rates are seldom filtered,
+ * so the moments have another.
  *
  * The difference of the lag is taken up to its last estimate b, where the column is exact.
  *
@@ -40,6 +46,11 @@
  * (A strip that turns faster than it drifts has, with its counterpart at the other end, the drag
  * 2 |x r| v.) Where all axes move at once, this drag and the thrusters' forces vary together:
  * without the column it seems that thrust is lost with speed, and drag becomes too small.
+ *
+ * A filter in the world's axes, as that of an autopilot, has the velocity lag behind the body's
+ * turns. With the time constant d of a filter whose own delay is d of below,
+ *
+ *     nu -> nu - d nu x omega.
  *
  * The DVL is late by d: for the forces thrust and rates are too early, rates by -d omega', and for
  * the moments the velocities are too late, by d nu'.
@@ -171,14 +182,15 @@ void auvid_uncertain_lay_out(auvid_uncertain_t *u, const auvid_metric_t *m, auvi
 
 /* ---- columns ---- */
 
-/* Where the sums of a DoF's equation are: those over the thrusters, by input, then d f / dt and f;
- * then the differences of the predicted wrench. */
+/* Where the sums of a DoF's equation are: those over the thrusters, by input, then d f / dt, -d^2 f / dt^2 and
+ * f; * then the differences of the predicted wrench. */
 enum {
     SUM_DELAY = AUVID_UNCERTAIN_LAG + 1,
+    SUM_RESPONSE,
     SUM_THRUST,
     THRUST_SUMS,
     MOTION_AT = THRUST_SUMS - AUVID_UNCERTAIN_CURRENT_X, /* of an input from the current on */
-    SUMS = MOTION_AT + AUVID_UNCERTAIN_GAIN
+    SUMS = MOTION_AT + AUVID_UNCERTAIN_FORCE_RESPONSE
 };
 
 /* Equations of the forces, a bit each. */
@@ -242,6 +254,7 @@ static void uncertain_thrust_columns(auvid_uncertain_t *u, const auvid_sample_t 
         value[AUVID_UNCERTAIN_SAG] = force * u->recorded.elapsed;
         value[AUVID_UNCERTAIN_LAG] = u->recorded.lag_slope[i];
         value[SUM_DELAY] = u->recorded.rate[i];
+        value[SUM_RESPONSE] = -u->recorded.curvature[i];
         for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
             if (auvid_abs(t->wrench[j]) > AUVID_C(0.0)) {
                 auvid_metric_add_scaled(sum[j], t->wrench[j], value, THRUST_SUMS);
@@ -299,7 +312,7 @@ static void uncertain_cross(const auvid_real_t *a, const auvid_real_t *b, auvid_
     c[2] = a[0] * b[1] - a[1] * b[0];
 }
 
-/* Change of velocity and acceleration, per unit of current, lever arm or mounting angle. */
+/* Change of velocity and acceleration, per unit of current, lever arm, mounting angle or filter. */
 typedef struct {
     auvid_real_t velocity[3], rate[3];
 } uncertain_shift_t;
@@ -309,14 +322,23 @@ static void uncertain_shift(const auvid_sample_t *cell, auvid_real_t r[3][3], in
                             uncertain_shift_t *shift)
 {
     auvid_real_t axis[3] = {AUVID_C(0.0), AUVID_C(0.0), AUVID_C(0.0)};
+    const auvid_real_t *omega = cell->nu + AUVID_ROLL;
     int n = AUVID_UNCERTAIN_CURRENT_X + k;
     if (n <= (int)AUVID_UNCERTAIN_CURRENT_Y) {
         memcpy(shift->velocity, r[k], sizeof shift->velocity); /* the world's axis */
-        uncertain_cross(r[k], cell->nu + AUVID_ROLL, shift->rate);
+        uncertain_cross(r[k], omega, shift->rate);
+        return;
+    }
+    if (n == (int)AUVID_UNCERTAIN_FILTER) {
+        auvid_real_t turn[3];
+        uncertain_cross(cell->nu, omega, shift->velocity);
+        uncertain_cross(cell->nu_dot, omega, shift->rate);
+        uncertain_cross(cell->nu, cell->nu_dot + AUVID_ROLL, turn);
+        auvid_metric_add_scaled(shift->rate, AUVID_C(1.0), turn, 3);
         return;
     }
     bool arm = n <= (int)AUVID_UNCERTAIN_ARM_Z;
-    const auvid_real_t *nu = arm ? cell->nu + AUVID_ROLL : cell->nu;
+    const auvid_real_t *nu = arm ? omega : cell->nu;
     const auvid_real_t *nu_dot = arm ? cell->nu_dot + AUVID_ROLL : cell->nu_dot;
     axis[arm ? n - AUVID_UNCERTAIN_ARM_X : n - AUVID_UNCERTAIN_DVL_PITCH + 1] = AUVID_C(1.0);
     uncertain_cross(nu, axis, shift->velocity);
@@ -454,6 +476,14 @@ static auvid_real_t uncertain_motion(const auvid_uncertain_t *u, const auvid_sam
     }
 }
 
+/* Returns where the sum of a shared input is that has no column for each thruster. */
+static int uncertain_sum_of(int code)
+{
+    return code <= (int)AUVID_UNCERTAIN_LAG             ? code
+           : code < (int)AUVID_UNCERTAIN_FORCE_RESPONSE ? (int)MOTION_AT + code
+                                                        : (int)SUM_RESPONSE;
+}
+
 /* Write the channels of DoF j's equation. */
 static void uncertain_write_channels(auvid_uncertain_t *u, const auvid_sample_t *cell,
                                      const auvid_real_t down[3], const auvid_real_t *sum, int j)
@@ -467,8 +497,7 @@ static void uncertain_write_channels(auvid_uncertain_t *u, const auvid_sample_t 
             *code == INPUT_DELAY ? sum[SUM_DELAY] : uncertain_motion(u, cell, down, *code, j);
     }
     for (; code < end && *code < (int)AUVID_UNCERTAIN_GAIN; ++code) {
-        bool thrust = *code <= (int)AUVID_UNCERTAIN_LAG;
-        channel[*place++] = sum[thrust ? (int)*code : (int)MOTION_AT + *code];
+        channel[*place++] = sum[uncertain_sum_of(*code)];
     }
     for (; code < end; ++code) {
         int i = *code - (int)AUVID_UNCERTAIN_GAIN;

@@ -93,5 +93,7 @@ void auvid_uncertain_take_forces(auvid_uncertain_t *u)
         r->lag_slope[i] = of[2][i][1];
         r->rate[i] =
             auvid_recorder_slope(recorder, of[0][i][0], of[1][i][0], of[3][i][0], of[4][i][0]);
+        r->curvature[i] = auvid_recorder_curvature(recorder, of[0][i][0], of[1][i][0], of[2][i][0],
+                                                   of[3][i][0], of[4][i][0]);
     }
 }

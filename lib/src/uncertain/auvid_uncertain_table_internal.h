@@ -113,9 +113,16 @@ enum {
     ROW(AUVID_UNCERTAIN_DVL_YAW, mount_rad, MOTION, TILTED(SWAY + YAW), AS_CONFIGURED, MOUNTING,   \
         "the DVL is turned further to starboard than configured, by ",                             \
         "the DVL is turned further to port than configured, by ", "rad", UNCERTAIN_ANGLE)          \
+    ROW(AUVID_UNCERTAIN_FILTER, filter_s, MOTION, PLANAR + TILTED(HEAVE), AS_CONFIGURED, TIMING,   \
+        "the velocity is filtered in the world's axes, with a time constant of ",                  \
+        "the velocity leads in the world's axes, by ", "s", "supply that of the DVL")              \
     ROW(AUVID_UNCERTAIN_DVL_LATE, dvl_late_s, THRUST, PLANAR + HEAVE, AS_CONFIGURED, TIMING,       \
         "the DVL is later than the attitude, by ", "the attitude is later than the DVL, by ", "s", \
         "check their time stamps, and that the velocity is not filtered")                          \
+    ROW(AUVID_UNCERTAIN_FORCE_RESPONSE, response_s2, THRUST, SURGE + SWAY + HEAVE, AS_CONFIGURED,  \
+        COUNT, NULL, NULL, NULL, NULL)                                                             \
+    ROW(AUVID_UNCERTAIN_MOMENT_RESPONSE, response_s2, THRUST, ROLL + PITCH + YAW, AS_CONFIGURED,   \
+        COUNT, NULL, NULL, NULL, NULL)                                                             \
     ROW(AUVID_UNCERTAIN_GAIN, gain, GAIN, ACTUATED, AS_CONFIGURED, COUNT, NULL, NULL, NULL, NULL)  \
     ROW(INPUT_DELAY, delay_s, THRUST, ACTUATED, AS_CONFIGURED, TIMING, UNCERTAIN_TIMING)           \
     ROW(INPUT_ASYMMETRY, asymmetry, HULL, DRAGGED, RELATIVE(table_asymmetry), ASYMMETRY,           \

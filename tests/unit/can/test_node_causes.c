@@ -284,7 +284,7 @@ static void test_messages_that_are_not_used_change_nothing(void)
     of_number.as.wrong_input.number ^= 1u;
     absent.absent = AUVID_CAN_WRONG_INPUT_NO_VALUE;
     auvid_can_message_t of_input = message[1], of_dof = message[1]; /* not as unpacked */
-    of_input.as.wrong_input.input = AUVID_CAN_INPUT_INFLOW_CROSS_FLOW + 1;
+    of_input.as.wrong_input.input = AUVID_CAN_INPUT_TIMING_FILTER + 1;
     of_dof.as.wrong_input.dof = AUVID_DOF_COUNT;
     TEST_ASSERT_EQUAL(AUVID_UNUSED, auvid_causes_take(&received, &of_input));
     TEST_ASSERT_EQUAL(AUVID_UNUSED, auvid_causes_take(&received, &of_dof));

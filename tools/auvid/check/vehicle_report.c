@@ -151,9 +151,9 @@ static void print_assumed(const vehicle_t *v)
            100.0 * (double)v->uncertainty.thrust_scale, 100.0 * (double)v->uncertainty.dvl_scale,
            (double)v->uncertainty.delay_s);
     printf("    thrusters: backward %.3g %%, dead band %.3g %%, each gain %.3g %%, lag %.3g s "
-           "about %.3g s\n",
+           "about %.3g s, response %.3g s^2\n",
            100.0 * (double)u->backward, 100.0 * (double)u->dead_band, 100.0 * (double)u->gain,
-           (double)u->lag_s, (double)u->nominal_lag_s);
+           (double)u->lag_s, (double)u->nominal_lag_s, (double)u->response_s2);
     printf(
         "    hull: asymmetry of drag %.3g %%, centre of gravity %.3g m; water: current %.3g m/s\n",
         100.0 * (double)u->asymmetry, (double)u->gravity_m, (double)u->current);
@@ -161,7 +161,7 @@ static void print_assumed(const vehicle_t *v)
     if ((v->model->columns[AUVID_ROLL] | v->model->columns[AUVID_PITCH]) != 0) {
         printf("turned %.3g rad, ", (double)u->mount_rad);
     }
-    printf("%.3g s late\n", (double)u->dvl_late_s);
+    printf("%.3g s late, filtered %.3g s\n", (double)u->dvl_late_s, (double)u->filter_s);
     print_limits(&v->guard);
 }
 

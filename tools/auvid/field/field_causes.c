@@ -27,6 +27,7 @@ static const struct {
                {"thrust_force_lag", AUVID_CAUSE_TIMING},
                {"thrust_late", AUVID_CAUSE_TIMING},
                {"dvl_latency", AUVID_CAUSE_TIMING},
+               {"filter_tau", AUVID_CAUSE_TIMING},
                {"attitude_delay", AUVID_CAUSE_TIMING},
                {"imu_roll", AUVID_CAUSE_MOUNTING},
                {"imu_pitch", AUVID_CAUSE_MOUNTING},

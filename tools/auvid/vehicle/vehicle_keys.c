@@ -163,6 +163,8 @@ static const vehicle_key_t of_uncertain[] = {
     REAL(arm_m, uncertain, 0, 1),
     REAL(mount_rad, uncertain, 0, 1),
     REAL(dvl_late_s, uncertain, 0, 1),
+    REAL(filter_s, uncertain, 0, 1),
+    REAL(response_s2, uncertain, 0, 1),
     REAL(gravity_m, uncertain, 0, 1),
     REAL(cross_flow, uncertain, 0, 1),
     REAL(nominal_lag_s, uncertain, 0.01, 1),
