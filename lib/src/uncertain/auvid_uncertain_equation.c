@@ -10,10 +10,9 @@
 #define LARGEST_BAND_RATIO AUVID_C(30.0) /* of the residuals of the bands */
 #define IN_ACCELERATION AUVID_C(0.7)     /* of h, see auvid_uncertain_solve.c */
 #define IN_VELOCITY AUVID_C(0.5)         /* of 1 - h, of a force */
-/* Parts of the supplied thrust that are delivered: gamma is 1 from the first to all of it, and
- * constant below the second. */
-#define FULL_THRUST AUVID_C(0.9)
-#define LEAST_THRUST AUVID_C(0.5)
+#define LEAST_THRUST AUVID_C(0.5)        /* least part of the supplied thrust that is delivered */
+/* Squares of the residual over the noise that say where it belongs: as of four minutes. */
+#define MOST_SQUARES AUVID_C(150.0)
 /* Largest error of the thrust: its square, as a part of that of the thrust. */
 #define LARGEST_THRUST_ERROR AUVID_C(0.25)
 #define EARLY_ROW AUVID_C(0.0625)   /* weight of a row from before the first solution */
@@ -215,7 +214,7 @@ static auvid_real_t uncertain_gamma(const uncertain_t *u, int j, auvid_real_t zz
             delivered -= part[k] * u->work.part.value[k];
         }
     }
-    return auvid_max(auvid_clamp(delivered, LEAST_THRUST, FULL_THRUST) / FULL_THRUST, delivered);
+    return auvid_max(delivered, LEAST_THRUST);
 }
 
 /* Shares of the residual: in the acceleration, and in the velocity; what that one adds to the
@@ -308,7 +307,7 @@ static void uncertain_prepare_slopes(uncertain_t *u, const auvid_metric_t *m, in
             side = class == AUVID_CAUSE_INFLOW ? AUVID_C(0.0) : p->slope[k] / gamma;
             p->slope[k] = -rest * side;
         }
-        side *= p->squares;
+        side *= auvid_min(p->squares, MOST_SQUARES);
         if (k < e->own) {
             p->own_side[k] = side;
         } else {
