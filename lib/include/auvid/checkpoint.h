@@ -31,7 +31,7 @@
  *
  * Called from the control task, between ticks. Cost on a Cortex-M4F (-O2): 29 instructions a byte
  * to save (7.4k a page of 256), 70 to restore, and 13k to begin. Size: 20 to 26 KB with default
- * sizes, depending on what is under way; 32 KB more with uncertain inputs, and 27 KB with
+ * sizes, depending on what is under way; 36 KB more with uncertain inputs, and 27 KB with
  * instruments. cursor.bytes is the size, AUVID_CHECKPOINT_MAX its bound. Memory: the cursor, 56
  * bytes; stack 0.6 KiB. Code: 11 KB on a Cortex-M4F (-Os), none if it is not called.
  * Not in the paper.

@@ -66,7 +66,7 @@
  * (checkpoint.h) contains its state. Cost: a tick of the example on a Cortex-M4F takes 24 thousand
  * instructions instead of 17 on average, 63 instead of 58 at most; of these about 0.1 thousand for
  * each thruster and command. Memory:
- * sizeof(auvid_uncertain_t), 32 KiB with default sizes; AUVID_MAX_UNCERTAIN chooses for how many
+ * sizeof(auvid_uncertain_t), 36 KiB with default sizes; AUVID_MAX_UNCERTAIN chooses for how many
  * columns.
  *
  * Sources: Fuller 1987 (errors in variables); Ljung 1999, 7 (prediction error); Schmidt 1966
@@ -171,7 +171,7 @@ typedef struct {
 #define AUVID_UNCERTAIN_FACTOR (AUVID_UNCERTAIN_COLUMNS * (AUVID_UNCERTAIN_COLUMNS + 6) / 12 + 56)
 #else
 #define AUVID_UNCERTAIN_COLUMNS (AUVID_MAX_UNCERTAIN + 27)
-#define AUVID_UNCERTAIN_FACTOR (AUVID_UNCERTAIN_COLUMNS * (AUVID_UNCERTAIN_COLUMNS + 4) / 8 + 24)
+#define AUVID_UNCERTAIN_FACTOR (AUVID_UNCERTAIN_COLUMNS * (AUVID_UNCERTAIN_COLUMNS + 4) / 8 + 40)
 #endif
 /** Most columns in one equation: gains of all thrusters, 22 other inputs, 5 parameters, and the
  * thrust; with roll and pitch 4 and half of the parameters more. */
