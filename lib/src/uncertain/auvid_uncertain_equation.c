@@ -4,6 +4,7 @@
  */
 #include <string.h>
 
+#include "../identifier/auvid_identifier_internal.h"
 #include "auvid_uncertain_parts_internal.h"
 
 #define PROJECTED_NOISE AUVID_C(1.4)     /* of projected rows: disturbances are slow */
@@ -469,20 +470,33 @@ int auvid_uncertain_eliminated(const auvid_uncertain_t *u, int j)
     return auvid_uncertain_tilts(j) ? u->equation[j].inputs : u->equation[j].own;
 }
 
+/* Does column k of DoF j, with this value, make a force that would excite the DoF? Noise of a rate
+ * makes every column of coupling differ from zero. */
+static bool uncertain_acts(const uncertain_t *u, const auvid_metric_t *m, int j, int k,
+                           auvid_real_t value)
+{
+    auvid_real_t least = m->cfg.excitation_threshold * m->cfg.tau_max[j];
+    return value * value * auvid_uncertain_product(u, j, k, k) > least * least * u->rows[j];
+}
+
 bool auvid_uncertain_is_left_out(const uncertain_t *u, const auvid_metric_t *m, int j)
 {
     const auvid_uncertain_equation_t *e = &u->equation[j];
     const uint8_t *index = auvid_metric_row_parameters(m, j);
-    bool scaled = (u->fixes >> j & 1u) != 0;
+    const auvid_real_t *pi = u->id->work.candidate; /* the passes change u->pi */
+    bool own = false, known = false;
     if (auvid_metric_is_excited(m, j)) {
         return false;
     }
     for (int k = e->inputs; k < e->order - 1; ++k, ++index) {
         const auvid_parameter_t *parameter = &m->cfg.vehicle->parameter[*index];
-        scaled |= (int)parameter->dof != j && parameter->kind == AUVID_PARAMETER_MASS &&
-                  auvid_uncertain_product(u, j, k, k) > AUVID_C(0.0);
+        bool other = (int)parameter->dof != j;
+        own |= !other;
+        known |= other && parameter->kind == AUVID_PARAMETER_MASS &&
+                 uncertain_acts(u, m, j, k, pi[*index]);
     }
-    return auvid_uncertain_tilts(j) || !scaled;
+    known |= (u->fixes >> j & 1u) != 0 && uncertain_acts(u, m, j, e->order - 1, AUVID_C(1.0));
+    return auvid_uncertain_tilts(j) || !own || !known;
 }
 
 /* Is column k of a parameter of roll or pitch in another equation, or the other way round, or of an

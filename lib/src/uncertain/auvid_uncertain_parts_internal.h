@@ -108,7 +108,8 @@ void auvid_uncertain_keep_own(auvid_uncertain_t *u, const auvid_metric_t *m, int
 void auvid_uncertain_transfer(auvid_uncertain_t *u, const auvid_metric_t *m, int j, int i);
 
 /** Is DoF j's equation left out, as it says nothing of the scale of its terms? It has no thrust,
- * and is that of roll or pitch, or has neither the mass of another DoF nor a fixed parameter. See
+ * and is that of roll or pitch, or has no free parameter of its own, or no known force: of the mass
+ * of another DoF, or of a fixed parameter. The same throughout a solution. See
  * auvid_uncertain_solve.c. */
 bool auvid_uncertain_is_left_out(const auvid_uncertain_t *u, const auvid_metric_t *m, int j);
 

@@ -69,8 +69,11 @@
  * are those of the last pass. It says how its terms compare, and nothing of their scale: noise of
  * the angle would only make the righting moment smaller, which pitch has in common with roll, and
  * with it all that is coupled (I_y by 31 %, simulated torpedo, tests/vehicles/test_torpedo.c). So
- * is any other equation without thrust that has neither the mass of another DoF nor a fixed
- * parameter: all of a decoupled sway can be zero, and with it W-B.
+ * is any other equation without thrust in which no parameter of its own is free, or no force is
+ * known: the masses of other DoF, as the search found them, and the fixed parameters make less
+ * than would excite the DoF. All of a decoupled sway can be zero, and with it W-B. In the heave of
+ * a surface craft the column of m_u is u q, noise of the gyro: 0 = m_u u q pulls m_u to zero, and
+ * all that scales with it (tests/unit/uncertain/test_uncertain_few_dofs.c).
  *
  * Covariance: 1.9 P + 0.05 sum_j d_j d_j', P the inverse of the joint normal matrix. d_j is the
  * derivative of the solution by lambda_j: P X_j' times the change of X~_j's columns,
