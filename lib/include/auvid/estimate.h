@@ -79,9 +79,10 @@ typedef enum {
                               the controller (auvid_instruments_t); 1: none of this DoF, which is
                               so by the configuration (closed_loop), or is roll or pitch */
     AUVID_NOTE_UNCHECKED, /**< identifiable if thrust and sensors are exact. They were not examined
-                               for errors, or have too large ones: see auvid_confidence_t.unchecked
-                             */
-    AUVID_NOTE_INPUTS, /**< known only if thrust and sensors are exact: errors of the inputs
+                               for errors, or have too large ones: see auvid_confidence_t.unchecked.
+                               `partner` 1: uncertain inputs are attached, but have too few rows for
+                               a solution; 2: their errors are larger than configured; else 0 */
+    AUVID_NOTE_INPUTS,    /**< known only if thrust and sensors are exact: errors of the inputs
                             (uncertain.h) look like it. More motion shows these, too */
     AUVID_NOTE_COUNT
 } auvid_note_t;

@@ -43,15 +43,17 @@
  * first one have none, and count a sixteenth once there is one; those from before the second one
  * count less where there is a current.
  *
- * A passive vehicle adds rows until the first excitation; from then on only the excitation does. In
- * closed loop nothing is identifiable from passive rows (AUVID_NOTE_FEEDBACK), unless it is that of
- * a few DoF (closed_loop in metric_config.h), or the reference of the controller is given
- * (auvid_instruments_t, below). Each search is followed by a solution
- * with uncertain inputs: they are eliminated, and both phases of the optimizer search what is left,
- * within the bounds. auvid_identifier_estimate then returns it. The estimate without uncertain
- * inputs is identifier.estimate; nothing in it is identifiable. After a change of the vehicle the
- * rows begin again. Rows of a set that the change test deletes stay. After an excitation the last
- * estimate stays, whatever the vehicle does then. The rows hold about as much as the ring of sets.
+ * A passive vehicle adds rows until the first excitation; from then on only the excitation does,
+ * unless it ends before it has given a set of rows. In closed loop nothing is identifiable from
+ * passive rows (AUVID_NOTE_FEEDBACK), unless it is that of a few DoF (closed_loop in
+ * metric_config.h), or the reference of the controller is given (auvid_instruments_t, below). Each
+ * search is followed by a solution with uncertain inputs: they are eliminated, and both phases of
+ * the optimizer search what is left, within the bounds. auvid_identifier_estimate then returns it.
+ * The estimate without uncertain inputs is identifier.estimate; nothing in it is identifiable.
+ *
+ * After an excitation the last estimate stays, however the vehicle is driven then. After a change
+ * of the vehicle the rows begin again: passive ones until the next excitation. Rows of a set that
+ * the change test deletes stay. The rows hold about as much as the ring of sets.
  *
  *     static auvid_uncertain_t uncertain;
  *     auvid_uncertain_defaults(&inputs);
@@ -370,6 +372,7 @@ typedef struct auvid_uncertain {
     bool contradicted;     /**< the best scale exceeds AUVID_UNCERTAIN_CONTRADICTED: no estimate */
     bool given;            /* by auvid_uncertain_start: pi, shared, own, scale */
     bool fresh;            /* there are rows that the last solution did not have */
+    bool gave_set;         /* excited, and a DoF has had the rows of a set */
 } auvid_uncertain_t;
 
 #define auvid_uncertain_defaults AUVID_SIZED(auvid_uncertain_defaults)

@@ -53,7 +53,7 @@ const auvid_checkpoint_block_t auvid_checkpoint_block[CHECKPOINT_BLOCKS] = {
     BLOCK(ROOT_CHANGE, auvid_change_detector_t, accepted, reserved, PART_CHANGE),
     BLOCK(ROOT_PRIOR, auvid_prior_t, pi, known, PART_PRIOR),
     BLOCK(ROOT_PREDICTION, auvid_validation_t, last, reserved, PART_SIMULATED),
-    BLOCK(ROOT_UNCERTAIN, auvid_uncertain_t, begin_us, fresh, PART_UNCERTAIN),
+    BLOCK(ROOT_UNCERTAIN, auvid_uncertain_t, begin_us, gave_set, PART_UNCERTAIN),
     BLOCK(ROOT_INSTRUMENTS, auvid_instruments_t, last_us, wide, PART_INSTRUMENTS),
     BLOCK(ROOT_ROWS, auvid_row_t, sample, late, PART_RESIDUAL),
 };

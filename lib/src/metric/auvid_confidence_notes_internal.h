@@ -18,6 +18,8 @@ enum { IDLE, UNACTUATED, UNACTUATED_ROWS };
 
 /** partner of AUVID_NOTE_UNCERTAIN: see estimate.h */
 enum { FEW_DATA, UNEXPLAINED };
+/** partner of AUVID_NOTE_UNCHECKED: see estimate.h */
+enum { NO_INPUTS, TOO_FEW_ROWS, INEXACT_INPUTS };
 /** Closed loop: of the vehicle; or of single DoF. */
 enum { OF_ALL, OF_SOME };
 

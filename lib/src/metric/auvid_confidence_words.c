@@ -267,6 +267,21 @@ static void confidence_append_idle(auvid_words_t *w, uint8_t reason)
     auvid_words_append(w, sentence[reason <= UNACTUATED_ROWS ? reason : IDLE]);
 }
 
+/* Append why the inputs were not checked. */
+static void confidence_append_unchecked(auvid_words_t *w, uint8_t reason)
+{
+    if (reason == INEXACT_INPUTS) {
+        auvid_words_append(w, "thrust, time stamps or sensors are far less exact than configured; "
+                              "measure them, or configure larger deviations");
+        return;
+    }
+    auvid_words_append(w, "not checked for errors of thrust and sensors; ");
+    auvid_words_append(w, reason == TOO_FEW_ROWS
+                              ? "the uncertain inputs have too few rows: excite each axis again"
+                              : "estimate these errors (uncertain inputs), or correct those that "
+                                "are named");
+}
+
 /* Append the sentence of parameter i. */
 static void confidence_append_sentence(auvid_words_t *w, const auvid_confidence_t *c,
                                        const auvid_vehicle_t *vehicle, int i)
@@ -286,9 +301,7 @@ static void confidence_append_sentence(auvid_words_t *w, const auvid_confidence_
         return;
     }
     if (note == AUVID_NOTE_UNCHECKED) {
-        auvid_words_append(
-            w, "not checked for errors of thrust and sensors; estimate these errors (uncertain "
-               "inputs), or correct those that are named");
+        confidence_append_unchecked(w, c->partner[i]);
         return;
     }
     if (note == AUVID_NOTE_INPUTS) {

@@ -110,6 +110,7 @@ static void uncertain_judge(auvid_identifier_t *id, bool changed)
     u->estimate.accepted = u->estimate.accepted || u->estimate.number == id->estimate.number;
     if (changed) {
         auvid_uncertain_restart(u);
+        u->excited = u->gave_set = false; /* without another excitation passive rows count again */
         u->estimate.number = 0;
         memset(&u->causes, 0, sizeof u->causes);
         u->contradicted = false;
@@ -238,17 +239,28 @@ static auvid_status_t uncertain_solve(auvid_identifier_t *id, uint32_t *budget)
     return auvid_uncertain_solve(uncertain_of(id), &id->metric, budget);
 }
 
+/* Say why the inputs of an estimate were not checked. */
+static void uncertain_say_why(const auvid_identifier_t *id, auvid_confidence_t *c, uint8_t why)
+{
+    for (int i = 0; i < id->metric.cfg.vehicle->parameters; ++i) {
+        c->partner[i] = c->note[i] == AUVID_NOTE_UNCHECKED ? why : c->partner[i];
+    }
+}
+
 static void uncertain_publish(auvid_identifier_t *id)
 {
     auvid_uncertain_t *u = uncertain_of(id);
     if (!u->work.solving) { /* uncertain_begin was not ready */
+        uncertain_say_why(id, &id->estimate.confidence, TOO_FEW_ROWS);
         return;
     }
     u->work.solving = false;
     if (u->contradicted || auvid_uncertain_thrust_differs(u)) {
         u->estimate.number = 0;
+        uncertain_say_why(id, &id->estimate.confidence, INEXACT_INPUTS);
     } else {
         uncertain_assess(id);
+        uncertain_say_why(id, &u->estimate.confidence, INEXACT_INPUTS);
     }
     auvid_uncertain_publish_causes(u);
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {

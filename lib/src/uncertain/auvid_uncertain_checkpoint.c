@@ -40,7 +40,7 @@ static const auvid_checkpoint_limit_t checkpoint_limit_uncertain[] = {
     UP_TO(uncertain, scale, scale, 2),
     FLAG(uncertain, excited, excited),
     BYTE(uncertain, informed, informed, 2),
-    FLAG(uncertain, contradicted, fresh),
+    FLAG(uncertain, contradicted, gave_set),
     FINITE(uncertain, causes.asymmetry, causes.one_way),
     BYTE(uncertain, causes.order, causes.order, AUVID_CAUSE_COUNT - 1),
     BYTE(uncertain, causes.named, causes.named, AUVID_CAUSE_COUNT),

@@ -30,7 +30,8 @@ void auvid_uncertain_restart(auvid_uncertain_t *u)
 }
 
 /* Are rows taken now? Those of a passive vehicle count until the first excitation; then they are
- * dropped, and only the excitation gives rows. */
+ * dropped, and only the excitation gives rows. If it ends before it has given a set, as one that is
+ * aborted, its rows are the first of a passive vehicle. */
 static bool uncertain_takes_rows(auvid_uncertain_t *u)
 {
     bool excites = auvid_actuation_excites(u->id);
@@ -38,6 +39,10 @@ static bool uncertain_takes_rows(auvid_uncertain_t *u)
         auvid_uncertain_restart(u);
         u->excited = true;
     }
+    for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
+        u->gave_set = u->gave_set || (u->excited && u->rows[j] >= u->id->metric.cfg.set_rows);
+    }
+    u->excited = u->excited && (excites || u->gave_set);
     return excites || !u->excited;
 }
 
