@@ -66,6 +66,7 @@ int main(void)
     cfg.sets = SETS;
     cfg.set_rows = ROWS;
     cfg.rows = rows;
+    cfg.row_slots = sizeof rows / sizeof rows[0];
     if (auvid_metric_init(&metric, &cfg) != AUVID_OK) {
         return 1;
     }

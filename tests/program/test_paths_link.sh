@@ -39,6 +39,7 @@ int main(void)
     auvid_output_t out;
     auvid_identifier_defaults(&cfg, &mine);
     cfg.metric.rows = rows;
+    cfg.metric.row_slots = sizeof rows / sizeof rows[0];
     auvid_status_t status = auvid_identifier_init(&id, &cfg);
 #ifdef CHANGE
     static auvid_change_detector_t change;

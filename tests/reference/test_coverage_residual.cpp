@@ -92,6 +92,7 @@ static void configure(auvid_identifier_config_t *cfg, uint64_t seed)
     cfg->exact_inputs = true;
     cfg->uncertainty = auvid_uncertainty_t(); // the supplied values are exact here
     cfg->metric.rows = store;
+    cfg->metric.row_slots = sizeof store / sizeof store[0];
     cfg->metric.sets = SETS;
     cfg->metric.set_rows = SET_ROWS;
     cfg->metric.row_cells = 2;
@@ -236,6 +237,7 @@ static void fly(uint64_t seed, double disturbance_N, const auvid_vehicle_t *mode
     std::memcpy(cfg.id.search.good, auvid_girona500_paper, sizeof auvid_girona500_paper);
     if (model->path == &auvid_path_residual) {
         cfg.id.metric.rows = store;
+        cfg.id.metric.row_slots = sizeof store / sizeof store[0];
         cfg.id.metric.set_rows = SET_ROWS;
         cfg.id.metric.row_cells = 2;
     }

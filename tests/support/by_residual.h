@@ -34,6 +34,7 @@ static inline void by_residual_surge(auvid_identifier_config_t *cfg, auvid_vehic
     *vehicle = by_residual_girona500();
     cfg->vehicle = vehicle;
     cfg->metric.rows = rows;
+    cfg->metric.row_slots = (sets + 1u) * cfg->metric.set_rows;
     cfg->metric.sets = sets;
     cfg->metric.free = 1u << AUVID_G500_M_U | 1u << AUVID_G500_X_U | 1u << AUVID_G500_X_UU;
     memcpy(cfg->metric.fixed, auvid_girona500_paper, sizeof auvid_girona500_paper);

@@ -20,6 +20,7 @@ static inline void begin_current_world(world_t *world, const world_config_t *con
     cfg.vehicle = &current->vehicle;
     cfg.metric.free = current->vehicle.free;
     cfg.metric.rows = rows;
+    cfg.metric.row_slots = (cfg.metric.sets + 1u) * cfg.metric.set_rows;
     TEST_ASSERT_EQUAL(AUVID_OK,
                       auvid_current_bounds(current, 1, cfg.search.lower, cfg.search.upper));
     TEST_ASSERT_TRUE(world_listen(world, &cfg));

@@ -241,6 +241,7 @@ static inline void use_residual_path(int row_cells, int set_rows)
     cfg.row_cells = (uint16_t)row_cells;
     cfg.set_rows = (uint16_t)set_rows;
     cfg.rows = store + CANARY;
+    cfg.row_slots = ROWS;
     memset(store, 0xA5, sizeof store);
 }
 

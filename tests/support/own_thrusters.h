@@ -69,6 +69,7 @@ static inline void configure(uint64_t seed)
            sizeof cfg.uncertainty); /* nothing is uncertain in this simulation */
     TEST_ASSERT_EQUAL_HEX32(AUVID_G500_FREE | 15u << OWN, cfg.metric.free);
     cfg.metric.rows = store;
+    cfg.metric.row_slots = sizeof store / sizeof store[0];
     cfg.metric.sets = SETS;
     TEST_ASSERT_EQUAL(AUVID_ERR_MODEL, auvid_thrusters_configure(&thrusters, &cfg));
     cfg.metric.free = FREE;

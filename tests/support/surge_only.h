@@ -28,6 +28,7 @@ static inline void surge_configure(auvid_identifier_config_t *cfg, const auvid_v
     auvid_identifier_defaults(cfg, model);
     cfg->exact_inputs = true;
     cfg->metric.rows = store;
+    cfg->metric.row_slots = sizeof store / sizeof store[0];
     cfg->metric.sets = SETS;
     cfg->metric.set_rows = SET_ROWS;
     cfg->metric.row_cells = 2;

@@ -81,6 +81,7 @@ static inline void defaults(uint16_t row_cells, uint16_t set_s)
 {
     auvid_identifier_defaults(&id_config, &thrusters.vehicle);
     id_config.metric.rows = store;
+    id_config.metric.row_slots = sizeof store / sizeof store[0];
     id_config.metric.sets = SETS;
     id_config.metric.row_cells = row_cells;
     id_config.metric.set_rows = (uint16_t)(set_s * 10u / row_cells);

@@ -80,6 +80,7 @@ class Subject:
         self.rows = (lib.auvid_row_t * used).from_buffer(room)
         config.metric.set_rows = SET_ROWS
         config.metric.rows = ctypes.cast(room, type(config.metric.rows))
+        config.metric.row_slots = 2 * used
         self.id = lib.auvid_identifier_t()
         assert lib.auvid_identifier_init(self.id, config) == 0
         acting = lib.auvid_actuation_config_t()

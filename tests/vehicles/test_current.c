@@ -240,6 +240,7 @@ static void begin(void)
     cfg.vehicle = &current.vehicle;
     cfg.metric.free = current.vehicle.free;
     cfg.metric.rows = rows;
+    cfg.metric.row_slots = sizeof rows / sizeof rows[0];
     TEST_ASSERT_EQUAL(AUVID_OK,
                       auvid_current_bounds(&current, 1, cfg.search.lower, cfg.search.upper));
 }

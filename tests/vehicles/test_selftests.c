@@ -87,6 +87,7 @@ static void test_a_hull_with_thrusters(void)
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_thrusters_init(&model, &own, NULL));
     auvid_identifier_defaults(&cfg, &model.vehicle);
     cfg.metric.rows = rows;
+    cfg.metric.row_slots = sizeof rows / sizeof rows[0];
     cfg.metric.sets = SETS;
     cfg.metric.set_rows = ROWS;
     cfg.metric.free &= ~(1u << AUVID_G500_M_U);

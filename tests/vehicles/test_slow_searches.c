@@ -167,6 +167,7 @@ static void test_thrusters_with_continuous_excitation_give_estimates(void)
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_thrusters_init(&thrusters, &two, NULL));
     auvid_identifier_defaults(&cfg, &thrusters.vehicle);
     cfg.metric.rows = rows;
+    cfg.metric.row_slots = sizeof rows / sizeof rows[0];
     cfg.metric.sets = SETS;
     cfg.metric.free = (AUVID_G500_FREE | 15u << FIRST_OF_GROUP) & ~known;
     for (int i = 0; i < AUVID_G500_COUNT; ++i) {
@@ -189,6 +190,7 @@ static void test_a_current_with_continuous_excitation_gives_estimates(void)
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_current_init(&current, &auvid_girona500, false));
     auvid_identifier_defaults(&cfg, &current.vehicle);
     cfg.metric.rows = rows;
+    cfg.metric.row_slots = sizeof rows / sizeof rows[0];
     TEST_ASSERT_EQUAL(AUVID_OK,
                       auvid_current_bounds(&current, 1, cfg.search.lower, cfg.search.upper));
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&id, &cfg));

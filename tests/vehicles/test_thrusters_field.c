@@ -60,6 +60,7 @@ static void describe(auvid_thrusters_config_t *to)
 static bool configure(auvid_identifier_config_t *cfg)
 {
     cfg->metric.rows = store;
+    cfg->metric.row_slots = sizeof store / sizeof store[0];
     cfg->metric.row_cells = ROW_CELLS;
     cfg->metric.set_rows = SET_S * 10 / ROW_CELLS;
     cfg->metric.sets = SETS;

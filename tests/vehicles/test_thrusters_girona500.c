@@ -72,6 +72,7 @@ static void test_thrusters_can_wrap_a_hull_in_a_current(void)
     auvid_identifier_defaults(&cfg, &thrusters.vehicle);
     cfg.exact_inputs = true;
     cfg.metric.rows = store;
+    cfg.metric.row_slots = sizeof store / sizeof store[0];
     cfg.metric.free &= ~(1u << AUVID_G500_M_U);
     cfg.metric.fixed[AUVID_G500_M_U] = (auvid_real_t)truth[AUVID_G500_M_U];
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_thrusters_configure(&thrusters, &cfg));

@@ -32,6 +32,8 @@ typedef struct {
     const auvid_vehicle_t *vehicle; /**< required; the identifier sets it */
     auvid_row_t *rows;    /**< residual path: storage for (sets + 1) set_rows rows, owned by the
                             caller, must outlive the metric, cleared by init; NULL otherwise */
+    uint32_t row_slots;   /**< number of rows for which `rows` has memory, at least these
+                               (AUVID_ERR_SIZE); not read without `rows` */
     uint32_t velocity_us; /**< time between velocity samples [us], interpolated in between;
                                0..1000000; 0: a sample in every cell; default 200000. In the
                                identifier also AUVID_VELOCITY_OBSERVED (default): the median of the

@@ -17,7 +17,7 @@
  *     auvid_thrusters_defaults(&cfg);                     then hull, matrix, group, log
  *     auvid_thrusters_init(&thrusters, &cfg, NULL);
  *     auvid_identifier_defaults(&id_cfg, &thrusters.vehicle);
- *     id_cfg.metric.rows = rows;                          then free and fixed
+ *     id_cfg.metric.rows = rows;                          then row_slots, free and fixed
  *     auvid_thrusters_configure(&thrusters, &id_cfg);
  *     auvid_identifier_init(&id, &id_cfg);
  *

@@ -43,6 +43,9 @@ static void metric_check_residual(const auvid_metric_config_t *cfg, auvid_refusa
     auvid_check_that(why, cfg->vehicle->residual != NULL, AUVID_ERR_MODEL, "residual");
     auvid_check_part(why, "metric");
     auvid_check_that(why, cfg->rows != NULL, AUVID_ERR_MODEL, "rows");
+    const uint32_t rows = (cfg->sets + 1u) * cfg->set_rows;
+    auvid_check_limit(why, cfg->row_slots >= rows, AUVID_ERR_SIZE, "row_slots",
+                      (auvid_real_t)cfg->row_slots, (auvid_real_t)rows);
 }
 
 /* Make binomial weights over an odd number of rows: n weights have a variance of (n - 1) / 4. */

@@ -316,12 +316,14 @@ static void test_rows_are_part_of_it_and_other_storage_is_refused(void)
     vehicle = by_residual_girona500();
     cfg.vehicle = &vehicle;
     cfg.metric.rows = store[0];
+    cfg.metric.row_slots = sizeof store[0] / sizeof store[0][0];
     cfg.metric.sets = 8;
     init(&id);
     make(); /* whose init clears the storage */
     TEST_ASSERT_EQUAL_UINT32(ROWS, auvid_get_word(saved + 20));
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_checkpoint_restore(&id, saved, bytes));
     cfg.metric.rows = store[1];
+    cfg.metric.row_slots = sizeof store[1] / sizeof store[1][0];
     init(&id);
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_checkpoint_restore(&id, saved, bytes));
     TEST_ASSERT_EQUAL_PTR(store[1], id.metric.cfg.rows);
@@ -345,6 +347,7 @@ static void test_storage_need_not_be_zero_before_init(void)
     vehicle = by_residual_girona500();
     cfg.vehicle = &vehicle;
     cfg.metric.rows = store;
+    cfg.metric.row_slots = sizeof store / sizeof store[0];
     cfg.metric.sets = 8;
     memset(store, 0xff, sizeof store);
     init(&id);

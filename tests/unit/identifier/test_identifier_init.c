@@ -134,6 +134,7 @@ static void test_too_many_parameters_or_none_are_refused(void)
         auvid_identifier_defaults(&cfg.id, &vehicle);
         cfg.id.metric.sets = 1;
         cfg.id.metric.rows = row;
+        cfg.id.metric.row_slots = sizeof row / sizeof row[0];
         cfg.id.metric.estimate_delay = delay;
         check_init(delay ? AUVID_ERR_PARAMETERS : AUVID_OK);
     }

@@ -68,6 +68,7 @@ static void configure_user(void)
     cfg.id.search.seed = 9;
     cfg.acting.excitation = excitation;
     cfg.id.metric.rows = store;
+    cfg.id.metric.row_slots = sizeof store / sizeof store[0];
     cfg.id.metric.sets = USER_SETS;
     cfg.id.metric.set_rows = USER_ROWS;
 }

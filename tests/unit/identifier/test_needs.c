@@ -38,6 +38,7 @@ static void use_residual_path(void)
     vehicle.residual = residual;
     vehicle.regressor = NULL;
     cfg.metric.rows = rows;
+    cfg.metric.row_slots = sizeof rows / sizeof rows[0];
 }
 
 static void test_of_the_paper_s_thirteen_parameters(void)

@@ -358,6 +358,7 @@ static void choose_path(bool residual)
     vehicle = residual ? by_residual_girona500() : auvid_girona500;
     cfg.id.vehicle = &vehicle;
     cfg.id.metric.rows = residual ? rows : NULL;
+    cfg.id.metric.row_slots = sizeof rows / sizeof rows[0];
 }
 
 static void correct_checksum(void)

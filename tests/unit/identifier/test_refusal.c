@@ -234,6 +234,14 @@ static void test_a_model_without_regressor_needs_rows(void)
     vehicle.residual = residual;
     vehicle.path = &auvid_path_residual;
     cfg.metric.rows = rows;
+    cfg.metric.row_slots = (AUVID_MAX_SETS + 1) * 60;
+    NAMED(SIZE, "metric", "row_slots", -1, 59, 2 * 60,
+          (cfg.metric.sets = 1, cfg.metric.row_slots = 59));
+    vehicle.regressor = NULL;
+    vehicle.residual = residual;
+    vehicle.path = &auvid_path_residual;
+    cfg.metric.rows = rows;
+    cfg.metric.row_slots = (AUVID_MAX_SETS + 1) * 60;
     NAMED(SIZE, "metric", "row_cells", -1, AUVID_MAX_TAPS + 1, AUVID_MAX_TAPS,
           cfg.metric.row_cells = AUVID_MAX_TAPS + 1);
 }

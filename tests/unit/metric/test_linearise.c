@@ -376,6 +376,7 @@ static void test_derivatives_are_central_differences_over_the_steps_that_the_hea
     cfg.sets = 1;
     cfg.set_rows = 20;
     cfg.rows = store;
+    cfg.row_slots = sizeof store / sizeof store[0];
     cfg.free = 15u;
     cfg.fixed[4] = 7;
     start();
@@ -526,6 +527,7 @@ static double change_test_steep(void)
     cfg.sets = 3;
     cfg.set_rows = 40;
     cfg.rows = store;
+    cfg.row_slots = sizeof store / sizeof store[0];
     start();
     world_t w = world_of(&cfg);
     double t = feed_set(&w, feed_set(&w, feed_set(&w, 0, 0), 0), 0);

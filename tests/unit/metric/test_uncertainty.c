@@ -230,6 +230,7 @@ static void test_without_regressor_parameters_of_a_known_kind_scale(void)
         cfg.estimate_delay = false;
         cfg.set_rows = ROWS;
         cfg.rows = rows;
+        cfg.row_slots = sizeof rows / sizeof rows[0];
         TEST_ASSERT_EQUAL(AUVID_OK, auvid_metric_init(&metric, &cfg));
         for (uint64_t k = 1; metric.sets.recorded < SETS; ++k) {
             auvid_sample_t s;

@@ -320,6 +320,7 @@ static bool listen_for_current(scenario_run_t *run, world_config_t config)
     cfg.vehicle = &to->vehicle;
     cfg.metric.free = to->vehicle.free;
     cfg.metric.rows = run->rows;
+    cfg.metric.row_slots = sizeof run->rows / sizeof run->rows[0];
     cfg.metric.set_rows = ROWS;
     return auvid_current_bounds(to, 1, cfg.search.lower, cfg.search.upper) == AUVID_OK &&
            world_listen(&run->world, &cfg);

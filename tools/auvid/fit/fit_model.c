@@ -129,6 +129,7 @@ static auvid_status_t add_current(fitted_t *fitted, auvid_identifier_config_t *c
     cfg->vehicle = metric->vehicle = &fitted->current.vehicle;
     metric->free |= UINT32_C(3) << hull;
     metric->rows = fitted->rows;
+    metric->row_slots = (uint32_t)rows;
     return auvid_current_bounds(&fitted->current, MAX_CURRENT, cfg->search.lower,
                                 cfg->search.upper);
 }

@@ -36,7 +36,7 @@ def in_current(lib, seed):
         assert lib.auvid_current_init(current, lib.auvid_girona500, False) == 0
         given = lib.auvid_identifier_config_t.from_buffer_copy(config.id)
         lib.auvid_identifier_defaults(config.id, current.vehicle)
-        config.id.metric.rows = rows
+        config.id.metric.rows, config.id.metric.row_slots = rows, len(rows)
         config.id.search.seed, config.id.exact_inputs = given.search.seed, True
         lower, upper = (lib.zeros(len(x)) for x in (given.search.lower, given.search.upper))
         lower[:], upper[:] = values(given.search.lower), values(given.search.upper)
@@ -139,7 +139,7 @@ def with_thrusters(lib, seed):
     rows = (lib.auvid_row_t * ((SETS + 1) * SET_S * 2))()
     model, log = girona500_thrusters(lib)
     lib.auvid_identifier_defaults(config, model.vehicle)
-    config.metric.rows, config.metric.sets = rows, SETS
+    config.metric.rows, config.metric.row_slots, config.metric.sets = rows, len(rows), SETS
     config.metric.free &= ~(1 << lib.AUVID_G500_M_U)
     config.metric.fixed[lib.AUVID_G500_M_U] = world.parameter[lib.SIM_M_U]
     assert lib.auvid_thrusters_configure(model, config) == 0
@@ -161,7 +161,8 @@ def dead_band(lib, seed):
     late = [0.0] * 7
     lib.dead_band_bounds(lower, upper)
     lib.auvid_identifier_defaults(config, vehicle)
-    config.metric.rows, config.metric.sets, config.metric.set_rows = rows, SETS, 150
+    config.metric.rows, config.metric.row_slots = rows, len(rows)
+    config.metric.sets, config.metric.set_rows = SETS, 150
     config.metric.row_cells = 2
     config.search.lower[:5], config.search.upper[:5] = lower.tolist(), upper.tolist()
 

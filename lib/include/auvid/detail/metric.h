@@ -294,8 +294,8 @@ void auvid_metric_defaults(auvid_metric_config_t *cfg, const auvid_vehicle_t *ve
  * @return AUVID_OK; AUVID_ERR_NULL; those of auvid_vehicle_check; AUVID_ERR_RANGE (a field is out
  * of its range); AUVID_ERR_NOT_FINITE; AUVID_ERR_PARAMETERS (no parameter is free); AUVID_ERR_SIZE
  * (sets, columns, factor, taps, overlap or half-width exceed config.h; residual path with
- * AUVID_MAX_COMMANDS 0); AUVID_ERR_MODEL (the path lacks its function of the model, or the residual
- * path its storage). */
+ * AUVID_MAX_COMMANDS 0, or with fewer row_slots than rows); AUVID_ERR_MODEL (the path lacks its
+ * function of the model, or the residual path its storage). */
 auvid_status_t auvid_metric_init(auvid_metric_t *metric, const auvid_metric_config_t *cfg);
 
 #define auvid_metric_add AUVID_SIZED(auvid_metric_add)
