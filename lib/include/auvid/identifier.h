@@ -188,7 +188,9 @@ enum {
     AUVID_EVENT_SET = 1u << 8,               /**< a data set was completed */
     AUVID_EVENT_NOT_EXCITED = 1u << 9,       /**< no DoF with a free parameter was excited in
                                               the set: the set is left out, the estimate stays */
-    AUVID_EVENT_ESTIMATE = 1u << 10,         /**< a search has ended: there is a new estimate */
+    AUVID_EVENT_ESTIMATE = 1u << 10,         /**< a search has ended, and what
+                                                  auvid_identifier_estimate returns is new. With
+                                                  uncertain inputs the last one may stay */
     AUVID_EVENT_EXCITATION_DONE = 1u << 11,  /**< the excitation's run is complete */
     AUVID_EVENT_ALTITUDE_DROPPED = 1u << 12, /**< sample rejected: not finite, negative, not newer
                                                   than the previous one, or ahead of the tick by

@@ -71,6 +71,8 @@ static void identifier_lengthen_cells(auvid_identifier_t *id)
 static void identifier_publish_estimate(auvid_identifier_t *id)
 {
     auvid_estimate_t *e = &id->estimate;
+    const auvid_estimate_t *last = auvid_identifier_estimate(id);
+    const uint32_t number = last == NULL ? 0u : last->number;
     ++e->number;
     e->t_us = id->t_us;
     e->sets = id->work.sets;
@@ -96,7 +98,9 @@ static void identifier_publish_estimate(auvid_identifier_t *id)
     if (id->attached.uncertain_functions != NULL) {
         id->attached.uncertain_functions->publish(id);
     }
-    id->events |= AUVID_EVENT_ESTIMATE;
+    if (auvid_identifier_estimate(id)->number != number) { /* uncertain inputs may keep the last */
+        id->events |= AUVID_EVENT_ESTIMATE;
+    }
     identifier_rest(id);
     if (auvid_metric_lengthen(&id->metric)) {
         identifier_lengthen_cells(id);

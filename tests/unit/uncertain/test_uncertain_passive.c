@@ -144,7 +144,10 @@ static void test_an_excitation_aborted_after_a_set_keeps_its_estimate(void)
     run(SET_S);
     TEST_ASSERT_TRUE(uncertain.excited);
     const auvid_estimate_t estimate = *auvid_identifier_estimate(id);
+    chain.events = 0;
     run(4 * SET_S);
+    TEST_ASSERT_EQUAL_HEX32(AUVID_EVENT_SET,
+                            chain.events & (AUVID_EVENT_SET | AUVID_EVENT_ESTIMATE));
     TEST_ASSERT_EQUAL_UINT32(estimate.number, auvid_identifier_estimate(id)->number);
     TEST_ASSERT_EQUAL_MEMORY(estimate.pi, auvid_identifier_estimate(id)->pi, sizeof estimate.pi);
 }
