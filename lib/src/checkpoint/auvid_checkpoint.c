@@ -251,9 +251,13 @@ static auvid_status_t checkpoint_check(const auvid_identifier_t *id, const uint8
     }
     const uint32_t attached = PART_ACTUATION | PART_ADAPTIVE | PART_CHANGE | PART_PRIOR |
                               PART_UNCERTAIN | PART_INSTRUMENTS;
-    if (((v->parts ^ checkpoint_parts(id)) & attached) != 0 ||
+    const uint32_t present = checkpoint_parts(id);
+    if ((v->parts & ~present & attached) != 0 ||
         ((v->parts & PART_SIMULATED) != 0 && id->attached.prediction == NULL)) {
-        return AUVID_ERR_STATE;
+        return AUVID_ERR_DETACHED;
+    }
+    if ((present & ~v->parts & attached) != 0) {
+        return AUVID_ERR_ATTACHED;
     }
     if (memcmp(expected + HEAD_CONFIGURATION, checkpoint + HEAD_CONFIGURATION, 4) != 0) {
         return AUVID_ERR_CONFIGURATION;

@@ -125,8 +125,8 @@ static void test_a_prior_record_is_part_of_it(void)
     TEST_ASSERT_EQUAL_MEMORY(&loaded, &prior, sizeof prior);
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&id, &cfg));
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_attach_change_test(&id, &change));
-    check_refused(AUVID_ERR_STATE, saved, bytes); /* no memory for a prior is attached */
-    init(&id);                                    /* and restore an empty one */
+    check_refused(AUVID_ERR_DETACHED, saved, bytes); /* no memory for a prior is attached */
+    init(&id);                                       /* and restore an empty one */
     bytes = save(&id, saved, sizeof saved);
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_prior_load(&id, record, sizeof record));
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_checkpoint_restore(&id, saved, bytes));
@@ -142,7 +142,7 @@ static void test_what_is_attached_stays(void)
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_checkpoint_restore(&id, again, empty_bytes));
     init_predicting(&id);
     make();
-    check_refused(AUVID_ERR_STATE, saved, bytes); /* it has a prediction, *id has none */
+    check_refused(AUVID_ERR_DETACHED, saved, bytes); /* it has a prediction, *id has none */
     init_predicting(&id);
     auvid_identifier_attach(&id, &validation);
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_checkpoint_restore(&id, saved, bytes));
@@ -405,12 +405,12 @@ static void test_one_with_an_acting_half_is_refused_without_and_vice_versa(void)
 {
     bytes = save(&id, saved, sizeof saved);
     init_acting();
-    check_refused(AUVID_ERR_STATE, saved, bytes);
+    check_refused(AUVID_ERR_ATTACHED, saved, bytes);
     uint32_t acting_bytes = save(&id, again, sizeof again);
     TEST_ASSERT_TRUE(acting_bytes > bytes + 500);
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_checkpoint_restore(&id, again, acting_bytes));
     init(&id);
-    check_refused(AUVID_ERR_STATE, again, acting_bytes);
+    check_refused(AUVID_ERR_DETACHED, again, acting_bytes);
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_checkpoint_restore(&id, saved, bytes));
 }
 

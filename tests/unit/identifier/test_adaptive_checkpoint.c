@@ -62,7 +62,7 @@ static void test_a_checkpoint_of_it_is_refused_where_it_has_not_been_begun(void)
     uint32_t count = save();
     TEST_ASSERT_EQUAL(AUVID_OK, chain_begin(&chain, &config));
     before = chain.id;
-    TEST_ASSERT_EQUAL(AUVID_ERR_STATE, auvid_checkpoint_resume(&chain.id, bytes, count));
+    TEST_ASSERT_EQUAL(AUVID_ERR_DETACHED, auvid_checkpoint_resume(&chain.id, bytes, count));
     TEST_ASSERT_EQUAL_MEMORY(&before, &chain.id, sizeof before);
 }
 
@@ -72,7 +72,7 @@ static void test_a_checkpoint_of_a_sequence_is_refused_where_it_has_been_begun(v
     chain_run(&chain, 5);
     uint32_t count = save();
     begin();
-    TEST_ASSERT_EQUAL(AUVID_ERR_STATE, auvid_checkpoint_restore(&chain.id, bytes, count));
+    TEST_ASSERT_EQUAL(AUVID_ERR_ATTACHED, auvid_checkpoint_restore(&chain.id, bytes, count));
 }
 
 int main(void)

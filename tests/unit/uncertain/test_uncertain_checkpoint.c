@@ -158,18 +158,18 @@ static void test_it_is_refused_by_an_identifier_with_less_or_more_attached(void)
     begin(PASSIVE);
     bytes = save(saved);
     TEST_ASSERT_EQUAL(AUVID_OK, chain_init(&chain, &cfg)); /* without */
-    check_refused(AUVID_ERR_STATE);
+    check_refused(AUVID_ERR_DETACHED);
     bytes = save(saved);
     start();
-    check_refused(AUVID_ERR_STATE);
+    check_refused(AUVID_ERR_ATTACHED);
     bytes = save(saved);
     world = INSTRUMENTS;
     start();
-    check_refused(AUVID_ERR_STATE);
+    check_refused(AUVID_ERR_ATTACHED);
     bytes = save(saved);
     world = PASSIVE;
     start();
-    check_refused(AUVID_ERR_STATE);
+    check_refused(AUVID_ERR_DETACHED);
     world = INSTRUMENTS;
     start();
     TEST_ASSERT_EQUAL(AUVID_OK, auvid_checkpoint_restore(id, saved, bytes));
