@@ -104,14 +104,14 @@ auvid_status_t auvid_checkpoint_next(auvid_checkpoint_t *cursor, uint8_t *chunk,
  *
  * Time must advance: a step before the saved id->t_us is rejected.
  * @param checkpoint [bytes]
- * @return AUVID_OK; AUVID_ERR_NULL; AUVID_ERR_STATE (not initialised); AUVID_ERR_DETACHED (it has an
- * acting half, adaptive excitation, uncertain inputs, instruments, a change test, or memory for a
- * prior, which is not attached to *id; or a prediction was under way, and none is attached);
+ * @return AUVID_OK; AUVID_ERR_NULL; AUVID_ERR_STATE (not initialised); AUVID_ERR_DETACHED (it has
+ * an acting half, adaptive excitation, uncertain inputs, instruments, a change test, or memory for
+ * a prior, which is not attached to *id; or a prediction was under way, and none is attached);
  * AUVID_ERR_ATTACHED (*id has one of these, but for the prediction, and the checkpoint has not);
- * AUVID_ERR_CHECKSUM (damaged, truncated, or no checkpoint); AUVID_ERR_SIZE (of a library of another version or of other sizes,
- * or of another number of rows of storage); AUVID_ERR_MODEL (of another model, of other free
- * parameters, or of other fixed values);
- * AUVID_ERR_CONFIGURATION (the rest of the configuration differs); AUVID_ERR_RANGE (undamaged, but
+ * AUVID_ERR_CHECKSUM (damaged, truncated, or no checkpoint); AUVID_ERR_SIZE (of a library of
+ * another version or of other sizes, or of another number of rows of storage); AUVID_ERR_MODEL (of
+ * another model, of other free parameters, or of other fixed values); AUVID_ERR_CONFIGURATION (the
+ * rest of the configuration differs); AUVID_ERR_RANGE (undamaged, but
  * not written by auvid: a number is not finite, out of its range, or contradicts another). A
  * rejected checkpoint changes nothing. */
 auvid_status_t auvid_checkpoint_restore(auvid_identifier_t *id, const uint8_t *checkpoint,

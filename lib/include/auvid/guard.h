@@ -70,7 +70,8 @@ typedef enum {
 typedef enum {
     AUVID_GUARD_NO_CAUSE = 0,
     AUVID_GUARD_OPERATOR,        /**< auvid_guard_abort; value and limit 0 */
-    AUVID_GUARD_NO_INPUT,        /**< a step without input; value and limit 0 */
+    AUVID_GUARD_NO_INPUT,        /**< a step without input; of the identifier, also one without
+                                      memory for the output. Value and limit 0 */
     AUVID_GUARD_TIME,            /**< the time of a tick did not advance; value: step [s], <= 0 */
     AUVID_GUARD_TICK,            /**< a tick longer than max_tick_us [s] */
     AUVID_GUARD_LINK,            /**< no auvid_guard_heartbeat for heartbeat_timeout_us [s] */
@@ -128,7 +129,10 @@ typedef struct {
                                       unknown: a breach of these limits */
     uint32_t depth_stale_us;     /**< the same for an accepted depth [us]; default 1000000 */
     uint32_t altitude_stale_us;  /**< the same for an altitude [us]; default 1000000 */
-    uint32_t applied_stale_us;   /**< the same for the applied wrench [us]; default 1000000 */
+    /** the same for the applied wrench [us]; default 1000000. It counts from the wrench's own time:
+     * if that is ahead of the tick, the loss is noticed later by as much, at most by this time
+     * again */
+    uint32_t applied_stale_us;
     uint32_t saturation_us;      /**< longest uninterrupted saturation [us]; default 1000000 */
     uint32_t max_tick_us;        /**< longest tick [us]; default 250000: after a stall the control
                                       loop must not resume the excitation. By the time of the

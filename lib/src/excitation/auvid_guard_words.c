@@ -11,7 +11,7 @@ static const char *const state_names[AUVID_GUARD_STATE_COUNT] = {"disarmed", "ar
 static const char *const cause_names[AUVID_GUARD_CAUSE_COUNT] = {
     "none",
     "aborted by the operator",
-    "a tick without input",
+    "a tick without input, or without memory for the output",
     "time did not advance",
     "a tick took too long",
     "no heartbeat from the operator",
