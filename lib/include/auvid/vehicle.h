@@ -38,13 +38,17 @@ extern "C" {
 
 /** Kind of a parameter: determines which values are plausible and which motion it needs. */
 typedef enum {
-    AUVID_PARAMETER_OTHER = 0,      /**< unspecified */
-    AUVID_PARAMETER_MASS,           /**< rigid body and added mass [kg]: above the dry mass */
-    AUVID_PARAMETER_INERTIA,        /**< rigid body and added inertia [kg m2]: positive */
-    AUVID_PARAMETER_LINEAR_DRAG,    /**< negative if it dissipates */
+    AUVID_PARAMETER_OTHER = 0,   /**< unspecified. Taken to scale with the thrust, as a mass does:
+                                         an error of its scale of 5 % makes this one 5 % wrong */
+    AUVID_PARAMETER_MASS,        /**< rigid body and added mass [kg]: above the dry mass */
+    AUVID_PARAMETER_INERTIA,     /**< rigid body and added inertia [kg m2]: positive */
+    AUVID_PARAMETER_LINEAR_DRAG, /**< negative if it dissipates */
     AUVID_PARAMETER_QUADRATIC_DRAG, /**< negative if it dissipates */
-    AUVID_PARAMETER_FORCE           /**< constant force or moment, W-B: identifiable if its standard
+    AUVID_PARAMETER_FORCE,          /**< constant force or moment, W-B: identifiable if its standard
                                          error is small against tau_max (metric_config.h) */
+    AUVID_PARAMETER_UNSCALED        /**< residual path: does not scale with the thrust, as an
+                                         exponent, a lag or a current. One that does scale has too
+                                         small a half-width as this */
 } auvid_parameter_kind_t;
 
 /** One parameter of a model. */

@@ -161,7 +161,7 @@ static void thrusters_name_group(auvid_parameter_t *parameter, int group, uint32
         parameter[k] = (auvid_parameter_t){.name = name[group][k],
                                            .unit = unit[k],
                                            .dof = (auvid_dof_t)dof,
-                                           .kind = AUVID_PARAMETER_OTHER};
+                                           .kind = AUVID_PARAMETER_UNSCALED};
     }
 }
 

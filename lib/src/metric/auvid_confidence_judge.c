@@ -72,9 +72,9 @@ static void confidence_invert(const job_t *c, auvid_real_t *x)
 
 auvid_real_t auvid_confidence_thrust_degree(const auvid_vehicle_t *vehicle, int i)
 {
-    bool linear = !auvid_path_stores_rows(vehicle->path); /* else: how others scale is unknown */
+    bool linear = !auvid_path_stores_rows(vehicle->path);
     bool scales =
-        linear || (!vehicle->own_thrust && vehicle->parameter[i].kind != AUVID_PARAMETER_OTHER);
+        linear || (!vehicle->own_thrust && vehicle->parameter[i].kind != AUVID_PARAMETER_UNSCALED);
     return scales ? AUVID_C(1.0) : AUVID_C(0.0);
 }
 
@@ -92,6 +92,7 @@ auvid_real_t auvid_confidence_dvl_degree(const auvid_vehicle_t *vehicle, int i)
         return AUVID_C(-2.0);
     case AUVID_PARAMETER_FORCE:
     case AUVID_PARAMETER_OTHER:
+    case AUVID_PARAMETER_UNSCALED:
     default:
         return AUVID_C(0.0);
     }

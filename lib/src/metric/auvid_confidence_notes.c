@@ -196,6 +196,7 @@ static auvid_real_t confidence_impossible_part(const auvid_confidence_job_t *c, 
         break;
     case AUVID_PARAMETER_FORCE:
     case AUVID_PARAMETER_OTHER:
+    case AUVID_PARAMETER_UNSCALED:
     default:
         break;
     }

@@ -72,9 +72,9 @@ static bool current_acceleration(const void *context, const auvid_sample_t *samp
 auvid_status_t auvid_current_init(auvid_current_t *current, const auvid_vehicle_t *hull, bool down)
 {
     static const auvid_parameter_t component[3] = {
-        {"c_north", "m/s", AUVID_SURGE, AUVID_PARAMETER_OTHER},
-        {"c_east", "m/s", AUVID_SURGE, AUVID_PARAMETER_OTHER},
-        {"c_down", "m/s", AUVID_HEAVE, AUVID_PARAMETER_OTHER}};
+        {"c_north", "m/s", AUVID_SURGE, AUVID_PARAMETER_UNSCALED},
+        {"c_east", "m/s", AUVID_SURGE, AUVID_PARAMETER_UNSCALED},
+        {"c_down", "m/s", AUVID_HEAVE, AUVID_PARAMETER_UNSCALED}};
     if (current == NULL) {
         return AUVID_ERR_NULL;
     }

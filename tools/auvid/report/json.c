@@ -27,7 +27,8 @@ static const char *const kind[] = {[AUVID_PARAMETER_OTHER] = "other",
                                    [AUVID_PARAMETER_INERTIA] = "inertia",
                                    [AUVID_PARAMETER_LINEAR_DRAG] = "linear drag",
                                    [AUVID_PARAMETER_QUADRATIC_DRAG] = "quadratic drag",
-                                   [AUVID_PARAMETER_FORCE] = "force"};
+                                   [AUVID_PARAMETER_FORCE] = "force",
+                                   [AUVID_PARAMETER_UNSCALED] = "other"};
 
 static void json_parameter(FILE *out, const result_t *result, int i)
 {

@@ -181,6 +181,7 @@ static const char *unit_in_commands(const auvid_parameter_t *parameter)
         return "cmd";
     case AUVID_PARAMETER_INERTIA:
     case AUVID_PARAMETER_OTHER:
+    case AUVID_PARAMETER_UNSCALED:
     default:
         return strcmp(parameter->unit, "Nm") == 0    ? "cmd"
                : strcmp(parameter->unit, "m/s") == 0 ? parameter->unit

@@ -30,6 +30,7 @@ static bool keeps(const auvid_parameter_t *p, int j)
     case AUVID_PARAMETER_FORCE:
         return true;
     case AUVID_PARAMETER_OTHER:
+    case AUVID_PARAMETER_UNSCALED:
     default:
         return strcmp(p->unit, "Nm") == 0;
     }

@@ -20,8 +20,7 @@
  *   deviation of each is added to the uncertainty (auvid_confidence_judge.c). With the thrust scale
  *   all parameters change in proportion, thrust_error = thrust_scale pi, unless some are fixed:
  *   fixed drags are accounted for, fixed masses are assumed orthogonal to the rest. On the residual
- *   path, parameters of kind OTHER are assumed not to scale; with vehicle.own_thrust
- *   no parameter scales.
+ *   path, parameters of kind UNSCALED do not; with vehicle.own_thrust no parameter scales.
  * - What is identifiable, and what is plausible, and in which order to rely on the results: drag
  *   force at speeds that were seen, held-out acceleration, masses, single coefficients. See
  *   estimate.h.
