@@ -96,7 +96,9 @@ typedef struct {
 
     /** Writes predicted minus applied wrench at `sample` for the parameters pi[n], for every
      * modelled DoF. residual[] is zero-initialised. The function may read sample->command to model
-     * thrusters. Required on the residual path; NULL on the other. */
+     * thrusters. Finite for each finite sample and all pi within the bounds: if it is not for one
+     * sample of the sets, the cost of pi is AUVID_COST_FAILED, and if that is so for all pi, the
+     * estimate has AUVID_NOTE_NOT_CONVERGED. Required on the residual path; NULL on the other. */
     void (*residual)(const void *context, const auvid_sample_t *sample, const auvid_real_t *pi,
                      auvid_real_t residual[AUVID_DOF_COUNT]);
 

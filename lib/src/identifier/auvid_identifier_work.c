@@ -282,8 +282,11 @@ static void identifier_begin_confidence(auvid_identifier_t *id)
     auvid_confidence_begin(&id->confidence, &id->metric, id->work.candidate, id->dry_mass_kg,
                            &id->uncertainty);
     id->confidence.result.unchecked = !id->exact_inputs || id->attached.uncertain != NULL;
+    /* a residual path's search may end before it has converged near a minimum, but not if no cost
+     * was finite */
+    bool failed = !auvid_metric_stores_rows(&id->metric) || !(id->work.cost < AUVID_COST_FAILED);
     auvid_confidence_limits(&id->confidence, id->search.lower, id->search.upper,
-                            id->work.not_converged && !auvid_metric_stores_rows(&id->metric));
+                            id->work.not_converged && failed);
     id->work.phase = AUVID_WORK_CONFIDENCE;
 }
 
