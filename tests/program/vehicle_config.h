@@ -81,10 +81,19 @@ static void print_actuation(const auvid_actuation_config_t *c)
     const auvid_real_t limits[] = {
         g->depth_min_m, g->depth_max_m,  g->altitude_min_m, g->roll_max_rad, g->pitch_max_rad,
         g->speed_max,   g->yaw_rate_max, g->distance_max_m, g->rest_speed,   g->rest_rate};
-    const uint32_t times[] = {g->run_max_s,      g->imu_stale_us,      g->velocity_stale_us,
-                              g->depth_stale_us, g->altitude_stale_us, g->applied_stale_us,
-                              g->saturation_us,  g->max_tick_us,       g->heartbeat_timeout_us,
-                              g->rest_dwell_us,  g->settle_timeout_us, g->off};
+    const uint32_t times[] = {g->run_max_s,
+                              g->imu_stale_us,
+                              g->velocity_stale_us,
+                              g->depth_stale_us,
+                              g->altitude_stale_us,
+                              g->applied_stale_us,
+                              g->saturation_us,
+                              g->max_tick_us,
+                              g->heartbeat_timeout_us,
+                              g->rest_dwell_us,
+                              g->settle_timeout_us,
+                              g->repeat_us,
+                              g->off};
     reals("guard", limits, (int)(sizeof limits / sizeof limits[0]));
     for (size_t i = 0; i < sizeof times / sizeof times[0]; ++i) {
         printf("guard %lu\n", (unsigned long)times[i]);

@@ -42,7 +42,7 @@
  * Set each limit inside the true danger by that margin. Girona500 at 0.7 m/s with DVL at 5 Hz and
  * depth at 10 Hz: 0.1 + 0.7 * 0.22 + 0.7 * 5.9 = 4.4 m without control, 0.8 m with the pilot.
  *
- * Cost of a step: about 100 operations and a square root. Memory: sizeof(auvid_guard_t), 0.2 KiB.
+ * Cost of a step: about 150 operations and a square root. Memory: sizeof(auvid_guard_t), 0.2 KiB.
  * Source: auvid's own; the paper has no guard.
  */
 #ifndef AUVID_GUARD_H
@@ -75,7 +75,7 @@ typedef enum {
     AUVID_GUARD_TIME,            /**< the time of a tick did not advance; value: step [s], <= 0 */
     AUVID_GUARD_TICK,            /**< a tick longer than max_tick_us [s] */
     AUVID_GUARD_LINK,            /**< no auvid_guard_heartbeat for heartbeat_timeout_us [s] */
-    AUVID_GUARD_IMU_STALE,       /**< age of the newest sample [s] */
+    AUVID_GUARD_IMU_STALE,       /**< age of the newest sample, or time of repetition [s] */
     AUVID_GUARD_VELOCITY_STALE,  /**< likewise: of the newest that measured the excited DoFs */
     AUVID_GUARD_DEPTH_STALE,     /**< likewise; if a depth limit is on, see `surface` */
     AUVID_GUARD_ALTITUDE_STALE,  /**< likewise; if the altitude limit is on and one was known */
@@ -95,6 +95,16 @@ typedef enum {
                                       limit 0 */
     AUVID_GUARD_CAUSE_COUNT
 } auvid_guard_cause_t;
+
+/** Sensors whose samples are compared: one that hangs may repeat its last values, with good times.
+ * Index into auvid_guard_input_t.values. */
+typedef enum {
+    AUVID_GUARD_ATTITUDE = 0, /**< phi theta psi, or a quaternion */
+    AUVID_GUARD_RATES,        /**< p q r */
+    AUVID_GUARD_BOTTOM,       /**< velocity over ground */
+    AUVID_GUARD_PRESSURE,     /**< depth, or pressure */
+    AUVID_GUARD_SOURCES
+} auvid_guard_source_t;
 
 /** Bit of a cause in auvid_guard_config_t.off. */
 #define AUVID_GUARD_BIT(cause) (UINT32_C(1) << (cause))
@@ -134,13 +144,19 @@ typedef struct {
      * again */
     uint32_t applied_stale_us;
     uint32_t saturation_us;      /**< longest uninterrupted saturation [us]; default 1000000 */
+    uint32_t repeat_us; /**< longest time in which a sensor repeats the same values, bit for bit,
+                             while exciting [us]; default 3000000; 0: off. Longer is a breach as if
+                             it had no sample: noise changes real ones. Zeros are no repetition.
+                             Attitude: only time with rates above rest_rate counts; depth: with a
+                             vertical velocity above rest_speed. It takes eight samples at least.
+                             Set 0 if the DVL rounds far more coarsely than its noise */
     uint32_t max_tick_us;        /**< longest tick [us]; default 250000: after a stall the control
                                       loop must not resume the excitation. By the time of the
                                       ticks: of those that wait in a queue the caller must judge
                                       (auvid_node_halt) */
     uint32_t heartbeat_timeout_us; /**< dead man's switch: longest time without
-                                        auvid_guard_heartbeat() [us]; default 0: off (the only field
-                                        where zero switches off) */
+                                        auvid_guard_heartbeat() [us]; default 0: off (only here and
+                                        in repeat_us zero switches off) */
     auvid_real_t rest_speed;       /**< at rest: largest speed over ground [m/s]; default 0.1 */
     auvid_real_t rest_rate;        /**< at rest: largest norm of the rates [rad/s]; default 0.1 */
     uint32_t rest_dwell_us;     /**< SETTLING ends after the vehicle is at rest for this time [us];
@@ -176,6 +192,8 @@ typedef struct {
     auvid_guard_seen_t imu, depth, altitude, applied;
     auvid_guard_seen_t velocity;     /**< newest sample that measured the required velocities */
     auvid_guard_seen_t ground;       /**< newest sample of the horizontal velocity over ground */
+    /** By auvid_guard_source_t: auvid_guard_values() of the sample that this tick has; 0: none. */
+    uint32_t values[AUVID_GUARD_SOURCES];
     auvid_real_t position[3];        /**< north, east, down [m] */
     auvid_real_t roll, pitch;        /**< [rad] */
     auvid_real_t velocity_ground[3]; /**< u v w over ground [m/s] */
@@ -206,6 +224,9 @@ typedef struct {
     uint64_t at_rest_us;        /* start of being at rest */
     uint64_t saturated_us;      /* start of saturation */
     uint64_t heartbeat_us;      /* last heartbeat */
+    uint32_t values[AUVID_GUARD_SOURCES];    /* of the last sample of each source */
+    uint32_t repeat_us[AUVID_GUARD_SOURCES]; /* time in which samples repeated them */
+    uint32_t waited_us[AUVID_GUARD_SOURCES]; /* since the last sample, at most an eighth */
     auvid_guard_trip_t trip;    /**< why it is ABORTED; else all zero */
     auvid_guard_trip_t refused; /**< why the last arm returned STALE or LIMIT; all zero after a
                                      successful one */
@@ -280,6 +301,11 @@ auvid_status_t auvid_guard_disarm(auvid_guard_t *g);
  * @return AUVID_OK; AUVID_ERR_NULL; AUVID_ERR_TIME_BACK if t_us is before the last heartbeat:
  *         nothing changes. */
 auvid_status_t auvid_guard_heartbeat(auvid_guard_t *g, uint64_t t_us);
+
+#define auvid_guard_values AUVID_SIZED0(auvid_guard_values)
+/** Return a number that stands for the values of a sample: never 0, 1 if all are zero.
+ * @param x n values, read bit for bit; NULL counts as n = 0. */
+uint32_t auvid_guard_values(const auvid_real_t *x, int n);
 
 #define auvid_guard_step AUVID_SIZED0(auvid_guard_step)
 /** Test all limits in one tick. A no-op in DISARMED, DONE and ABORTED.

@@ -2,6 +2,7 @@
  * The guard of the excitation. Every limit is tested as !(value <= limit), so that NaN is a breach.
  */
 #include "auvid_excitation_init_internal.h"
+#include "auvid_guard_repeats_internal.h"
 
 #include <string.h>
 
@@ -31,6 +32,7 @@ void auvid_guard_defaults(auvid_guard_config_t *cfg)
     cfg->altitude_stale_us = 1000000;
     cfg->applied_stale_us = 1000000;
     cfg->saturation_us = 1000000;
+    cfg->repeat_us = 3000000;
     cfg->max_tick_us = 250000;
     cfg->rest_speed = AUVID_C(0.1);
     cfg->rest_rate = AUVID_C(0.1);
@@ -165,6 +167,14 @@ static bool guard_stale(const auvid_guard_t *g, auvid_guard_trip_t *trip, auvid_
                           guard_to_s(stale_us));
 }
 
+/* Set the trip and return true if a source that is watched repeats its values for too long. */
+static bool guard_repeats(const auvid_guard_t *g, auvid_guard_trip_t *trip,
+                          auvid_guard_cause_t cause, int source)
+{
+    return g->cfg.repeat_us > 0 &&
+           guard_too_long(g, trip, cause, g->repeat_us[source], g->cfg.repeat_us);
+}
+
 /* Does the craft stay at the surface? Then depth_min_m has no meaning. */
 static bool guard_at_surface(const auvid_guard_t *g, const auvid_guard_input_t *in)
 {
@@ -192,10 +202,14 @@ static bool guard_any_stale(const auvid_guard_t *g, auvid_guard_trip_t *trip,
         applied.t_us = g->excite_us;
     }
     return guard_stale(g, trip, AUVID_GUARD_IMU_STALE, &in->imu, cfg->imu_stale_us) ||
+           guard_repeats(g, trip, AUVID_GUARD_IMU_STALE, AUVID_GUARD_ATTITUDE) ||
+           guard_repeats(g, trip, AUVID_GUARD_IMU_STALE, AUVID_GUARD_RATES) ||
            guard_stale(g, trip, AUVID_GUARD_VELOCITY_STALE, &in->velocity,
                        cfg->velocity_stale_us) ||
+           guard_repeats(g, trip, AUVID_GUARD_VELOCITY_STALE, AUVID_GUARD_BOTTOM) ||
            (depth &&
-            guard_stale(g, trip, AUVID_GUARD_DEPTH_STALE, &in->depth, cfg->depth_stale_us)) ||
+            (guard_stale(g, trip, AUVID_GUARD_DEPTH_STALE, &in->depth, cfg->depth_stale_us) ||
+             guard_repeats(g, trip, AUVID_GUARD_DEPTH_STALE, AUVID_GUARD_PRESSURE))) ||
            (altitude && guard_stale(g, trip, AUVID_GUARD_ALTITUDE_STALE, &in->altitude,
                                     cfg->altitude_stale_us)) ||
            (g->state == AUVID_GUARD_EXCITING &&
@@ -382,6 +396,7 @@ static void guard_track_inputs(auvid_guard_t *g, uint64_t t_us, const auvid_guar
     }
     g->saturated = in->saturated;
     guard_track_known(g, t_us, in);
+    auvid_guard_track_repeats(g, t_us, in);
 }
 
 /* SETTLING ends after rest_dwell_us at rest, or after settle_timeout_us. */

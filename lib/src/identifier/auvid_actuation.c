@@ -30,6 +30,24 @@ static auvid_real_t actuation_wrap(auvid_real_t angle)
     return auvid_atan2(s, c);
 }
 
+/* The samples of this tick, for the test of repetition. */
+static void actuation_fill_values(const auvid_input_t *in, uint32_t *values)
+{
+    if (in->imu.present) {
+        bool quaternion = in->imu.by_quaternion;
+        values[AUVID_GUARD_ATTITUDE] = auvid_guard_values(
+            quaternion ? in->imu.quaternion : in->imu.attitude, quaternion ? 4 : 3);
+        values[AUVID_GUARD_RATES] = auvid_guard_values(in->imu.rates, 3);
+    }
+    if (in->dvl.present && in->dvl.sample.lock == AUVID_DVL_BOTTOM) {
+        values[AUVID_GUARD_BOTTOM] = auvid_guard_values(in->dvl.sample.velocity, 3);
+    }
+    if (in->depth.present || in->pressure.present) {
+        values[AUVID_GUARD_PRESSURE] = auvid_guard_values(
+            in->depth.present ? &in->depth.depth_m : &in->pressure.pressure_pa, 1);
+    }
+}
+
 /* Collect the guard's input from the filter and the other sensors. */
 static void actuation_fill_guard_input(const auvid_identifier_t *id, bool saturated,
                                        auvid_guard_input_t *in)
@@ -172,6 +190,7 @@ static void actuation_step(auvid_identifier_t *id, const auvid_input_t *in, auvi
     { /* a block, so that the guard's input is not on the stack during the excitation */
         auvid_guard_input_t seen;
         actuation_fill_guard_input(id, in->saturated, &seen);
+        actuation_fill_values(in, seen.values);
         a->saturated = false;
         may = actuation_step_guard(a, id->t_us, &seen, &id->events);
     }

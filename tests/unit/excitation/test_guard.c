@@ -312,6 +312,7 @@ static void test_the_defaults_are_those_that_the_header_names(void)
                                   .altitude_stale_us = 1000000,
                                   .applied_stale_us = 1000000,
                                   .saturation_us = 1000000,
+                                  .repeat_us = 3000000,
                                   .max_tick_us = 250000,
                                   .rest_speed = AUVID_C(0.1),
                                   .rest_rate = AUVID_C(0.1),

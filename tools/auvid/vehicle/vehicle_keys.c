@@ -123,6 +123,7 @@ static const vehicle_key_t of_guard[] = {
     WHOLE(altitude_stale_us, guard, LONGEST_US),
     WHOLE(applied_stale_us, guard, LONGEST_US),
     WHOLE(saturation_us, guard, LONGEST_US),
+    WHOLE(repeat_us, guard, LONGEST_US),
     WHOLE(max_tick_us, guard, LONGEST_US),
     WHOLE(heartbeat_timeout_us, guard, LONGEST_US),
     REAL(rest_speed, guard, 0, 100),
