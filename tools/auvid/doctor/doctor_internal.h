@@ -30,6 +30,12 @@ enum {
     DOCTOR_MOUNT_TERMS = 11  /* X, Y, u, v, |V|u, |V|v, u r, v r, 1; accelerations of u, v */
 };
 
+/** Least log likelihood ratio for each window of inputs that move the vehicle: 45 % of the
+ * acceleration. Those of a pilot or an excitation have 1 to 4. A controller that only holds the
+ * vehicle against waves has up to 0.2 in translation: what follows from them is not its mass, and
+ * the lag is the controller's. */
+#define DOCTOR_DRIVEN 0.3
+
 /** Lags of a controller, whose output follows the motion by 0.4 s or more. */
 enum { DOCTOR_FEEDBACK_FIRST = DOCTOR_EARLY - 10, DOCTOR_FEEDBACK_LAST = DOCTOR_EARLY - 4 };
 

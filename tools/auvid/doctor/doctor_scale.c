@@ -123,7 +123,8 @@ static double mass_of(const doctor_t *d, const doctor_sums_t *all, int j)
         return 0.0;
     }
     doctor_usual(all, j, &clean, &against, &g);
-    return g.b > 0.0 ? 1.0 / (g.b * d->dry_mass_kg) : 0.0;
+    bool driven = 0.5 * log(g.without / g.with) > DOCTOR_DRIVEN; /* also in a short log */
+    return g.b > 0.0 && driven ? 1.0 / (g.b * d->dry_mass_kg) : 0.0;
 }
 
 /* What the log, or its vehicle, calls the forces. */

@@ -79,12 +79,16 @@ static void shift_answers(doctor_t *d, const doctor_range_t *range)
 }
 
 /* How well the inputs of DoF first .. last explain the whole log at each lag, and the best lag from
- * the usual ones on. */
-static int best_lag(const doctor_t *d, int first, int last, double score[LAGS])
+ * the usual ones on. driven: the inputs move the vehicle there, all DoF together. */
+static int best_lag(const doctor_t *d, int first, int last, double score[LAGS], bool *driven)
 {
     doctor_sums_t all;
     int best = FIRST_LAG;
+    double windows = 0.0;
     doctor_sum(d, 0, d->blocks - 1, &all);
+    for (int j = first; j <= last; ++j) {
+        windows += doctor_has_input(d, j) ? all.count[j] / DOCTOR_WINDOW : 0.0;
+    }
     for (int k = 0; k < LAGS; ++k) {
         score[k] = 0.0;
         for (int j = first; j <= last; ++j) {
@@ -97,6 +101,7 @@ static int best_lag(const doctor_t *d, int first, int last, double score[LAGS])
         }
         best = k > FIRST_LAG && score[k] > score[best] ? k : best;
     }
+    *driven = score[best] > DOCTOR_DRIVEN * windows;
     return best;
 }
 
@@ -105,11 +110,13 @@ static int best_lag(const doctor_t *d, int first, int last, double score[LAGS])
 bool doctor_late_velocity(doctor_t *d)
 {
     double velocity[LAGS], rate[LAGS];
-    int of_velocity = best_lag(d, 0, 2, velocity), of_rate = best_lag(d, 5, 5, rate);
+    bool moved, turned;
+    int of_velocity = best_lag(d, 0, 2, velocity, &moved);
+    int of_rate = best_lag(d, 5, 5, rate, &turned);
     double later_s = (of_velocity - of_rate) * DOCTOR_CELL_S;
     bool differ = fmin(velocity[of_velocity] - velocity[of_rate],
                        rate[of_rate] - rate[of_velocity]) > MIN_SHIFT_LLR;
-    if (!differ || fabs(later_s) < MIN_LATE_S) {
+    if (!differ || !moved || !turned || fabs(later_s) < MIN_LATE_S) {
         return false;
     }
     bool late = later_s > 0.0;
