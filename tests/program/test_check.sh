@@ -167,7 +167,7 @@ done <<'END'
 0 coarse warning +u_mps has steps of 0\.3, coarse against its variation .*: log more digits
 1 slow error +the rows are about 1\.[0-9]+ s apart, more than the 0\.5 s that fit bridges: log at 5
 1 sway_mm error +v_mps reaches [0-9]+.* m/s, as if it were in mm/s or cm/s: convert it to m/s
-0 inputs_slow warning +X_N comes every 0\.[56][0-9]* s on average, .*: log inputs at 5
+1 inputs_slow warning +X_N comes every 0\.[56][0-9]* s on average, .*: log inputs at 5
 1 no_surge error +u_mps is missing, but X_N is there: fit needs both: add the velocity, or leave
 1 short error +too little motion: .*: excite each axis for a minute or more
 0 gap note +1 gap over 0\.5 s, the longest of 5\.[0-9] s after t_s [0-9.]+: each one ends a record

@@ -49,6 +49,9 @@ int check(const options_t *options)
         if (options->whole) {
             return report_error("check: --vehicle is for a log, but %s is a vehicle", file);
         }
+        if (options->hold_inputs) {
+            return report_error("check: --hold-inputs is for a log, but %s is a vehicle", file);
+        }
         return check_vehicle(file, options);
     }
     if (options->header) {

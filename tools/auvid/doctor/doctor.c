@@ -224,7 +224,7 @@ static void judge(doctor_t *d)
         }
     }
     bool unchecked = d->thrusters && d->use == NULL, no_inputs = d->inputs < 0 && d->thrusters;
-    d->usable = errors == 0 && (no_inputs || axes[0] != '\0');
+    d->usable = errors == 0 && (no_inputs || axes[0] != '\0') && !d->sparse_inputs;
     if (d->usable) {
         (void)snprintf(d->verdict, sizeof d->verdict, "usable for identification%s%s%s",
                        no_inputs ? "" : ": ", no_inputs ? "" : axes,
@@ -233,6 +233,9 @@ static void judge(doctor_t *d)
         (void)snprintf(d->verdict, sizeof d->verdict,
                        "not usable for identification: %d error%s to correct", errors,
                        errors == 1 ? "" : "s");
+    } else if (d->sparse_inputs) {
+        (void)snprintf(d->verdict, sizeof d->verdict,
+                       "not usable for identification as it is: the inputs are too far apart");
     } else {
         (void)snprintf(d->verdict, sizeof d->verdict,
                        "not usable for identification: no velocity %svisibly follows its input",

@@ -205,6 +205,7 @@ typedef struct {
     bool known_force;                                /* .. shows the scale of the thrust */
     double usable_s[6], time_constant_s[6];
     /* results */
+    bool sparse_inputs; /* most are further apart than fit bridges */
     bool usable;
     unsigned left_out; /* bit j: the velocity of DoF j is too coarse, or stuck */
     double shift_s;    /* the inputs act so much later than their rows say; negative: earlier */

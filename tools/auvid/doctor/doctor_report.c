@@ -249,6 +249,7 @@ int doctor_check(const char *file, const options_t *options)
     }
     bool thrusters = false;
     int status = csv_open(&log.csv, file);
+    log.csv.hold_inputs = options->hold_inputs;
     if (status == 0 && options->whole) {
         status = take_thrusters(&log.csv, options->vehicle, &use, &thrusters);
     }

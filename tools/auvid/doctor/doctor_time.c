@@ -9,6 +9,7 @@
 #include "doctor.h"
 
 #define GAP_S 0.5         /* as in fit */
+#define LONGEST_GAP_S 1.0 /* .. with --max-gap */
 #define UNIT_S 5.0        /* rows further apart: t_s is in another unit */
 #define RECORD_S 6.0      /* fit needs a record between gaps that is as long */
 #define SLOW 0.6          /* interval of rows, relative to the time constant of a DoF */
@@ -101,8 +102,10 @@ static void find_slow_inputs(doctor_t *d)
     if (n > 1.0 && n < d->rows && every > 0.8 * GAP_S) {
         doctor_add(d, DOCTOR_WARNING, DOCTOR_SLOW, most, -1, NULL,
                    "%s comes every %.2f s on average, and fit bridges 0.5 s: log inputs at 5 Hz or "
-                   "faster, or give fit a longer --max-gap",
-                   csv_name[most], every);
+                   "faster%s, or give --hold-inputs if the log has them only where they change",
+                   csv_name[most], every,
+                   every < LONGEST_GAP_S ? ", give fit a longer --max-gap" : "");
+        d->sparse_inputs = every > GAP_S;
     }
 }
 
@@ -111,7 +114,8 @@ static void find_motion(doctor_t *d)
     static const char *const name[6] = {"surge", "sway", "heave", "roll", "pitch", "yaw"};
     char list[160] = "";
     double best = 0.0;
-    bool slow = doctor_interval_quantile(d, 0.5) > GAP_S; /* then no motion is usable */
+    /* then no motion is usable */
+    bool slow = d->sparse_inputs || doctor_interval_quantile(d, 0.5) > GAP_S;
     for (int j = 0; j < 6 && d->inputs >= 0; ++j) {
         const doctor_column_t *c = &d->column[d->inputs + j];
         double largest = doctor_is_pulse(c) ? 0.5 * (c->max - c->min) : c->limit;

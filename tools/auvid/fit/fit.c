@@ -281,8 +281,10 @@ static void find_remedy(job_t *job, const auvid_identifier_t *id)
     if (empty && survey->gaps == 0 && survey->input_gaps > 0) {
         (void)snprintf(job->remedy, sizeof job->remedy,
                        "the log: inputs are up to %.2f s apart, %g s are bridged: log them at 5 Hz "
-                       "or faster, or give a longer --max-gap",
-                       survey->input_s, survey->gap_s);
+                       "or faster%s, or give --hold-inputs if the log has them only where they "
+                       "change",
+                       survey->input_s, survey->gap_s,
+                       survey->input_s < 1.0 ? ", give a longer --max-gap" : "");
         return;
     }
     if (empty && velocity != NULL) {

@@ -214,6 +214,7 @@ static int check_columns(const job_t *job, csv_log_t *log)
 static int open_further(job_t *job, log_t *log, const char *path)
 {
     int status = csv_open(&log->csv, path);
+    log->csv.hold_inputs = job->options->hold_inputs;
     if (status == 0 && !has_inputs(&log->csv, job)) {
         status = report_error("%s:%zu:1: no input column of the same kind as in %s (%s ..); if "
                               "it is of other sensors, merge the files by t_s",
@@ -409,6 +410,7 @@ int fit_read_logs(job_t *job)
     job->test = (log_set_t){.log = &job->test_log, .logs = options->validate != NULL};
     memcpy(job->use.gain, options->gain, sizeof job->use.gain);
     int status = csv_open(&job->log[0].csv, options->train[0]);
+    job->log[0].csv.hold_inputs = options->hold_inputs;
     status = status != 0 ? status : check_twice(options);
     status = status != 0 ? status : find_inputs(job);
     status = status != 0 ? status : check_columns(job, &job->log[0].csv);

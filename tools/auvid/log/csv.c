@@ -16,9 +16,17 @@
 
 _Static_assert(CSV_COLUMNS <= 64, "a bit for each column: filled()");
 
+static void forget_inputs(csv_log_t *log)
+{
+    for (int c = 0; c < CSV_COLUMNS; ++c) {
+        log->held[c] = NAN;
+    }
+}
+
 int csv_open(csv_log_t *log, const char *path)
 {
     *log = (csv_log_t){.path = path};
+    forget_inputs(log);
     int status = csv_lines_open(&log->lines, path);
     if (status == 0 && (status = csv_read_header(log)) != 0) {
         csv_close(log);
@@ -36,6 +44,7 @@ void csv_close(csv_log_t *log)
 int csv_rewind(csv_log_t *log)
 {
     log->rows = 0;
+    forget_inputs(log);
     int status = csv_lines_rewind(&log->lines);
     while (status == 0 && log->lines.line < log->header) { /* comments, and the header */
         status = csv_lines_next(&log->lines);
@@ -217,11 +226,31 @@ static int read_row(csv_log_t *log, csv_row_t *row)
     return status == 0 && log->quaternion ? take_quaternion(log, row) : status;
 }
 
+static bool is_input(int column)
+{
+    return (column >= CSV_WRENCH && column < CSV_REFERENCE) ||
+           (column >= CSV_THRUSTER && column < CSV_VOLTAGE);
+}
+
+static void hold_inputs(csv_log_t *log, csv_row_t *row)
+{
+    for (int c = 0; c < CSV_COLUMNS; ++c) {
+        if (is_input(c)) {
+            log->held[c] = csv_has(row, c) ? row->value[c] : log->held[c];
+            row->value[c] = log->held[c];
+        }
+    }
+}
+
 int csv_next(csv_log_t *log, csv_row_t *row)
 {
     int status = csv_lines_next(&log->lines);
     if (status == 0 && log->lines.whole) {
-        return read_row(log, row);
+        status = read_row(log, row);
+        if (status == 0 && log->hold_inputs) {
+            hold_inputs(log, row);
+        }
+        return status;
     }
     if (status == 0) {
         log->cut = log->lines.line;

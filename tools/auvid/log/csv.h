@@ -75,6 +75,8 @@ typedef struct {
     size_t cut;  /* line number of a truncated last line, which is ignored; else 0. After a pass */
     size_t rows; /* rows read in this pass */
     double first_s, last_s; /* t_s of the first row and of the last one read */
+    bool hold_inputs; /* set after csv_open: empty cells of inputs keep the last value: the log has
+                         them only where they change */
 
     /* private */
     csv_lines_t lines;
@@ -82,6 +84,7 @@ typedef struct {
     int *column;     /* [fields] column of the log, or -1 */
     bool quaternion; /* the attitude is computed from it */
     uint64_t filled; /* bit c: the last row has a value of column c */
+    double held[CSV_COLUMNS]; /* last value of each input in this pass; NAN: none yet */
 } csv_log_t;
 
 /** csv_next: there are no more rows. */

@@ -89,6 +89,7 @@ typedef struct {
     const auvid_vehicle_t *model;        /**< default Girona500 */
     double dry_mass_kg;                  /**< 0: not known */
     double max_gap_s;                    /**< 0: not given */
+    bool hold_inputs;                    /**< fit, check: empty cells of inputs keep their value */
     uint8_t closed_loop;                 /**< bit j: DoF j is in closed loop */
     uint8_t open_loop;                   /**< bit j: DoF j is in open loop */
     double gain[AUVID_DOF_COUNT];        /**< newtons per unit of command; 0: not given */
@@ -97,7 +98,7 @@ typedef struct {
     int trains; /**< number of training logs */
 
     /* check */
-    const char *file; /**< the vehicle file */
+    const char *file; /**< the vehicle file, or the log */
     bool header;      /**< print C for firmware */
 
     /* node, vehicle, replay; seed, sets, disturbance and csv as above */

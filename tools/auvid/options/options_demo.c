@@ -98,6 +98,9 @@ static int check_option(reader_t *r, options_t *options)
         options->whole = true;
         return take_vehicle(r, options, false);
     }
+    if (option_is(r, "--hold-inputs")) {
+        return take_flag(r, &options->hold_inputs);
+    }
     return report_error("check: unknown option %s (see auvid --help)", r->name);
 }
 

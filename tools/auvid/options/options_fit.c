@@ -83,8 +83,8 @@ static int fit_option(reader_t *r, options_t *options)
     if (option_is(r, "--bounds")) {
         return take_bounds(r, options);
     }
-    if (option_is(r, "--bias")) {
-        return take_flag(r, &options->bias);
+    if (option_is(r, "--bias") || option_is(r, "--hold-inputs")) {
+        return take_flag(r, option_is(r, "--bias") ? &options->bias : &options->hold_inputs);
     }
     if (option_is(r, "--input")) {
         status = take_word(r, inputs, 2, &choice);
