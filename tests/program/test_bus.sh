@@ -214,8 +214,18 @@ check "a damaged record" cold 'a damaged prior record' torn.avw
 check "that of another vehicle is discarded, and this is told" sh -c "'$AUVID' node --bus memory \
     --excite --sets 2 --vehicle bluerov2_standard --prior first.avw 2>&1 >/dev/null |
     grep -q 'the data contradict this prior record, and it was discarded'"
-check "a record that cannot be written" exits 2 \
-    node --bus memory --excite --sets 1 --save none/x.avw
+check "a record that cannot be written is refused at the start" refuses \
+    'cannot write none/x.avw: No such file' node --bus memory --excite --save none/x.avw
+mkdir folder
+check "so is a folder" refuses 'cannot write folder: Is a directory' \
+    node --bus memory --excite --save folder
+check "what was saved stays where the next record is not written" sh -c "cp first.avw kept.avw &&
+    '$AUVID' node --bus memory --sets 1 --save kept.avw >/dev/null 2>&1; cmp first.avw kept.avw"
+(cat "$ROOT/tools/auvid/vehicles/girona500.ini"
+    printf '[guard]\nroll_max_rad = 0.0001\n') >level.ini
+"$AUVID" node --bus memory --excite --vehicle level.ini >aborted.out
+check "an early abort is the reason why nothing is identified" grep -q \
+    '^nothing identified: the excitation ended after 0.0 s, .*: too much roll' aborted.out
 # used PATTERN LOG: the log replays, and one line on stderr says what was ignored.
 used() {
     "$AUVID" replay "$2" --sets 2 --json >used.out 2>used.err

@@ -266,6 +266,34 @@ static void print_ticks(const run_t *run)
     putchar('\n');
 }
 
+/* The first line of a run that has identified nothing: why. */
+static void print_nothing(const run_t *run, const result_t *result)
+{
+    const auvid_metric_t *m = &run->own.node.id.metric;
+    const auvid_actuation_t *acts = run->own.node.id.actuation;
+    bool complete = m->sets.recorded > 0;
+    if (!run->options->excite || acts == NULL) {
+        printf("nothing identified: %s\n\n",
+               complete || m->rows.set.rows == 0
+                   ? "no thrust varied: use --excite, or drive the vehicle"
+                   : "the run ended before the first set was complete");
+    } else if (acts->guard.excite_us == 0) {
+        bool refused = acts->guard.refused.cause != AUVID_GUARD_NO_CAUSE;
+        printf("nothing identified: the excitation did not begin%s%s\n\n", refused ? ": " : "",
+               refused ? auvid_guard_cause_str((auvid_guard_cause_t)acts->guard.refused.cause)
+                       : "");
+    } else if (result->guard == AUVID_GUARD_ABORTED) {
+        printf("nothing identified: the excitation ended after %.1f s, before %s: %s\n\n",
+               1e-6 * (double)(result->trip.t_us - acts->guard.excite_us),
+               complete ? "enough was recorded" : "the first set was complete",
+               auvid_guard_cause_str((auvid_guard_cause_t)result->trip.cause));
+    } else {
+        printf("nothing identified: %s\n\n",
+               complete ? "no input varied enough"
+                        : "the run ended before the first set was complete");
+    }
+}
+
 static int finish(run_t *run)
 {
     static result_t result;
@@ -280,8 +308,8 @@ static int finish(run_t *run)
     } else {
         printf("auvid %s node on %s, %s\n\n", AUVID_VERSION_STRING, run->options->bus,
                run->options->excite ? "exciting" : "passive");
-        if (result.estimate.number == 0) {
-            puts("nothing identified: no thrust varied: use --excite, or drive the vehicle\n");
+        if (result.estimate.number == 0 || result.estimate.excited == 0) {
+            print_nothing(run, &result);
         }
         report_result(&result, NULL);
         bus_identifier_print_missing(&run->own);
@@ -316,7 +344,8 @@ int bus_node(const options_t *options)
     }
     run->options = options;
     run->simulated = strcmp(options->bus, "memory") == 0;
-    int status = begin(run);
+    int status = options->save != NULL ? prior_file_check(options->save) : 0;
+    status = status == 0 ? begin(run) : status;
     if (status == 0) {
         const char *name = run->simulated ? "memory" : options->bus;
         status = options->log != NULL ? link_log(&run->link, options->log, name) : 0;

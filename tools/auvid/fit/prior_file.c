@@ -40,16 +40,41 @@ void prior_file_judge(const auvid_prior_t *storage, const char *path)
     }
 }
 
+/* The name under which the record is written first. */
+typedef char draft_t[4096];
+
+static FILE *open_draft(const char *path, draft_t draft)
+{
+    (void)snprintf(draft, sizeof(draft_t), "%s.new", path);
+    return fopen(draft, "wb");
+}
+
+int prior_file_check(const char *path)
+{
+    draft_t draft;
+    FILE *old = fopen(path, "r+b"); /* fails for a folder, which a file cannot replace */
+    bool folder = old == NULL && errno == EISDIR;
+    if (old != NULL) {
+        (void)fclose(old);
+    }
+    FILE *file = folder ? NULL : open_draft(path, draft);
+    if (file == NULL) {
+        return report_error("cannot write %s: %s", path, strerror(errno));
+    }
+    (void)fclose(file);
+    (void)remove(draft);
+    return 0;
+}
+
 bool prior_file_write(const auvid_identifier_t *id, const char *path)
 {
     uint8_t record[AUVID_PRIOR_BYTES];
-    char draft[4096];
+    draft_t draft;
     if (auvid_prior_save(id, record) < 0) {
         report_error_line("%s is not written: no parameter is identified", path);
         return false;
     }
-    (void)snprintf(draft, sizeof draft, "%s.new", path);
-    FILE *file = fopen(draft, "wb");
+    FILE *file = open_draft(path, draft);
     bool written = file != NULL && fwrite(record, 1, sizeof record, file) == sizeof record;
     written = file != NULL && fclose(file) == 0 && written;
     if (!written || rename(draft, path) != 0) {
