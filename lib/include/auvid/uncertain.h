@@ -218,7 +218,8 @@ typedef struct {
     uint8_t input;      /**< which one. Private */
     uint8_t dof;        /**< equation in which its share is largest */
     bool named; /**< more than AUVID_CAUSE_SIGMAS standard deviations from zero, and its share is at
-                     least AUVID_CAUSE_SHARE. Its size is only rough */
+                     least AUVID_CAUSE_SHARE, in an equation whose thrust is at least the same part
+                     of the largest force (or moment). Its size is only rough */
     uint8_t reserved[sizeof(auvid_real_t) - 3];
 } auvid_cause_t;
 

@@ -80,6 +80,19 @@ static auvid_real_t causes_deviation(const uncertain_t *u, int j, int own, int s
     return auvid_sqrt(AUVID_UNCERTAIN_COVARIANCE * variance);
 }
 
+/* Has DoF j thrust of its own? An equation that only coupling moves has hardly any, and of that a
+ * part is soon 3 %: a lever arm of 1 mm of a vehicle without thrusters in sway. */
+static bool causes_has_thrust(const uncertain_t *u, int j, auvid_real_t thrust)
+{
+    auvid_real_t largest = thrust;
+    int first = j < AUVID_ROLL ? AUVID_SURGE : AUVID_ROLL; /* forces, or moments */
+    for (int i = first; i < first + 3; ++i) {
+        int order = u->equation[i].order;
+        largest = order > 0 ? auvid_max(largest, causes_norm(u, i, order - 1)) : largest;
+    }
+    return thrust >= AUVID_CAUSE_SHARE * largest;
+}
+
 /* Consider input k of DoF j. */
 static void causes_consider(uncertain_t *u, int j, int k)
 {
@@ -107,6 +120,12 @@ static void causes_consider(uncertain_t *u, int j, int k)
         share = causes_loss_norm(u, j, k, &code) / thrust;
     }
     bool large = share >= AUVID_CAUSE_SHARE, each = code == INPUT_ASYMMETRY;
+    if (large && !causes_has_thrust(u, j, thrust)) {
+        if (!each) {
+            return;
+        }
+        large = false;
+    }
     if (!each && best->sigma > AUVID_C(0.0) && !(share > best->share) && (best->named || !large)) {
         return;
     }

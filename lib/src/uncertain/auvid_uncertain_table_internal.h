@@ -45,7 +45,7 @@ enum {
     "thrust falls with speed, by ", "thrust rises with speed, by ", "% per m/s",                   \
         "measure it under way, or check the drag's law"
 #define UNCERTAIN_WATER "use the DVL's water lock, or look for a cable"
-#define UNCERTAIN_ARM "measure its lever arm"
+#define UNCERTAIN_ARM "measure its lever arm and the centre of mass, which look alike"
 #define UNCERTAIN_ANGLE "measure its mounting angle"
 #define UNCERTAIN_MOUNT "check lever arms and mounting of DVL and IMU"
 #define UNCERTAIN_TRIM "check the trim and the IMU's mounting"
