@@ -138,7 +138,7 @@ done
 check "a budget of zero is refused" refuses "--budget: '0' is not a whole number" demo --budget 0
 check "a budget for a core: half of a tick at 168 MHz" \
     exits 0 demo --budget auto --sets 1 --json
-check "it is that of the library" is out 'assert d["budget"]["limit"] == 3290'
+check "it is that of the library" is out 'assert d["budget"]["limit"] == 3289'
 check "a slower core has less" exits 0 demo --budget auto:m0plus:200 --sets 1 --json
 check "200 MHz of a Cortex-M0+" is out 'assert 140 < d["budget"]["limit"] < 160'
 for wrong in automatic auto: auto:m4f auto:m4f: auto:z80:4 auto:m4f:fast auto:m4f:1:2 auto:m:1; do

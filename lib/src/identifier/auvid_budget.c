@@ -13,12 +13,12 @@
 #include "../base/auvid_math_internal.h"
 
 const auvid_core_t auvid_cores[AUVID_CORE_COUNT] = {
-    [AUVID_CORE_M0PLUS] = {"m0plus", 469000, 6800, AUVID_C(1.33)},
-    [AUVID_CORE_M3] = {"m3", 225000, 3130, AUVID_C(1.5)},
-    [AUVID_CORE_M4F] = {"m4f", 66900, 320, AUVID_C(1.5)},
-    [AUVID_CORE_M7] = {"m7", 66800, 320, AUVID_C(1.5)},
-    [AUVID_CORE_M33] = {"m33", 66900, 320, AUVID_C(1.5)},
-    [AUVID_CORE_RV32IMC] = {"rv32imc", 396000, 6170, AUVID_C(1.5)},
+    [AUVID_CORE_M0PLUS] = {"m0plus", 471000, 6800, AUVID_C(1.33)},
+    [AUVID_CORE_M3] = {"m3", 226000, 3130, AUVID_C(1.5)},
+    [AUVID_CORE_M4F] = {"m4f", 67300, 320, AUVID_C(1.5)},
+    [AUVID_CORE_M7] = {"m7", 67200, 320, AUVID_C(1.5)},
+    [AUVID_CORE_M33] = {"m33", 67200, 320, AUVID_C(1.5)},
+    [AUVID_CORE_RV32IMC] = {"rv32imc", 398000, 6170, AUVID_C(1.5)},
 };
 
 uint32_t auvid_budget(const auvid_core_t *core, auvid_real_t frequency_hz, auvid_real_t time_s)
