@@ -344,6 +344,7 @@ typedef struct auvid_uncertain {
     uint16_t place[AUVID_UNCERTAIN_CHANNELS]; /* where its channel is, and that of the thrust */
     uint8_t moved[AUVID_UNCERTAIN_SHIFTS];    /* equations that input CURRENT_X + k changes */
     uint8_t fixes;       /* equations with a fixed parameter that is not 0, bit j */
+    uint8_t reserved[AUVID_GAP(2, AUVID_UNCERTAIN_SHIFTS + 1)];
     uint16_t section[5]; /* ends of the channels: none; of forces, formed from motion, then from
                             thrust; of moments likewise */
     /* state: from here on, see checkpoint.h */

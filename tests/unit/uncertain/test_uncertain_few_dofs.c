@@ -52,7 +52,7 @@ static void move(uint32_t k)
     }
     auvid_vehicle_residual(&auvid_girona500, &sample, auvid_girona500_paper, wrench);
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
-        disturbance[j] = k % 10 == 0 ? noise(AUVID_C(5.0)) : disturbance[j];
+        disturbance[j] = k % 10 == 0 ? noise(AUVID_C(0.5)) : disturbance[j];
         wrench[j] += disturbance[j];
     }
     wrench[AUVID_HEAVE] = 0; /* the vehicle is trimmed */
