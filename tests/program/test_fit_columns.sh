@@ -359,7 +359,8 @@ check "without it, the inputs are contradicted" exits 3 fit four-throttle.csv --
 check "  says the first line" grep -q '^nothing identified: the motion contradicts the inputs' out
 check "  and the only advice" test "$(sed -n '/^  missing/,/^$/p' out)" = "  missing
     the inputs: correct them first; compare thrust maps: --map auto"
-check "  of no map, if one was chosen" exits 3 fit four-throttle.csv --vehicle linear.ini --map linear
+check "  of no map, if one was chosen" exits 3 fit four-throttle.csv --vehicle linear.ini \
+    --map linear
 check "  indeed" grep -q '^    the inputs: correct them first$' out
 check "a right one is kept" exits 0 fit throttle.csv --vehicle girona500 --plain --map auto --json
 check "  and better than the other" is out 'm = d["map"]

@@ -146,9 +146,9 @@
  * default priors Girona500 and its five thrusters need 79, an ROV with four horizontal and two
  * vertical ones 86, a BlueROV2 Heavy in six degrees of freedom 139. An error of all thrusters has a
  * column in each equation with thrust, the gain of one thruster in each equation in which it acts,
- * a current, a lever arm of the DVL or a filter in three, a late DVL in four. In a model of roll or pitch a
- * lever arm has one in four, that ahead also in pitch, the height of the DVL in three, each of its
- * two angles in two. An input with a deviation of 0 has none. 0: no code for them,
+ * a current, a lever arm of the DVL or a filter in three, a late DVL in four. In a model of roll or
+ * pitch a lever arm has one in four, that ahead also in pitch, the height of the DVL in three, each
+ * of its two angles in two. An input with a deviation of 0 has none. 0: no code for them,
  * auvid_identifier_attach_uncertain is refused. 0..256. */
 #ifndef AUVID_MAX_UNCERTAIN
 #define AUVID_TOKEN_UNCERTAIN 0

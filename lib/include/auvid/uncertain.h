@@ -39,9 +39,9 @@
  * is (AUVID_NOTE_UNCHECKED).
  *
  * The columns of current, lever arm, mounting angle, filter and late DVL are formed with the last
- * estimate, those of the parameters with all of these but the last. Rows of an excitation from before the
- * first one have none, and count a sixteenth once there is one; those from before the second one
- * count less where there is a current.
+ * estimate, those of the parameters with all of these but the last. Rows of an excitation from
+ * before the first one have none, and count a sixteenth once there is one; those from before the
+ * second one count less where there is a current.
  *
  * A passive vehicle adds rows until the first excitation; from then on only the excitation does,
  * unless it ends before it has given a set of rows. In closed loop nothing is identifiable from

@@ -6,8 +6,8 @@
 #include "../uncertain/auvid_uncertain_parts_internal.h"
 #include "auvid_node_step_internal.h"
 
-/* Returns the number of an input in the DBC: that of auvid_uncertain_input_t without those that have
- * no class, then those that belong to one DoF, then the filter, which is younger. */
+/* Returns the number of an input in the DBC: that of auvid_uncertain_input_t without those that
+ * have no class, then those that belong to one DoF, then the filter, which is younger. */
 static uint32_t node_input(int input)
 {
     int code = input < OWN_INPUTS ? input : input - OWN_INPUTS + AUVID_UNCERTAIN_FORCE_RESPONSE;

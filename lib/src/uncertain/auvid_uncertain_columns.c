@@ -16,9 +16,9 @@
  *
  * Whatever stands between the supplied thrust and the measured motion is a filter, of which only
  * the first moments matter, as the vehicle is slower: -m_1 d/dt of its delay, then +m_2/2 d^2/dt^2,
- * by which a delay differs from a lag of the same mean. A velocity that has been filtered is as good
- * as thrust that acts earlier, with a response of its own in the forces; rates are seldom filtered,
- * so the moments have another.
+ * by which a delay differs from a lag of the same mean. A velocity that has been filtered is as
+ * good as thrust that acts earlier, with a response of its own in the forces; rates are seldom
+ * filtered, so the moments have another.
  *
  * The difference of the lag is taken up to its last estimate b, where the column is exact.
  *
@@ -182,8 +182,8 @@ void auvid_uncertain_lay_out(auvid_uncertain_t *u, const auvid_metric_t *m, auvi
 
 /* ---- columns ---- */
 
-/* Where the sums of a DoF's equation are: those over the thrusters, by input, then d f / dt, -d^2 f / dt^2 and
- * f; * then the differences of the predicted wrench. */
+/* Where the sums of a DoF's equation are: those over the thrusters, by input, then d f / dt,
+ * -d^2 f / dt^2 and f; then the differences of the predicted wrench. */
 enum {
     SUM_DELAY = AUVID_UNCERTAIN_LAG + 1,
     SUM_RESPONSE,
