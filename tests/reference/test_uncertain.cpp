@@ -188,14 +188,14 @@ struct Reference {
         VectorXd part = VectorXd::Zero(cols); // of the thrust, each column that is formed from it
         for (int k = 0; k < e.inputs; ++k) {
             if (code(j, k) <= AUVID_UNCERTAIN_LAG ||
-                (code(j, k) >= AUVID_UNCERTAIN_GAIN && code(j, k) <= INPUT_DELAY)) {
+                (code(j, k) >= AUVID_UNCERTAIN_DVL_LATE && code(j, k) <= INPUT_DELAY)) {
                 part(k) = (weight[0] * c[0].col(k).dot(c[0].col(cols)) +
                            weight[1] * c[1].col(k).dot(c[1].col(cols))) /
                           zz;
             }
         }
         double delivered = 1.0 - part.dot(theta);
-        double gamma = delivered > 1.0 ? delivered : std::clamp(delivered, 0.5, 0.9) / 0.9;
+        double gamma = std::max(delivered, 0.5);
         least = std::min(least, delivered);
         most = std::max(most, delivered);
         for (int k = 0; k < cols; ++k) {

@@ -14,7 +14,8 @@ PATH=$PATH:/usr/sbin:/sbin
 show() {
     sed 's/^/# /' check.log | tail -n 20
 }
-. "$TOP/tests/support/check.sh"
+# shellcheck source=tests/support/check.sh
+. "$(dirname "${BASH_SOURCE[0]}")/../support/check.sh"
 
 # listen INTERFACE [LOG]: starts a receiver and waits until it is open.
 listen() {

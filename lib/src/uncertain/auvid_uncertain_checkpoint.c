@@ -19,7 +19,7 @@ static const auvid_checkpoint_limit_t checkpoint_limit_uncertain[] = {
     BYTE(uncertain, recorded.waits, recorded.waits, 2),
     FLAG(uncertain, recorded.completes, recorded.takes_rows),
     VALUE(uncertain, recorded.previous, recorded.band),
-    VALUE(uncertain, recorded.speed, recorded.rate),
+    VALUE(uncertain, recorded.speed, recorded.curvature),
     UP_TO(uncertain, recorded.spread, recorded.spread, AUVID_C(0.5)),
     UP_TO(uncertain, recorded.elapsed, recorded.elapsed, AUVID_C(1e5)),
     UP_TO(uncertain, recorded.wrench, recorded.difference, AUVID_LARGEST),
