@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # auvid fit of several dives: more data must make an estimate better. What is left of the inputs'
-# errors pulls along the common scale of thrust, masses and drag, in proportion to the rows, and only
-# the priors hold that scale.
+# errors pulls along the common scale of thrust, masses and drag, in proportion to the rows, and
+# only the priors hold that scale.
 . "$(dirname "$0")/common.sh"
 
 DIVES=6

@@ -40,9 +40,9 @@ LIVE = (("confidence.", CONFIDENCE, GLOBAL), ("optimum.", MERGE, GLOBAL),
         ("optimizer.", ASK, LOCAL), ("", ASK, GLOBAL))
 # Pointers that saving follows. Of the last two, it saves whether they are NULL.
 FOLLOWED = ("metric.cfg.vehicle", "metric.cfg.rows", "metric.cfg.row_slots", "metric.prior",
-            "metric.prior_context", "actuation", "attached.change", "attached.prediction", "prediction.vehicle",
-            "actuation.shape", "actuation.shape_context", "attached.uncertain",
-            "uncertain.allocation", "uncertain.instruments")
+            "metric.prior_context", "actuation", "attached.change", "attached.prediction",
+            "prediction.vehicle", "actuation.shape", "actuation.shape_context",
+            "attached.uncertain", "uncertain.allocation", "uncertain.instruments")
 SET_ROWS = 2
 ROOM = 1 << 18
 REFUSED = -6, -10, -16, -27  # impossible; of other storage, another model, another configuration
