@@ -195,7 +195,9 @@ struct Reference {
             }
         }
         double delivered = 1.0 - part.dot(theta);
-        double gamma = std::max(delivered, 0.5);
+        double rows = double(u.rows[j]) / 2.6, d = std::max(delivered, 0.5);
+        double pull = (1.0 - d / std::min(d / 0.9, 1.0)) * std::min(150.0 / rows, 1.0);
+        double gamma = delivered > 1.0 ? delivered : d / (1.0 - pull);
         least = std::min(least, delivered);
         most = std::max(most, delivered);
         for (int k = 0; k < cols; ++k) {

@@ -11,7 +11,10 @@
 #define LARGEST_BAND_RATIO AUVID_C(30.0) /* of the residuals of the bands */
 #define IN_ACCELERATION AUVID_C(0.7)     /* of h, see auvid_uncertain_solve.c */
 #define IN_VELOCITY AUVID_C(0.5)         /* of 1 - h, of a force */
-#define LEAST_THRUST AUVID_C(0.5)        /* least part of the supplied thrust that is delivered */
+/* Parts of the supplied thrust that are delivered: gamma is 1 from the first to all of it, if the
+ * rows are few, and constant below the second. */
+#define FULL_THRUST AUVID_C(0.9)
+#define LEAST_THRUST AUVID_C(0.5)
 /* Squares of the residual over the noise that say where it belongs: as of four minutes. */
 #define MOST_SQUARES AUVID_C(150.0)
 /* Largest error of the thrust: its square, as a part of that of the thrust. */
@@ -215,7 +218,13 @@ static auvid_real_t uncertain_gamma(const uncertain_t *u, int j, auvid_real_t zz
             delivered -= part[k] * u->work.part.value[k];
         }
     }
-    return auvid_max(delivered, LEAST_THRUST);
+    if (delivered > AUVID_C(1.0)) {
+        return delivered;
+    }
+    delivered = auvid_max(delivered, LEAST_THRUST);
+    auvid_real_t full = auvid_min(delivered, FULL_THRUST) / FULL_THRUST;
+    auvid_real_t counts = auvid_min(MOST_SQUARES / u->work.part.squares, AUVID_C(1.0));
+    return delivered / (AUVID_C(1.0) - counts * (AUVID_C(1.0) - delivered / full));
 }
 
 /* Shares of the residual: in the acceleration, and in the velocity; what that one adds to the

@@ -38,10 +38,17 @@
  * mixtures of usual errors.
  *
  * No motion shows the scale of thrust, masses and drag together. With v its direction, and d the
- * part of the thrust that is delivered, 1 - sum_k k b_k, X v = -e, and X~ v = 0 if gamma = d, which
- * it is, but at least 0.5. With gamma = 1 the residual would pull towards less thrust, by
- * (1 - lambda - mu) (1 - d) e'e / s^2: more with each row, as the priors do not, so that five dives
- * gave 21 % too little mass where one gave 8 %.
+ * part of the thrust that is delivered, 1 - sum_k k b_k, X v = -e, and X~ v = 0 if gamma = d. If
+ * gamma = 1, the residual pulls towards less thrust, by (1 - lambda - mu) (1 - d) e'e / s^2. Losses
+ * have one sign, so some of this is right: estimates are less often 20 % too large (in the worlds
+ * of auvid-validate 8 % of what is identifiable is wrong, with gamma = d 11 %). But where the model
+ * leaves much of the force, it exceeds what the priors hold, and the solution ran off to no thrust
+ * and no mass (in a fifth of a joystick's logs, from an independent simulator). So the pull is that
+ * of g = d / 0.9, at most 1, with d at least 0.5; above 1 it is none: it would be towards more
+ * thrust, away from the priors. And it grows with each row, as the priors do not: five dives gave
+ * 21 % too little mass where one gave 8 %. So e'e / s^2 counts 150 at most, that of four minutes,
+ *
+ *     gamma = d / (1 - (1 - d / g) min(1, 150 s^2 / e'e)).
  *
  * Columns c of the hull's inputs, and of its weight, become c - D a, a = (D'D)^-1 D'c, D the
  * columns of the DoF's drag in unweighted bands. So pi contains the best drag for the motion that
