@@ -629,10 +629,10 @@ typedef struct {
     uint32_t share;
     /** Size, only rough. Curve_backward: thrust is weaker by this part; curve_dead_band: N;
      * curve_exponent: above 1; inflow and inflow_bilinear: part per m/s, of both laws
-     * together; sag: part in 240 s; timing: s later; current: m/s; asymmetry: part forward;
-     * mounting_force: N or Nm; mounting_cross, mounting_lift and inflow_cross_flow: part of
-     * drag; mounting_arm and mounting_gravity: m; mounting_dvl: rad. NaN: not available;
-     * float32 */
+     * together; sag: part in 240 s; timing: s later, of timing_filter its time constant in s;
+     * current: m/s; asymmetry: part forward; mounting_force: N or Nm; mounting_cross,
+     * mounting_lift and inflow_cross_flow: part of drag; mounting_arm and mounting_gravity: m;
+     * mounting_dvl: rad. NaN: not available; float32 */
     auvid_real_t value;
 } auvid_can_wrong_input_t;
 

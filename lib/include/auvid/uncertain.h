@@ -212,7 +212,8 @@ typedef struct {
                              the mean. Centre of gravity: astern, or to port [m]. Constant force [N,
                              Nm]. Sway and yaw together, lift: relative to drag. Timing: delay of
                              the thrust beyond the nominal lag, or if < 0 before its time stamp [s];
-                             0: in between. Lever arm, late DVL: as in auvid_uncertain_input_t */
+                             0: in between. Lever arm, late DVL, filter: as in
+                             auvid_uncertain_input_t */
     auvid_real_t sigma; /**< its standard deviation; 0: this class has no input */
     auvid_real_t share; /**< rms of its force, relative to the thrust of its equation */
     uint8_t input;      /**< which one. Private */
