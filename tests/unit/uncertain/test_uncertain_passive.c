@@ -5,7 +5,7 @@
 #include <string.h>
 
 #include "auvid/uncertain.h"
-#include "chain.h"
+#include "uncertain_tick.h"
 #include "unity.h"
 
 enum { SET_ROWS = 40, SET_S = 20 };
@@ -72,27 +72,8 @@ static void steer(void)
 static void run(uint32_t seconds)
 {
     for (uint32_t k = 0; k < 50 * seconds; ++k) {
-        sim_output_t out;
-        auvid_input_t in;
-        double wrench[AUVID_DOF_COUNT];
-        auvid_real_t command[AUVID_MAX_COMMANDS] = {0};
-        for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
-            wrench[j] = (double)chain.wrench[j];
-        }
-        sim_step(&chain.sim, NULL, wrench, &out);
-        chain_sense(&out, 0, &in);
-        if (chain.waiting && auvid_identifier_arm(id) == AUVID_OK) {
-            chain.waiting = false;
-            TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_excite(id));
-        }
-        (void)auvid_identifier_step(id, &in, &chain.out);
+        uncertain_tick(&chain, &cfg, steer);
         chain.events |= chain.out.events;
-        memcpy(chain.wrench, chain.out.excitation, sizeof chain.wrench);
-        chain.wrench[AUVID_HEAVE] -= (auvid_real_t)cfg.sim.parameter[SIM_WB];
-        steer();
-        memcpy(command, chain.wrench, 3 * sizeof command[0]);
-        command[3] = chain.wrench[AUVID_YAW];
-        (void)auvid_identifier_applied(id, in.t_us, chain.wrench, command);
         ++chain.tick;
         (void)auvid_identifier_work(id, 400);
     }

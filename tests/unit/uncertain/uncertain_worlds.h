@@ -8,7 +8,7 @@
 #include <string.h>
 
 #include "auvid/uncertain.h"
-#include "chain.h"
+#include "uncertain_tick.h"
 #include "unity.h"
 
 enum {
@@ -83,28 +83,14 @@ static inline void begin(world_t of)
 
 /* ---- the worlds ---- */
 
+static inline void pilot(void)
+{
+    chain.wrench[AUVID_SURGE] += (auvid_real_t)pilot_N;
+}
+
 static inline void tick_vehicle(void)
 {
-    sim_output_t out;
-    auvid_input_t in;
-    double wrench[AUVID_DOF_COUNT];
-    auvid_real_t command[AUVID_MAX_COMMANDS] = {0};
-    for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
-        wrench[j] = (double)chain.wrench[j];
-    }
-    sim_step(&chain.sim, NULL, wrench, &out);
-    chain_sense(&out, 0, &in);
-    if (chain.waiting && auvid_identifier_arm(id) == AUVID_OK) {
-        chain.waiting = false;
-        TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_excite(id));
-    }
-    (void)auvid_identifier_step(id, &in, &chain.out);
-    memcpy(chain.wrench, chain.out.excitation, sizeof chain.wrench);
-    chain.wrench[AUVID_HEAVE] -= (auvid_real_t)cfg.sim.parameter[SIM_WB];
-    chain.wrench[AUVID_SURGE] += (auvid_real_t)pilot_N;
-    memcpy(command, chain.wrench, 3 * sizeof command[0]);
-    command[3] = chain.wrench[AUVID_YAW];
-    (void)auvid_identifier_applied(id, in.t_us, chain.wrench, command);
+    uncertain_tick(&chain, &cfg, pilot);
 }
 
 /* A fast controller against a strong disturbance; see test_instruments.c. */
