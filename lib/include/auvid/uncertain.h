@@ -65,8 +65,8 @@
  * uncertain inputs.
  *
  * Regressor path only. Attach it once; a program without it does not contain it. A checkpoint
- * (checkpoint.h) contains its state. Cost: a tick of the example on a Cortex-M4F takes 24 thousand
- * instructions instead of 17 on average, 63 instead of 58 at most; of these about 0.1 thousand for
+ * (checkpoint.h) contains its state. Cost: a tick of the example on a Cortex-M4F takes 25 thousand
+ * instructions instead of 17 on average, 63 instead of 59 at most; of these about 0.1 thousand for
  * each thruster and command. Memory:
  * sizeof(auvid_uncertain_t), 36 KiB with default sizes; AUVID_MAX_UNCERTAIN chooses for how many
  * columns.
