@@ -257,7 +257,10 @@ typedef struct {
     uint16_t own_rows_at;                   /* rows of its own inputs in the solution */
     uint8_t own_at;                         /* its own inputs */
     uint8_t own, inputs;                    /* number of own inputs; of own and shared ones */
-    uint8_t order;                          /* all columns; 0: not modelled */
+    uint8_t channels; /* inputs, thrust, and what current and mounting change in the columns of its
+                         parameters */
+    uint8_t order;    /* all columns; 0: not modelled */
+    uint8_t reserved;
 } auvid_uncertain_equation_t;
 
 /** Rows under construction, and those being rotated into the R factors. Private. */
