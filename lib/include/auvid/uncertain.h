@@ -459,12 +459,11 @@ auvid_status_t auvid_causes_sentence(const auvid_causes_t *causes, const auvid_v
 /** Columns of all equations together; most in one equation. */
 #define AUVID_INSTRUMENT_COLUMNS (6 * AUVID_MAX_PARAMETERS + 8)
 #define AUVID_INSTRUMENT_ORDER (AUVID_INSTRUMENT_LAGS * 6 + 1)
-/** Numbers of the projected rows. */
-#if AUVID_MAX_PARAMETERS < 18 /* four lags */
-#define AUVID_INSTRUMENT_FACTOR (25 * AUVID_UNCERTAIN_FACTOR / 8)
-#else
-#define AUVID_INSTRUMENT_FACTOR (4 * AUVID_UNCERTAIN_FACTOR)
-#endif
+/** Numbers of the projected rows: an equation with c instruments and n columns has
+ * c n + c (c + 1) / 2. No columns that fit need more than this. */
+#define AUVID_INSTRUMENT_FACTOR                                                                    \
+    (AUVID_INSTRUMENT_ORDER * AUVID_UNCERTAIN_COLUMNS +                                            \
+     (AUVID_INSTRUMENT_ORDER + 1) / 2 * AUVID_INSTRUMENT_COLUMNS)
 /** References that wait for the cell of their time. */
 #define AUVID_INSTRUMENT_PAST 32
 
@@ -520,7 +519,7 @@ typedef struct {
  *
  * Regressor path only. A program without it does not contain it. A checkpoint contains its state.
  * Cost, Girona500: 4 calls of the regressor and 0.8k multiplications in each cell, and 15k for each
- * row, half of them at most in one cell. Memory: sizeof(auvid_instruments_t), 30 KiB with default
+ * row, half of them at most in one cell. Memory: sizeof(auvid_instruments_t), 28 KiB with default
  * sizes.
  *
  * Sources: Soederstroem and Stoica 1989, 8; Ljung 1999, 7.6 and 13.5; Shea 1997 (strength), Staiger
