@@ -204,20 +204,21 @@ void auvid_uncertain_compare(auvid_uncertain_t *u, const auvid_metric_t *m,
                              const auvid_sample_t *cell)
 {
     const auvid_allocation_config_t *cfg = &u->allocation->cfg;
-    auvid_real_t force[AUVID_MAX_THRUSTERS];
+    auvid_real_t difference[AUVID_DOF_COUNT];
+    for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
+        difference[j] = -cell->tau[j];
+    }
     for (int i = 0; i < cfg->thrusters; ++i) {
-        force[i] = auvid_uncertain_force(u, i, cell->command[i]);
+        auvid_metric_add_scaled(difference, auvid_uncertain_force(u, i, cell->command[i]),
+                                cfg->thruster[i].wrench, AUVID_DOF_COUNT);
     }
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
-        auvid_real_t wrench = cell->tau[j], difference = -wrench, max = m->cfg.tau_max[j];
-        if (u->equation[j].order == 0 || !(max > AUVID_C(0.0))) {
-            continue;
+        auvid_real_t max = m->cfg.tau_max[j];
+        if (u->equation[j].order > 0 && max > AUVID_C(0.0)) {
+            auvid_real_t wrench = cell->tau[j] / max, off = difference[j] / max;
+            u->recorded.wrench += wrench * wrench;
+            u->recorded.difference += off * off;
         }
-        for (int i = 0; i < cfg->thrusters; ++i) {
-            difference += cfg->thruster[i].wrench[j] * force[i];
-        }
-        u->recorded.wrench += wrench / max * (wrench / max);
-        u->recorded.difference += difference / max * (difference / max);
     }
 }
 
@@ -438,7 +439,8 @@ static void uncertain_motion_columns(auvid_uncertain_t *u, const auvid_metric_t 
 }
 
 /* Returns DoF j's drag, relative to that at 1 m/s or rad/s. */
-static auvid_real_t uncertain_drag(const auvid_uncertain_t *u, const auvid_sample_t *cell, int j)
+static auvid_real_t uncertain_relative_drag(const auvid_uncertain_t *u, const auvid_sample_t *cell,
+                                            int j)
 {
     auvid_real_t speed = auvid_abs(cell->nu[j]), linear = u->linear[j];
     return speed * (linear + (AUVID_C(1.0) - linear) * speed);
@@ -462,13 +464,13 @@ static auvid_real_t uncertain_cross_flow(const auvid_real_t *nu, auvid_real_t ha
 }
 
 /* Returns a column of DoF j that is formed from the motion. down: the vertical, in the body. */
-static auvid_real_t uncertain_motion(const auvid_uncertain_t *u, const auvid_sample_t *cell,
-                                     const auvid_real_t down[3], int code, int j)
+static auvid_real_t uncertain_motion_column(const auvid_uncertain_t *u, const auvid_sample_t *cell,
+                                            const auvid_real_t down[3], int code, int j)
 {
     const auvid_real_t *nu = cell->nu;
     switch (code) {
     case INPUT_ASYMMETRY:
-        return uncertain_drag(u, cell, j);
+        return uncertain_relative_drag(u, cell, j);
     case INPUT_FORCE:
         return AUVID_C(1.0);
     case INPUT_CROSS:
@@ -493,8 +495,8 @@ static void uncertain_write_channels(auvid_uncertain_t *u, const auvid_sample_t 
     const uint8_t *code = u->code + e->channel_at, *shared = code + e->own, *end = code + e->inputs;
     auvid_real_t *channel = u->recorded.channel;
     for (; code < shared; ++code) {
-        channel[*place++] =
-            *code == INPUT_DELAY ? sum[SUM_DELAY] : uncertain_motion(u, cell, down, *code, j);
+        channel[*place++] = *code == INPUT_DELAY ? sum[SUM_DELAY]
+                                                 : uncertain_motion_column(u, cell, down, *code, j);
     }
     for (; code < end && *code < (int)AUVID_UNCERTAIN_GAIN; ++code) {
         channel[*place++] = sum[*code];

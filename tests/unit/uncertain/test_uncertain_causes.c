@@ -200,7 +200,7 @@ static void test_causes_stay_while_the_next_solution_is_under_way(void)
 static void test_after_a_change_of_the_vehicle_there_are_none(void)
 {
     identify_with(FIELD_GIRONA500, "thrust_backward", 0.1);
-    identifier_judge_uncertain(&run.id, true);
+    identifier_discard_uncertain(&run.id);
     TEST_ASSERT_EQUAL(AUVID_ERR_NO_DATA, auvid_uncertain_causes(&run.uncertain, &causes));
     TEST_ASSERT_EQUAL_UINT32(0, run.uncertain.causes.named); /* what a node reports */
 }
