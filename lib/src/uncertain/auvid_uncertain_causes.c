@@ -107,8 +107,8 @@ static causes_finding_t causes_find(const uncertain_t *u, int j, int k, auvid_re
 {
     const auvid_uncertain_equation_t *e = &u->equation[j];
     const int code = u->code[e->channel_at + k];
-    bool own = k < e->own;
-    causes_finding_t f = {.value = own ? u->own[e->own_at + k] : u->shared[code],
+    bool own = code >= OWN_INPUTS;
+    causes_finding_t f = {.value = code < OWN_INPUTS ? u->shared[code] : u->own[e->own_at + k],
                           .code = code,
                           .own = own ? k : NO_INPUT,
                           .shared = own ? NO_INPUT : code};
