@@ -365,6 +365,15 @@ accepted() {
 }
 check "README's vehicle in six degrees of freedom is accepted" accepted
 
+# The main loop of the Linux port.
+port=$ROOT/port/linux_socketcan
+awk '/^```c$/ { on = 1; next } /^```$/ { on = 0 } on' "$port/README.md" |
+    sed 's/"can0"/"none-such"/' >loop.c
+check "the main loop of the Linux port compiles" gcc -std=c11 -Wall -Wextra -Wconversion -Werror \
+    -I"$port" -o loop loop.c "$port"/*.c
+check "  and says why there is no such bus" \
+    sh -c '! timeout 10 ./loop 2>err && [ "$(wc -l <err)" = 1 ]'
+
 # Every block below "<!-- output of: COMMAND -->" is the output of the command, except wall times.
 cat >blocks.py <<'END'
 import os, re, subprocess, sys
@@ -386,7 +395,7 @@ for command, shown in found:
 if mode == "write":
     open(readme, "w").write(text)
 END
-for name in README.md lib/README.md port/cortex_m/README.md; do
+for name in README.md lib/README.md port/cortex_m/README.md tools/auvid/README.md; do
     check "$name shows what its commands print" python3 blocks.py "$ROOT" "$name" "$AUVID" \
         "${README_BLOCKS:-check}"
 done

@@ -81,11 +81,24 @@ build -DAUVID_MAX_UNCERTAIN=73
 report "73 columns: refused" 2 "$(attaches)"
 report "73 columns: all but the current" 0 "$(attaches still)"
 report "73 columns: a tenth less memory" 1 $((10 * $(bytes) < 9 * default))
+build -DAUVID_MAX_UNCERTAIN=78
+report "78 columns: refused" 2 "$(attaches)"
+build -DAUVID_MAX_UNCERTAIN=79
+report "79 columns: Girona500 with five thrusters" 0 "$(attaches)"
 build -DAUVID_MAX_UNCERTAIN=0
 report "no columns: refused" 2 "$(attaches exact)"
 report "no columns: a third of the memory" 1 $((3 * $(bytes) < default))
 build -DAUVID_MAX_PARAMETERS=22 -DAUVID_MAX_UNCERTAIN=138
 report "138 columns: too few for the BlueROV2 Heavy" 2 "$(attaches)"
+build -DAUVID_MAX_PARAMETERS=22 -DAUVID_MAX_UNCERTAIN=139
+report "139 columns: BlueROV2 Heavy in six degrees of freedom" 0 "$(attaches)"
+tr -d '\n*' <lib/include/auvid/config.h >"$scratch/output"
+report "config.h has these numbers" 1 "$(grep -Ec \
+    'Girona500 and its five thrusters *need 79, .* ones 86, a BlueROV2 Heavy.* 139\.' \
+    "$scratch/output")"
+tr '\n' ' ' <lib/README.md >"$scratch/output"
+report "  and the library's guide" 1 "$(grep -Ec \
+    'five thrusters need 79 columns, .* thrusters 86, a BlueROV2 Heavy .* 139\.' "$scratch/output")"
 build -DAUVID_MAX_PARAMETERS=22
 report "default for 22 parameters: BlueROV2 Heavy in six degrees of freedom" 0 "$(attaches)"
 report "the same with W-B fixed" 0 "$(attaches fixed)"

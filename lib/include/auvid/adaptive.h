@@ -40,7 +40,7 @@
  *
  * The control task calls it. It is linked only if auvid_adaptive_begin is called. Cost in a tick:
  * 20 operations for each DoF; in a tick after an estimate 40 for each parameter. Memory:
- * sizeof(auvid_adaptive_t), 64 bytes.
+ * sizeof(auvid_adaptive_t), 56 bytes.
  *
  * Source: auvid's own.
  */

@@ -42,7 +42,7 @@
  * Set each limit inside the true danger by that margin. Girona500 at 0.7 m/s with DVL at 5 Hz and
  * depth at 10 Hz: 0.1 + 0.7 * 0.22 + 0.7 * 5.9 = 4.4 m without control, 0.8 m with the pilot.
  *
- * Cost of a step: about 150 operations and a square root. Memory: sizeof(auvid_guard_t), 0.2 KiB.
+ * Cost of a step: about 150 operations and a square root. Memory: sizeof(auvid_guard_t), 0.3 KiB.
  * Source: auvid's own; the paper has no guard.
  */
 #ifndef AUVID_GUARD_H

@@ -257,7 +257,10 @@ typedef struct {
     uint16_t own_rows_at;                   /* rows of its own inputs in the solution */
     uint8_t own_at;                         /* its own inputs */
     uint8_t own, inputs;                    /* number of own inputs; of own and shared ones */
-    uint8_t order;                          /* all columns; 0: not modelled */
+    uint8_t channels; /* inputs, thrust, and what current and mounting change in the columns of its
+                         parameters */
+    uint8_t order;    /* all columns; 0: not modelled */
+    uint8_t reserved;
 } auvid_uncertain_equation_t;
 
 /** Rows under construction, and those being rotated into the R factors. Private. */
@@ -450,17 +453,17 @@ auvid_status_t auvid_causes_sentence(const auvid_causes_t *causes, const auvid_v
 
 /* ---- instruments ---- */
 
-/** Lags of the reference. Fewer are used if there is no room for the columns of all. */
+/** Lags of the reference. Fewer are used, the shortest ones, if there is no room for the columns of
+ * all; at least two. */
 #define AUVID_INSTRUMENT_LAGS 5
 /** Columns of all equations together; most in one equation. */
 #define AUVID_INSTRUMENT_COLUMNS (6 * AUVID_MAX_PARAMETERS + 8)
 #define AUVID_INSTRUMENT_ORDER (AUVID_INSTRUMENT_LAGS * 6 + 1)
-/** Numbers of the projected rows. */
-#if AUVID_MAX_PARAMETERS < 18 /* four lags */
-#define AUVID_INSTRUMENT_FACTOR (25 * AUVID_UNCERTAIN_FACTOR / 8)
-#else
-#define AUVID_INSTRUMENT_FACTOR (4 * AUVID_UNCERTAIN_FACTOR)
-#endif
+/** Numbers of the projected rows: an equation with c instruments and n columns has
+ * c n + c (c + 1) / 2. No columns that fit need more than this. */
+#define AUVID_INSTRUMENT_FACTOR                                                                    \
+    (AUVID_INSTRUMENT_ORDER * AUVID_UNCERTAIN_COLUMNS +                                            \
+     (AUVID_INSTRUMENT_ORDER + 1) / 2 * AUVID_INSTRUMENT_COLUMNS)
 /** References that wait for the cell of their time. */
 #define AUVID_INSTRUMENT_PAST 32
 
@@ -487,8 +490,9 @@ typedef struct {
  *
  *     z_j = R_j pi + C_j b + e_j,
  *
- * instruments Z_j are formed: the columns of the model, at the reference's velocity behind five
- * first-order lags from 0.3 to 30 s, and a constant. They pass the same smoother. z, R and C are
+ * instruments Z_j are formed: the columns of the model, at the reference's velocity behind each of
+ * up to five first-order lags, 0.3, 1, 3, 10 and 30 s, and a constant. The longest is left out
+ * where there is no room for it, as of Girona500. They pass the same smoother. z, R and C are
  * projected onto Z (two-stage least squares), and the solution of uncertain.h takes the projected
  * rows, with its priors and scales, but e as an error of the thrust: projected motion has no noise.
  * The size of e is that of the whole rows; it is larger where the projected ones disagree more
@@ -514,8 +518,8 @@ typedef struct {
  * two-stage least squares.
  *
  * Regressor path only. A program without it does not contain it. A checkpoint contains its state.
- * Cost, Girona500: 5 calls of the regressor and 1.2k multiplications in each cell, and 16k for each
- * row, half of them at most in one cell. Memory: sizeof(auvid_instruments_t), 27 KiB with default
+ * Cost, Girona500: 4 calls of the regressor and 0.8k multiplications in each cell, and 15k for each
+ * row, half of them at most in one cell. Memory: sizeof(auvid_instruments_t), 28 KiB with default
  * sizes.
  *
  * Sources: Soederstroem and Stoica 1989, 8; Ljung 1999, 7.6 and 13.5; Shea 1997 (strength), Staiger

@@ -63,7 +63,7 @@ extern const auvid_checkpoint_block_t auvid_checkpoint_block[CHECKPOINT_BLOCKS];
 extern const auvid_checkpoint_block_t auvid_checkpoint_configured[CHECKPOINT_CONFIGURED];
 
 /** Checksum of the layout with default sizes, float: tests/validation/layout.py computes it. */
-#define AUVID_CHECKPOINT_LAYOUT 0x1448b66au
+#define AUVID_CHECKPOINT_LAYOUT 0x5b590178u
 
 /** The body of a checkpoint. */
 typedef struct {

@@ -101,8 +101,10 @@ typedef struct auvid_uncertain_functions {
     void (*publish)(auvid_identifier_t *id);
     /** Returns the estimate with uncertain inputs; NULL: there is none. */
     const auvid_estimate_t *(*estimate)(const auvid_identifier_t *id);
-    /** The estimate without them is accepted; or the vehicle has changed. */
-    void (*judge)(auvid_identifier_t *id, bool changed);
+    /** The change test accepts the estimate without them. */
+    void (*accept)(auvid_identifier_t *id);
+    /** The vehicle has changed: discards the rows and the estimate. */
+    void (*change_vehicle)(auvid_identifier_t *id);
     /** Returns the share of the thrust that is lost from set to set; 0: none is certain. */
     auvid_real_t (*sag)(const auvid_identifier_t *id);
     /** Drag force of the estimate at a speed; see auvid_causes_drag. */
@@ -110,10 +112,17 @@ typedef struct auvid_uncertain_functions {
                            auvid_drag_t *drag);
 } auvid_uncertain_functions_t;
 
-static inline void identifier_judge_uncertain(auvid_identifier_t *id, bool changed)
+static inline void identifier_accept_uncertain(auvid_identifier_t *id)
 {
     if (id->attached.uncertain_functions != NULL) {
-        id->attached.uncertain_functions->judge(id, changed);
+        id->attached.uncertain_functions->accept(id);
+    }
+}
+
+static inline void identifier_discard_uncertain(auvid_identifier_t *id)
+{
+    if (id->attached.uncertain_functions != NULL) {
+        id->attached.uncertain_functions->change_vehicle(id);
     }
 }
 

@@ -154,7 +154,7 @@ static void identifier_compare_estimates(auvid_identifier_t *id)
     } else {
         id->estimate.accepted = true;
         id->attached.change->accepted = id->estimate;
-        identifier_judge_uncertain(id, false);
+        identifier_accept_uncertain(id);
     }
 }
 
@@ -281,7 +281,7 @@ static void identifier_conclude_test(auvid_identifier_t *id)
         id->work.cold_start = true;
         id->work.searching = false;
         id->events |= AUVID_EVENT_CHANGED;
-        identifier_judge_uncertain(id, true);
+        identifier_discard_uncertain(id);
         if (id->metric.prior != NULL) {
             id->metric.prior->change_vehicle(&id->metric);
         }

@@ -58,7 +58,7 @@ static void identifier_lengthen_cells(auvid_identifier_t *id)
     if (id->attached.validation != NULL) {
         id->attached.validation->vehicle = NULL; /* it simulates cells of the old length */
     }
-    identifier_judge_uncertain(id, true);
+    identifier_discard_uncertain(id);
     if (id->attached.change != NULL) { /* noise has biased its masses: no reference for drift */
         memset(&id->attached.change->accepted, 0, sizeof id->attached.change->accepted);
         memset(&id->attached.change->first, 0, sizeof id->attached.change->first);

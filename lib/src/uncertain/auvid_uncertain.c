@@ -104,17 +104,20 @@ static const auvid_estimate_t *uncertain_estimate(const auvid_identifier_t *id)
     return e->number > 0 ? e : NULL;
 }
 
-static void uncertain_judge(auvid_identifier_t *id, bool changed)
+static void uncertain_accept(auvid_identifier_t *id)
+{
+    auvid_estimate_t *e = &uncertain_of(id)->estimate;
+    e->accepted = e->accepted || e->number == id->estimate.number;
+}
+
+static void uncertain_change_vehicle(auvid_identifier_t *id)
 {
     auvid_uncertain_t *u = uncertain_of(id);
-    u->estimate.accepted = u->estimate.accepted || u->estimate.number == id->estimate.number;
-    if (changed) {
-        auvid_uncertain_restart(u);
-        u->excited = u->gave_set = false; /* without another excitation passive rows count again */
-        u->estimate.number = 0;
-        memset(&u->causes, 0, sizeof u->causes);
-        u->contradicted = false;
-    }
+    auvid_uncertain_restart(u);
+    u->excited = u->gave_set = false; /* without another excitation passive rows count again */
+    u->estimate.number = 0;
+    memset(&u->causes, 0, sizeof u->causes);
+    u->contradicted = false;
 }
 
 /* Only a sag that is certain: noise must not hide a change of the vehicle. */
@@ -279,9 +282,10 @@ static auvid_real_t uncertain_first_half(const auvid_metric_t *m)
 }
 
 static const auvid_uncertain_functions_t uncertain_table = {
-    auvid_uncertain_add_cell, auvid_uncertain_rotate, uncertain_begin,
-    uncertain_solve,          uncertain_publish,      uncertain_estimate,
-    uncertain_judge,          uncertain_sag,          auvid_uncertain_drag};
+    auvid_uncertain_add_cell, auvid_uncertain_rotate,   uncertain_begin,
+    uncertain_solve,          uncertain_publish,        uncertain_estimate,
+    uncertain_accept,         uncertain_change_vehicle, uncertain_sag,
+    auvid_uncertain_drag};
 
 /* Check what needs no layout. */
 static void uncertain_check(const auvid_identifier_t *id, const auvid_uncertain_config_t *cfg,

@@ -93,61 +93,78 @@ static bool causes_has_thrust(const uncertain_t *u, int j, auvid_real_t thrust)
     return thrust >= AUVID_CAUSE_SHARE * largest;
 }
 
-/* Consider input k of DoF j. */
+/* An input as a cause: the value is that of an own input of the DoF, of a shared one, or their sum;
+ * NO_INPUT: without it. */
+typedef struct {
+    auvid_real_t value, share;
+    auvid_real_t margin; /* of the value: so much need not be an error */
+    int code, own, shared;
+} causes_finding_t;
+
+/* Returns the finding of input k of DoF j, whose thrust has this norm. Delay and lag add up, and so
+ * do both losses with speed, at full thrust. */
+static causes_finding_t causes_find(const uncertain_t *u, int j, int k, auvid_real_t thrust)
+{
+    const auvid_uncertain_equation_t *e = &u->equation[j];
+    const int code = u->code[e->channel_at + k];
+    bool own = code >= OWN_INPUTS;
+    causes_finding_t f = {.value = code < OWN_INPUTS ? u->shared[code] : u->own[e->own_at + k],
+                          .code = code,
+                          .own = own ? k : NO_INPUT,
+                          .shared = own ? NO_INPUT : code};
+    if (code == INPUT_DELAY || code == AUVID_UNCERTAIN_LAG) {
+        f.shared = u->cfg.lag_s > AUVID_C(0.0) ? AUVID_UNCERTAIN_LAG : NO_INPUT;
+        f.value += own ? u->shared[AUVID_UNCERTAIN_LAG] : AUVID_C(0.0);
+        if (f.value < AUVID_C(0.0)) {
+            f.value = auvid_min(f.value + u->cfg.nominal_lag_s, AUVID_C(0.0));
+            f.margin = MAX_EARLY_S;
+        }
+    }
+    f.share = auvid_abs(f.value) * causes_norm(u, j, k) / thrust;
+    if (code == AUVID_UNCERTAIN_INFLOW) {
+        f.value += u->shared[AUVID_UNCERTAIN_BILINEAR];
+        f.share = causes_loss_norm(u, j, k, &f.code) / thrust;
+    }
+    return f;
+}
+
+/* Consider input k of DoF j. The asymmetry of the drag is kept of each DoF, whatever its share. */
 static void causes_consider(uncertain_t *u, int j, int k)
 {
     const auvid_uncertain_equation_t *e = &u->equation[j];
-    int code = u->code[e->channel_at + k], shared = k < e->own ? NO_INPUT : code;
+    int code = u->code[e->channel_at + k];
     auvid_cause_class_t class = auvid_uncertain_row(code)->class;
-    auvid_real_t value = code < OWN_INPUTS ? u->shared[code] : u->own[e->own_at + k];
-    auvid_real_t margin = AUVID_C(0.0);
     if (class == AUVID_CAUSE_COUNT || code == AUVID_UNCERTAIN_BILINEAR) { /* with the other law */
         return;
     }
     auvid_cause_t *best = &u->work.causes.cause[class];
-    if (code == INPUT_DELAY || code == AUVID_UNCERTAIN_LAG) { /* delay and lag add up */
-        shared = u->cfg.lag_s > AUVID_C(0.0) ? AUVID_UNCERTAIN_LAG : NO_INPUT;
-        value += k < e->own ? u->shared[AUVID_UNCERTAIN_LAG] : AUVID_C(0.0);
-        if (value < AUVID_C(0.0)) {
-            value = auvid_min(value + u->cfg.nominal_lag_s, AUVID_C(0.0));
-            margin = MAX_EARLY_S;
-        }
-    }
     auvid_real_t thrust = causes_norm(u, j, e->order - 1);
-    auvid_real_t share = auvid_abs(value) * causes_norm(u, j, k) / thrust;
-    if (code == AUVID_UNCERTAIN_INFLOW) { /* losses add up, at full thrust */
-        value += u->shared[AUVID_UNCERTAIN_BILINEAR];
-        share = causes_loss_norm(u, j, k, &code) / thrust;
-    }
-    bool large = share >= AUVID_CAUSE_SHARE, each = code == INPUT_ASYMMETRY;
-    if (large && !causes_has_thrust(u, j, thrust)) {
-        if (!each) {
-            return;
-        }
-        large = false;
-    }
-    if (!each && best->sigma > AUVID_C(0.0) && !(share > best->share) && (best->named || !large)) {
+    const causes_finding_t f = causes_find(u, j, k, thrust);
+    bool each = code == INPUT_ASYMMETRY, matters = f.share >= AUVID_CAUSE_SHARE;
+    bool large = matters && causes_has_thrust(u, j, thrust);
+    bool less = best->sigma > AUVID_C(0.0) && !(f.share > best->share) && (best->named || !large);
+    if (!each && ((matters && !large) || less)) {
         return;
     }
-    auvid_real_t sigma = causes_deviation(u, j, k < e->own ? k : NO_INPUT, shared);
-    if (!(thrust > AUVID_C(0.0)) || !auvid_is_finite(share * sigma)) {
+    auvid_real_t sigma = causes_deviation(u, j, f.own, f.shared);
+    if (!(thrust > AUVID_C(0.0)) || !auvid_is_finite(f.share * sigma)) {
         return;
     }
     auvid_real_t unit =
-        each ? auvid_uncertain_find_one_way(u, j, k, value) : causes_unit(u, code, j);
+        each ? auvid_uncertain_find_one_way(u, j, k, f.value) : causes_unit(u, f.code, j);
     if (each) {
-        u->work.causes.asymmetry[j] = unit * value;
+        u->work.causes.asymmetry[j] = unit * f.value;
         u->work.causes.asymmetry_sigma[j] = unit * sigma;
     }
-    bool named = large && auvid_abs(value) - margin > AUVID_CAUSE_SIGMAS * sigma;
+    bool named = large && auvid_abs(f.value) - f.margin > AUVID_CAUSE_SIGMAS * sigma;
     if (named < best->named ||
-        (named == best->named && !(share > best->share) && best->sigma > AUVID_C(0.0))) {
+        (named == best->named && !(f.share > best->share) && best->sigma > AUVID_C(0.0))) {
         return;
     }
-    *best = (auvid_cause_t){.value = unit * value,
+    *best = (auvid_cause_t){.value = unit * f.value,
                             .sigma = unit * sigma,
-                            .share = share,
-                            .input = (uint8_t)code,
+                            .share = f.share,
+                            .input = (uint8_t)f.code,
                             .dof = (uint8_t)j,
                             .named = named};
 }

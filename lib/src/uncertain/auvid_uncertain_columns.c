@@ -82,8 +82,7 @@ static void uncertain_place_channels(auvid_uncertain_t *u)
         for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
             const auvid_uncertain_equation_t *e = &u->equation[j];
             unsigned moment = j >= AUVID_ROLL;
-            int channels = auvid_uncertain_channels_of(u, j);
-            for (int k = 0; k < channels; ++k) {
+            for (int k = 0; k < e->channels; ++k) {
                 unsigned thrust =
                     k == e->inputs ||
                     (k < e->inputs && auvid_uncertain_of_thrust(u->code[e->channel_at + k]));
@@ -137,9 +136,11 @@ static void uncertain_lay_out_equation(auvid_uncertain_t *u, const auvid_metric_
         e->own = (uint8_t)(e->own + (code >= OWN_INPUTS));
     }
     e->order = (uint8_t)(e->inputs + auvid_metric_equation(m, j).count + 1);
+    bool moves = (AUVID_UNCERTAIN_PLANAR & auvid_uncertain_moves(u)) >> j & 1u;
+    e->channels = (uint8_t)(moves ? e->order : e->inputs + 1);
     end->factor += (uint32_t)AUVID_QR_FACTOR(e->order);
     end->row += e->order;
-    end->channel += (uint32_t)auvid_uncertain_channels_of(u, j);
+    end->channel += e->channels;
     end->own += e->own;
     end->own_rows += (uint32_t)auvid_qr_row(e->order, e->own);
     end->order = end->order > e->order ? end->order : e->order;
@@ -182,16 +183,8 @@ void auvid_uncertain_lay_out(auvid_uncertain_t *u, const auvid_metric_t *m, auvi
 
 /* ---- columns ---- */
 
-/* Where the sums of a DoF's equation are: those over the thrusters, by input, then d f / dt,
- * -d^2 f / dt^2 and f; then the differences of the predicted wrench. */
-enum {
-    SUM_DELAY = AUVID_UNCERTAIN_LAG + 1,
-    SUM_RESPONSE,
-    SUM_THRUST,
-    THRUST_SUMS,
-    MOTION_AT = THRUST_SUMS - AUVID_UNCERTAIN_CURRENT_X, /* of an input from the current on */
-    SUMS = MOTION_AT + AUVID_UNCERTAIN_FORCE_RESPONSE
-};
+/* Sums of a DoF's equation: those of shared inputs by their number, then d f / dt and f. */
+enum { SUM_DELAY = AUVID_UNCERTAIN_GAIN, SUM_THRUST, SUMS };
 
 /* Equations of the forces, a bit each. */
 #define OF_FORCES 7u
@@ -211,20 +204,21 @@ void auvid_uncertain_compare(auvid_uncertain_t *u, const auvid_metric_t *m,
                              const auvid_sample_t *cell)
 {
     const auvid_allocation_config_t *cfg = &u->allocation->cfg;
-    auvid_real_t force[AUVID_MAX_THRUSTERS];
+    auvid_real_t difference[AUVID_DOF_COUNT];
+    for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
+        difference[j] = -cell->tau[j];
+    }
     for (int i = 0; i < cfg->thrusters; ++i) {
-        force[i] = auvid_uncertain_force(u, i, cell->command[i]);
+        auvid_metric_add_scaled(difference, auvid_uncertain_force(u, i, cell->command[i]),
+                                cfg->thruster[i].wrench, AUVID_DOF_COUNT);
     }
     for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
-        auvid_real_t wrench = cell->tau[j], difference = -wrench, max = m->cfg.tau_max[j];
-        if (u->equation[j].order == 0 || !(max > AUVID_C(0.0))) {
-            continue;
+        auvid_real_t max = m->cfg.tau_max[j];
+        if (u->equation[j].order > 0 && max > AUVID_C(0.0)) {
+            auvid_real_t wrench = cell->tau[j] / max, off = difference[j] / max;
+            u->recorded.wrench += wrench * wrench;
+            u->recorded.difference += off * off;
         }
-        for (int i = 0; i < cfg->thrusters; ++i) {
-            difference += cfg->thruster[i].wrench[j] * force[i];
-        }
-        u->recorded.wrench += wrench / max * (wrench / max);
-        u->recorded.difference += difference / max * (difference / max);
     }
 }
 
@@ -232,7 +226,8 @@ void auvid_uncertain_compare(auvid_uncertain_t *u, const auvid_metric_t *m,
 static void uncertain_thrust_columns(auvid_uncertain_t *u, const auvid_sample_t *water,
                                      auvid_real_t sum[][SUMS])
 {
-    auvid_real_t value[THRUST_SUMS];
+    const int motion = AUVID_UNCERTAIN_CURRENT_X, response = AUVID_UNCERTAIN_FORCE_RESPONSE;
+    auvid_real_t value[SUMS]; /* from `motion` to `response` not written */
     for (int i = 0; i < u->allocation->cfg.thrusters; ++i) {
         const auvid_thruster_t *t = &u->allocation->cfg.thruster[i];
         auvid_real_t max_N = auvid_uncertain_largest(t), inflow = AUVID_C(0.0);
@@ -254,10 +249,13 @@ static void uncertain_thrust_columns(auvid_uncertain_t *u, const auvid_sample_t 
         value[AUVID_UNCERTAIN_SAG] = force * u->recorded.elapsed;
         value[AUVID_UNCERTAIN_LAG] = u->recorded.lag_slope[i];
         value[SUM_DELAY] = u->recorded.rate[i];
-        value[SUM_RESPONSE] = -u->recorded.curvature[i];
+        value[AUVID_UNCERTAIN_FORCE_RESPONSE] = value[AUVID_UNCERTAIN_MOMENT_RESPONSE] =
+            -u->recorded.curvature[i];
         for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
             if (auvid_abs(t->wrench[j]) > AUVID_C(0.0)) {
-                auvid_metric_add_scaled(sum[j], t->wrench[j], value, THRUST_SUMS);
+                auvid_metric_add_scaled(sum[j], t->wrench[j], value, motion);
+                auvid_metric_add_scaled(sum[j] + response, t->wrench[j], value + response,
+                                        SUMS - response);
             }
         }
     }
@@ -284,11 +282,13 @@ static void uncertain_multiply(const auvid_uncertain_t *u, const auvid_metric_t 
                                auvid_real_t wrench[AUVID_DOF_COUNT])
 {
     for (int j = 0; dofs >> j != 0; ++j) {
+        if ((dofs >> j & 1u) == 0) {
+            continue;
+        }
         const auvid_real_t *row = y->row[j], *pi = u->pi;
         const uint8_t *index = auvid_metric_row_parameters(m, j);
         auvid_real_t sum = uncertain_fixed(u, m, j, y);
-        int k = (dofs >> j & 1u) != 0 ? u->equation[j].order - 1 - u->equation[j].inputs : 0;
-        for (; k > 0; --k, ++index) {
+        for (int k = u->equation[j].order - 1 - u->equation[j].inputs; k > 0; --k, ++index) {
             sum += row[*index] * pi[*index];
         }
         wrench[j] = sum;
@@ -369,7 +369,7 @@ static void uncertain_late_columns(const auvid_uncertain_t *u, const auvid_metri
         }
         uncertain_predict(u, m, &moved, OF_FORCES << other, wrench);
         for (int j = other; j < other + 3; ++j) {
-            sum[j][MOTION_AT + AUVID_UNCERTAIN_DVL_LATE] =
+            sum[j][AUVID_UNCERTAIN_DVL_LATE] =
                 (other == AUVID_SURGE ? sum[j][SUM_DELAY] : AUVID_C(0.0)) +
                 (wrench[j] - predicted[j]) / STEP;
         }
@@ -385,12 +385,27 @@ static void uncertain_move_parameters(auvid_uncertain_t *u, const auvid_metric_t
     const auvid_uncertain_equation_t *e = &u->equation[j];
     const uint8_t *index = auvid_metric_row_parameters(m, j);
     const uint16_t *place = u->place + e->channel_at;
-    const int channels = auvid_uncertain_channels_of(u, j);
-    for (int k = e->inputs + 1; k < channels; ++k, ++index) {
+    for (int k = e->inputs + 1; k < e->channels; ++k, ++index) {
         u->recorded.channel[place[k]] = water->row[j][*index] - measured->row[j][*index];
     }
     if ((AUVID_UNCERTAIN_PLANAR >> j & 1u) != 0) {
         *thrust += uncertain_fixed(u, m, j, measured) - uncertain_fixed(u, m, j, water);
+    }
+}
+
+/* The same of all DoF, and the wrench that the last estimate predicts in the water. A function of
+ * its own: its regressors are not on the stack of the other predictions. */
+static void uncertain_parameter_columns(auvid_uncertain_t *u, const auvid_metric_t *m,
+                                        const auvid_sample_t *cell, const auvid_sample_t *water,
+                                        auvid_real_t sum[][SUMS],
+                                        auvid_real_t predicted[AUVID_DOF_COUNT])
+{
+    auvid_regressor_t y, y_water;
+    uncertain_evaluate(m, cell, &y);
+    uncertain_evaluate(m, water, &y_water);
+    uncertain_multiply(u, m, &y_water, OF_FORCES | OF_FORCES << AUVID_ROLL, predicted);
+    for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
+        uncertain_move_parameters(u, m, j, &y, &y_water, &sum[j][SUM_THRUST]);
     }
 }
 
@@ -399,16 +414,10 @@ static void uncertain_motion_columns(auvid_uncertain_t *u, const auvid_metric_t 
                                      const uncertain_shift_t *shift, auvid_real_t sum[][SUMS])
 {
     auvid_real_t predicted[AUVID_DOF_COUNT], after[AUVID_DOF_COUNT];
-    auvid_regressor_t y, y_water;
     auvid_sample_t moved = *water;
-    uncertain_evaluate(m, cell, &y);
-    uncertain_evaluate(m, water, &y_water);
-    uncertain_multiply(u, m, &y_water, OF_FORCES | OF_FORCES << AUVID_ROLL, predicted);
+    uncertain_parameter_columns(u, m, cell, water, sum, predicted);
     if (u->cfg.dvl_late_s > AUVID_C(0.0)) {
         uncertain_late_columns(u, m, water, predicted, sum);
-    }
-    for (int j = 0; j < AUVID_DOF_COUNT; ++j) {
-        uncertain_move_parameters(u, m, j, &y, &y_water, &sum[j][SUM_THRUST]);
     }
     for (int k = 0; k < AUVID_UNCERTAIN_SHIFTS; ++k) {
         uint32_t dofs = u->moved[k];
@@ -420,17 +429,18 @@ static void uncertain_motion_columns(auvid_uncertain_t *u, const auvid_metric_t 
         uncertain_predict(u, m, &moved, dofs, after);
         for (int j = 0; dofs >> j != 0; ++j) {
             if ((dofs >> j & 1u) != 0) {
-                sum[j][MOTION_AT + n] = (after[j] - predicted[j]) / STEP;
+                sum[j][n] = (after[j] - predicted[j]) / STEP;
             }
             if ((dofs & AUVID_UNCERTAIN_PLANAR) >> j & 1u) { /* about the last estimate */
-                sum[j][SUM_THRUST] += sum[j][MOTION_AT + n] * u->shared[n];
+                sum[j][SUM_THRUST] += sum[j][n] * u->shared[n];
             }
         }
     }
 }
 
 /* Returns DoF j's drag, relative to that at 1 m/s or rad/s. */
-static auvid_real_t uncertain_drag(const auvid_uncertain_t *u, const auvid_sample_t *cell, int j)
+static auvid_real_t uncertain_relative_drag(const auvid_uncertain_t *u, const auvid_sample_t *cell,
+                                            int j)
 {
     auvid_real_t speed = auvid_abs(cell->nu[j]), linear = u->linear[j];
     return speed * (linear + (AUVID_C(1.0) - linear) * speed);
@@ -454,13 +464,13 @@ static auvid_real_t uncertain_cross_flow(const auvid_real_t *nu, auvid_real_t ha
 }
 
 /* Returns a column of DoF j that is formed from the motion. down: the vertical, in the body. */
-static auvid_real_t uncertain_motion(const auvid_uncertain_t *u, const auvid_sample_t *cell,
-                                     const auvid_real_t down[3], int code, int j)
+static auvid_real_t uncertain_motion_column(const auvid_uncertain_t *u, const auvid_sample_t *cell,
+                                            const auvid_real_t down[3], int code, int j)
 {
     const auvid_real_t *nu = cell->nu;
     switch (code) {
     case INPUT_ASYMMETRY:
-        return uncertain_drag(u, cell, j);
+        return uncertain_relative_drag(u, cell, j);
     case INPUT_FORCE:
         return AUVID_C(1.0);
     case INPUT_CROSS:
@@ -476,14 +486,6 @@ static auvid_real_t uncertain_motion(const auvid_uncertain_t *u, const auvid_sam
     }
 }
 
-/* Returns where the sum of a shared input is that has no column for each thruster. */
-static int uncertain_sum_of(int code)
-{
-    return code <= (int)AUVID_UNCERTAIN_LAG             ? code
-           : code < (int)AUVID_UNCERTAIN_FORCE_RESPONSE ? (int)MOTION_AT + code
-                                                        : (int)SUM_RESPONSE;
-}
-
 /* Write the channels of DoF j's equation. */
 static void uncertain_write_channels(auvid_uncertain_t *u, const auvid_sample_t *cell,
                                      const auvid_real_t down[3], const auvid_real_t *sum, int j)
@@ -493,11 +495,11 @@ static void uncertain_write_channels(auvid_uncertain_t *u, const auvid_sample_t 
     const uint8_t *code = u->code + e->channel_at, *shared = code + e->own, *end = code + e->inputs;
     auvid_real_t *channel = u->recorded.channel;
     for (; code < shared; ++code) {
-        channel[*place++] =
-            *code == INPUT_DELAY ? sum[SUM_DELAY] : uncertain_motion(u, cell, down, *code, j);
+        channel[*place++] = *code == INPUT_DELAY ? sum[SUM_DELAY]
+                                                 : uncertain_motion_column(u, cell, down, *code, j);
     }
     for (; code < end && *code < (int)AUVID_UNCERTAIN_GAIN; ++code) {
-        channel[*place++] = sum[uncertain_sum_of(*code)];
+        channel[*place++] = sum[*code];
     }
     for (; code < end; ++code) {
         int i = *code - (int)AUVID_UNCERTAIN_GAIN;

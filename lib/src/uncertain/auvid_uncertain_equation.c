@@ -351,7 +351,7 @@ static void uncertain_weigh_bands(const auvid_real_t squares[AUVID_METRIC_BANDS]
 }
 
 /* Let DoF j's rows count as this many. */
-static void uncertain_keep_rows(uncertain_t *u, int j, auvid_real_t rows)
+static void uncertain_reweigh_rows(uncertain_t *u, int j, auvid_real_t rows)
 {
     const auvid_uncertain_equation_t *e = &u->equation[j];
     auvid_real_t root = auvid_sqrt(rows / u->rows[j]);
@@ -386,7 +386,7 @@ static void uncertain_forget(uncertain_t *u, const auvid_metric_t *m, int j)
     auvid_real_t keep = full / u->rows[j];
     if (keep < AUVID_C(1.0)) {
         uncertain_change_forgotten(u, j, keep, AUVID_C(0.0));
-        uncertain_keep_rows(u, j, full);
+        uncertain_reweigh_rows(u, j, full);
     }
 }
 
@@ -405,7 +405,7 @@ void auvid_uncertain_forget_early(uncertain_t *u, const auvid_metric_t *m, int j
     }
     uncertain_find_drag(u, m, j);
     uncertain_change_forgotten(u, j, AUVID_C(1.0), AUVID_C(1.0) - keep);
-    uncertain_keep_rows(u, j, keep * u->rows[j]);
+    uncertain_reweigh_rows(u, j, keep * u->rows[j]);
 }
 
 void auvid_uncertain_prepare(uncertain_t *u, const auvid_metric_t *m, int j)

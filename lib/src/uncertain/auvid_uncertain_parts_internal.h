@@ -44,7 +44,16 @@ void auvid_uncertain_channels(auvid_uncertain_t *u, const auvid_metric_t *m,
                               const auvid_sample_t *cell);
 
 /** Returns the supplied force of thruster i [N]; 0 if it can give none. */
-auvid_real_t auvid_uncertain_force(const auvid_uncertain_t *u, int i, auvid_real_t command);
+static inline auvid_real_t auvid_uncertain_force(const auvid_uncertain_t *u, int i,
+                                                 auvid_real_t command)
+{
+    const auvid_thruster_t *t = &u->allocation->cfg.thruster[i];
+    auvid_real_t forward = t->max_N, backward = -t->min_N;
+    if (!(forward > AUVID_C(0.0)) && !(backward > AUVID_C(0.0))) {
+        return AUVID_C(0.0);
+    }
+    return u->cfg.fractions ? command * (command > AUVID_C(0.0) ? forward : backward) : command;
+}
 
 /** Advance the propellers' speeds over a part of a cell: auvid_recorder_t.take_part.
  * @param context auvid_uncertain_t */
@@ -122,15 +131,6 @@ static inline unsigned auvid_uncertain_moves(const auvid_uncertain_t *u)
         dofs |= u->moved[k];
     }
     return dofs;
-}
-
-/** Channels of DoF j's equation: inputs, thrust, and what current and mounting change in the
- * columns of its parameters. */
-static inline int auvid_uncertain_channels_of(const auvid_uncertain_t *u, int j)
-{
-    const auvid_uncertain_equation_t *e = &u->equation[j];
-    bool moves = (AUVID_UNCERTAIN_PLANAR & auvid_uncertain_moves(u)) >> j & 1u;
-    return e->order == 0 || moves ? e->order : e->inputs + 1;
 }
 
 /** Channel k of an equation: of an input, for k = inputs of its thrust, then of a parameter. */

@@ -39,16 +39,6 @@ static auvid_real_t propellers_lag_step(const auvid_uncertain_t *u)
     return step > lowest ? step : lowest < -LEAST_STEP ? lowest : LEAST_STEP;
 }
 
-auvid_real_t auvid_uncertain_force(const auvid_uncertain_t *u, int i, auvid_real_t command)
-{
-    const auvid_thruster_t *t = &u->allocation->cfg.thruster[i];
-    auvid_real_t largest = command > AUVID_C(0.0) ? t->max_N : -t->min_N;
-    if (!(auvid_uncertain_largest(t) > AUVID_C(0.0))) {
-        return AUVID_C(0.0);
-    }
-    return u->cfg.fractions ? command * largest : command;
-}
-
 void auvid_uncertain_advance_propellers(void *context, uint32_t cell, bool opens, uint32_t us,
                                         const auvid_real_t *value)
 {

@@ -85,7 +85,7 @@ static void uncertain_take_row(auvid_uncertain_t *u, int j, const auvid_real_t *
 {
     auvid_uncertain_rows_t *r = &u->recorded;
     const auvid_uncertain_equation_t *e = &u->equation[j];
-    int at = e->row_at, channels = auvid_uncertain_channels_of(u, j);
+    int at = e->row_at;
     const auvid_real_t *channel = r->accumulator[r->complete];
     auvid_real_t row[AUVID_UNCERTAIN_ORDER];
     if (regressor == NULL || e->order == 0 || r->begun_before > 0) {
@@ -96,7 +96,7 @@ static void uncertain_take_row(auvid_uncertain_t *u, int j, const auvid_real_t *
         row[k] = channel[auvid_uncertain_channel(u, e, k)];
     }
     memcpy(row + e->inputs, regressor, (size_t)(e->order - 1 - e->inputs) * sizeof *row);
-    for (int k = e->inputs + 1; k < channels; ++k) {
+    for (int k = e->inputs + 1; k < e->channels; ++k) {
         row[k - 1] += channel[auvid_uncertain_channel(u, e, k)];
     }
     row[e->order - 1] = channel[auvid_uncertain_channel(u, e, e->inputs)] - fixed;

@@ -116,8 +116,8 @@ static void uncertain_add_shared_prior(uncertain_t *u, const auvid_metric_t *m, 
     auvid_qr_update(u->work.joint, JOINT_ORDER, code, row);
 }
 
-/* Keep shared inputs and parameters, and solve for the own inputs of each DoF. */
-static void uncertain_keep(uncertain_t *u, const auvid_metric_t *m, const auvid_real_t *x)
+/* Take shared inputs and parameters, and solve for the own inputs of each DoF. */
+static void uncertain_take_solution(uncertain_t *u, const auvid_metric_t *m, const auvid_real_t *x)
 {
     memcpy(u->shared, x, sizeof u->shared);
     memcpy(u->pi, x + PARAMETERS_AT, sizeof u->pi);
@@ -154,7 +154,7 @@ static void uncertain_back_solve(uncertain_t *u, const auvid_metric_t *m, bool k
     }
     (void)auvid_qr_solve(u->work.joint, JOINT_ORDER, n, AUVID_C(1e-6), x);
     if (auvid_all_within(x, JOINT_ORDER, LARGEST_SOLUTION) == AUVID_OK) {
-        uncertain_keep(u, m, x);
+        uncertain_take_solution(u, m, x);
     }
 }
 

@@ -19,8 +19,8 @@ enum {
     INPUT_FORCE,
     INPUT_CROSS,
     INPUT_LIFT,
-    INPUT_ASTERN, /* centre of gravity astern */
-    INPUT_PORT,   /* centre of gravity to port */
+    INPUT_ASTERN,     /* centre of gravity astern */
+    INPUT_PORT,       /* centre of gravity to port */
     INPUT_CROSS_FLOW, /* drag that follows the whole speed */
     INPUTS
 };
@@ -39,10 +39,10 @@ enum {
 #define AUVID_UNCERTAIN_PLANAR (1u << AUVID_SURGE | 1u << AUVID_SWAY | 1u << AUVID_YAW)
 
 #define UNCERTAIN_TIMING                                                                           \
-    "thrust acts later than stamped, by ", "thrust acts earlier than stamped, by ", "s",           \
+    "thrust acts {later|earlier} than stamped, by ", "s",                                          \
         "check time stamps and the propellers' lag"
 #define UNCERTAIN_LOSS                                                                             \
-    "thrust falls with speed, by ", "thrust rises with speed, by ", "% per m/s",                   \
+    "thrust {falls|rises} with speed, by ", "% per m/s",                                           \
         "measure it under way, or check the drag's law"
 #define UNCERTAIN_WATER "use the DVL's water lock, or look for a cable"
 #define UNCERTAIN_ARM "measure its lever arm and the centre of mass, which look alike"
@@ -51,7 +51,7 @@ enum {
 #define UNCERTAIN_TRIM "check the trim and the IMU's mounting"
 
 /**
- * ROW(input, deviation, from, equations, prior, class, above, below, unit, remedy), in the order of
+ * ROW(input, deviation, from, equations, prior, class, finding, unit, remedy), in the order of
  * the inputs; the gains of all thrusters have one row:
  *   input      what the column is
  *   deviation  member of auvid_uncertain_config_t; 0: there is no column
@@ -67,82 +67,71 @@ enum {
  *              RELATIVE(), as configured
  *   class      AUVID_CAUSE_<class>; COUNT: never a cause
  * and the sentence of the cause:
- *   above      what a value above zero means
- *   below      and one below
+ *   finding    what a value means; {above|below}: where it is above zero, and where below
  *   unit       of its size; "%...": a part of one; NULL: no size
  *   remedy
  */
 #define AUVID_UNCERTAIN_TABLE(ROW)                                                                 \
     ROW(AUVID_UNCERTAIN_BACKWARD, backward, THRUST, ACTUATED, AS_CONFIGURED, CURVE,                \
-        "backward thrust is weaker than supplied, by ",                                            \
-        "backward thrust is stronger than supplied, by ", "%", "measure the thrusters astern")     \
+        "backward thrust is {weaker|stronger} than supplied, by ", "%",                            \
+        "measure the thrusters astern")                                                            \
     ROW(AUVID_UNCERTAIN_DEAD_BAND, dead_band, THRUST, ACTUATED, COLUMN(table_dead_band), CURVE,    \
-        "the dead band is wider than supplied, by ",                                               \
-        "the dead band is narrower than supplied, by ", "N",                                       \
+        "the dead band is {wider|narrower} than supplied, by ", "N",                               \
         "measure the thrusters at small commands")                                                 \
     ROW(AUVID_UNCERTAIN_CURVE, curve, THRUST, ACTUATED, AS_CONFIGURED, CURVE,                      \
-        "the thrust curve's exponent is higher than supplied, by ",                                \
-        "the thrust curve's exponent is lower than supplied, by ", "",                             \
+        "the thrust curve's exponent is {higher|lower} than supplied, by ", "",                    \
         "measure thrust at half command")                                                          \
     ROW(AUVID_UNCERTAIN_INFLOW, inflow, THRUST, ACTUATED, COLUMN(table_half), INFLOW,              \
         UNCERTAIN_LOSS)                                                                            \
     ROW(AUVID_UNCERTAIN_BILINEAR, inflow, THRUST, ACTUATED, COLUMN(table_half), INFLOW,            \
         UNCERTAIN_LOSS)                                                                            \
     ROW(AUVID_UNCERTAIN_SAG, sag, THRUST, ACTUATED, AS_CONFIGURED, SAG,                            \
-        "thrust falls with time, by ", "thrust rises with time, by ", "% in 4 minutes",            \
+        "thrust {falls|rises} with time, by ", "% in 4 minutes",                                   \
         "watch the battery, look for fouling")                                                     \
     ROW(AUVID_UNCERTAIN_LAG, lag_s, THRUST, ACTUATED, AS_CONFIGURED, TIMING, UNCERTAIN_TIMING)     \
     ROW(AUVID_UNCERTAIN_CURRENT_X, current, MOTION, PLANAR, AS_CONFIGURED, CURRENT,                \
-        "a current sets to the north, with ", "a current sets to the south, with ", "m/s",         \
-        UNCERTAIN_WATER)                                                                           \
+        "a current sets to the {north|south}, with ", "m/s", UNCERTAIN_WATER)                      \
     ROW(AUVID_UNCERTAIN_CURRENT_Y, current, MOTION, PLANAR, AS_CONFIGURED, CURRENT,                \
-        "a current sets to the east, with ", "a current sets to the west, with ", "m/s",           \
-        UNCERTAIN_WATER)                                                                           \
+        "a current sets to the {east|west}, with ", "m/s", UNCERTAIN_WATER)                        \
     ROW(AUVID_UNCERTAIN_ARM_X, arm_m, MOTION, PLANAR + TILTED(HEAVE + PITCH), AS_CONFIGURED,       \
-        MOUNTING, "the DVL is further ahead than configured, by ",                                 \
-        "the DVL is further astern than configured, by ", "m", UNCERTAIN_ARM)                      \
+        MOUNTING, "the DVL is further {ahead|astern} than configured, by ", "m", UNCERTAIN_ARM)    \
     ROW(AUVID_UNCERTAIN_ARM_Y, arm_m, MOTION, PLANAR + TILTED(HEAVE), AS_CONFIGURED, MOUNTING,     \
-        "the DVL is further to starboard than configured, by ",                                    \
-        "the DVL is further to port than configured, by ", "m", UNCERTAIN_ARM)                     \
+        "the DVL is further to {starboard|port} than configured, by ", "m", UNCERTAIN_ARM)         \
     ROW(AUVID_UNCERTAIN_ARM_Z, arm_m, MOTION, TILTED(SURGE + SWAY + HEAVE), AS_CONFIGURED,         \
-        MOUNTING, "the DVL is further down than configured, by ",                                  \
-        "the DVL is further up than configured, by ", "m", UNCERTAIN_ARM)                          \
+        MOUNTING, "the DVL is further {down|up} than configured, by ", "m", UNCERTAIN_ARM)         \
     ROW(AUVID_UNCERTAIN_DVL_PITCH, mount_rad, MOTION, TILTED(HEAVE + PITCH), AS_CONFIGURED,        \
-        MOUNTING, "the DVL is turned further bow up than configured, by ",                         \
-        "the DVL is turned further bow down than configured, by ", "rad", UNCERTAIN_ANGLE)         \
+        MOUNTING, "the DVL is turned further bow {up|down} than configured, by ", "rad",           \
+        UNCERTAIN_ANGLE)                                                                           \
     ROW(AUVID_UNCERTAIN_DVL_YAW, mount_rad, MOTION, TILTED(SWAY + YAW), AS_CONFIGURED, MOUNTING,   \
-        "the DVL is turned further to starboard than configured, by ",                             \
-        "the DVL is turned further to port than configured, by ", "rad", UNCERTAIN_ANGLE)          \
+        "the DVL is turned further to {starboard|port} than configured, by ", "rad",               \
+        UNCERTAIN_ANGLE)                                                                           \
     ROW(AUVID_UNCERTAIN_FILTER, filter_s, MOTION, PLANAR + TILTED(HEAVE), AS_CONFIGURED, TIMING,   \
-        "the velocity is filtered in the world's axes, with a time constant of ",                  \
-        "the velocity leads in the world's axes, by ", "s", "supply that of the DVL")              \
+        "the velocity {is filtered|leads} in the world's axes, {with a time constant of|by} ",     \
+        "s", "supply that of the DVL")                                                             \
     ROW(AUVID_UNCERTAIN_DVL_LATE, dvl_late_s, THRUST, PLANAR + HEAVE, AS_CONFIGURED, TIMING,       \
-        "the DVL is later than the attitude, by ", "the attitude is later than the DVL, by ", "s", \
+        "the {DVL is later than the attitude|attitude is later than the DVL}, by ", "s",           \
         "check their time stamps, and that the velocity is not filtered")                          \
     ROW(AUVID_UNCERTAIN_FORCE_RESPONSE, response_s2, THRUST, SURGE + SWAY + HEAVE, AS_CONFIGURED,  \
-        COUNT, NULL, NULL, NULL, NULL)                                                             \
+        COUNT, NULL, NULL, NULL)                                                                   \
     ROW(AUVID_UNCERTAIN_MOMENT_RESPONSE, response_s2, THRUST, ROLL + PITCH + YAW, AS_CONFIGURED,   \
-        COUNT, NULL, NULL, NULL, NULL)                                                             \
-    ROW(AUVID_UNCERTAIN_GAIN, gain, GAIN, ACTUATED, AS_CONFIGURED, COUNT, NULL, NULL, NULL, NULL)  \
+        COUNT, NULL, NULL, NULL)                                                                   \
+    ROW(AUVID_UNCERTAIN_GAIN, gain, GAIN, ACTUATED, AS_CONFIGURED, COUNT, NULL, NULL, NULL)        \
     ROW(INPUT_DELAY, delay_s, THRUST, ACTUATED, AS_CONFIGURED, TIMING, UNCERTAIN_TIMING)           \
     ROW(INPUT_ASYMMETRY, asymmetry, HULL, DRAGGED, RELATIVE(table_asymmetry), ASYMMETRY,           \
-        "drag is larger in the positive direction, by ",                                           \
-        "drag is smaller in the positive direction, by ", "%", "the model's is the mean of both")  \
+        "drag is {larger|smaller} in the positive direction, by ", "%",                            \
+        "the model's is the mean of both")                                                         \
     ROW(INPUT_FORCE, force, HULL, UNFORCED, COLUMN(table_force), MOUNTING,                         \
-        "a constant force acts, of ", "a constant force acts, of -", "N", UNCERTAIN_MOUNT)         \
+        "a constant force acts, of {|-}", "N", UNCERTAIN_MOUNT)                                    \
     ROW(INPUT_CROSS, cross, HULL, SWAY + YAW, RELATIVE(table_cross), MOUNTING,                     \
-        "sway and yaw are coupled", "sway and yaw are coupled", NULL, UNCERTAIN_MOUNT)             \
+        "sway and yaw are coupled", NULL, UNCERTAIN_MOUNT)                                         \
     ROW(INPUT_LIFT, cross, HULL, HEAVE + YAW, RELATIVE(table_lift), MOUNTING, "the hull has lift", \
-        "the hull has lift", NULL, UNCERTAIN_MOUNT)                                                \
+        NULL, UNCERTAIN_MOUNT)                                                                     \
     ROW(INPUT_ASTERN, gravity_m, WEIGHT, PITCH + YAW, RELATIVE(table_weight), MOUNTING,            \
-        "the centre of gravity is astern, by ", "the centre of gravity is ahead, by ", "m",        \
-        UNCERTAIN_TRIM)                                                                            \
+        "the centre of gravity is {astern|ahead}, by ", "m", UNCERTAIN_TRIM)                       \
     ROW(INPUT_PORT, gravity_m, WEIGHT, ROLL + YAW, RELATIVE(table_weight), MOUNTING,               \
-        "the centre of gravity is to port, by ", "the centre of gravity is to starboard, by ",     \
-        "m", UNCERTAIN_TRIM)                                                                       \
+        "the centre of gravity is to {port|starboard}, by ", "m", UNCERTAIN_TRIM)                  \
     ROW(INPUT_CROSS_FLOW, cross_flow, HULL, SQUARE, RELATIVE(table_cross_flow), INFLOW,            \
-        "drag grows with the speed of the other axes",                                             \
-        "drag falls with the speed of the other axes", NULL,                                       \
+        "drag {grows|falls} with the speed of the other axes", NULL,                               \
         "the model's drag is that of each axis alone")
 
 /** The numbers of a row. */

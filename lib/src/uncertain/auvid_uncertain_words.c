@@ -6,12 +6,35 @@
 
 /* See AUVID_UNCERTAIN_TABLE. A program that says no sentence does not contain them. */
 typedef struct {
-    const char *above, *below, *unit, *remedy;
+    const char *finding, *unit, *remedy;
 } causes_words_t;
 
 #define WORDS(input, deviation, from, equations, prior, class, ...)                                \
     [UNCERTAIN_ROW(input)] = {__VA_ARGS__},
 static const causes_words_t causes_words[] = {AUVID_UNCERTAIN_TABLE(WORDS)};
+
+/* Append the words; of "{above|below}" among them one. */
+static void causes_append_either(auvid_words_t *w, const char *words, bool above)
+{
+    bool skips = false;
+    for (; *words != '\0'; ++words) {
+        const char letter[2] = {*words, '\0'};
+        switch (*words) {
+        case '{':
+            skips = !above;
+            break;
+        case '|':
+            skips = above;
+            break;
+        case '}':
+            skips = false;
+            break;
+        default:
+            auvid_words_append(w, skips ? "" : letter);
+            break;
+        }
+    }
+}
 
 static void causes_append(auvid_words_t *w, const auvid_cause_t *cause)
 {
@@ -19,7 +42,7 @@ static void causes_append(auvid_words_t *w, const auvid_cause_t *cause)
     if (auvid_uncertain_row(cause->input)->from == INPUT_FROM_HULL) {
         auvid_words_append_dof(w, (auvid_dof_t)cause->dof);
     }
-    auvid_words_append(w, cause->value > AUVID_C(0.0) ? words->above : words->below);
+    causes_append_either(w, words->finding, cause->value > AUVID_C(0.0));
     if (words->unit != NULL) {
         bool part = words->unit[0] == '%';
         auvid_words_append_rough(w, (part ? AUVID_C(100.0) : AUVID_C(1.0)) * cause->value);

@@ -165,12 +165,6 @@ static void nothing(auvid_identifier_t *identifier)
     (void)identifier;
 }
 
-static void judge(auvid_identifier_t *identifier, bool changed)
-{
-    (void)identifier;
-    (void)changed;
-}
-
 static const auvid_estimate_t *no_estimate(const auvid_identifier_t *identifier)
 {
     (void)identifier;
@@ -188,7 +182,8 @@ static const auvid_uncertain_functions_t knows_the_sag = {.add_cell = no_step,
                                                           .begin = no_step,
                                                           .publish = nothing,
                                                           .estimate = no_estimate,
-                                                          .judge = judge,
+                                                          .accept = nothing,
+                                                          .change_vehicle = nothing,
                                                           .sag = known_sag};
 
 /* What the model leaves then is in proportion to the wrench. */

@@ -291,6 +291,22 @@ static void test_more_columns_than_there_is_room_for_are_refused(void)
     TEST_ASSERT_EQUAL_MEMORY(&before, &id, sizeof before);
 }
 
+/* Five lags of the 13 parameters need 119 columns; there are 110. */
+static void test_the_longest_lag_is_left_out_if_there_is_no_room_for_it(void)
+{
+    auvid_identifier_config_t cfg;
+    auvid_allocation_t five;
+    auvid_identifier_defaults(&cfg, &auvid_girona500);
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_init(&id, &cfg));
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_allocation_init(&five, &auvid_allocation_girona500));
+    auvid_uncertain_defaults(&inputs);
+    TEST_ASSERT_EQUAL(AUVID_OK, auvid_identifier_attach_uncertain(&id, &uncertain, &inputs, &five));
+    TEST_ASSERT_EQUAL(AUVID_OK, attach());
+    TEST_ASSERT_EQUAL(4, instruments.lags);
+    TEST_ASSERT_EQUAL(4 * 6 + 1, instruments.of[AUVID_SURGE].count);
+    TEST_ASSERT_EQUAL(4 * 5 + 1, instruments.of[AUVID_YAW].count);
+}
+
 static void test_a_bad_reference_is_refused_and_changes_nothing(void)
 {
     memset(&instruments, 0, sizeof instruments);
@@ -320,6 +336,7 @@ int main(void)
     RUN_TEST(test_null_is_refused);
     RUN_TEST(test_they_attach_once_to_uncertain_inputs_and_before_the_first_step);
     RUN_TEST(test_more_columns_than_there_is_room_for_are_refused);
+    RUN_TEST(test_the_longest_lag_is_left_out_if_there_is_no_room_for_it);
     RUN_TEST(test_a_bad_reference_is_refused_and_changes_nothing);
     return UNITY_END();
 }

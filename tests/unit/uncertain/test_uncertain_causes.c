@@ -7,6 +7,7 @@
 
 #include "field_identify.h"
 #include "identifier/auvid_identifier_internal.h"
+#include "uncertain/auvid_uncertain_table_internal.h"
 
 static auvid_causes_t causes, unchanged;
 static char text[200];
@@ -199,7 +200,7 @@ static void test_causes_stay_while_the_next_solution_is_under_way(void)
 static void test_after_a_change_of_the_vehicle_there_are_none(void)
 {
     identify_with(FIELD_GIRONA500, "thrust_backward", 0.1);
-    identifier_judge_uncertain(&run.id, true);
+    identifier_discard_uncertain(&run.id);
     TEST_ASSERT_EQUAL(AUVID_ERR_NO_DATA, auvid_uncertain_causes(&run.uncertain, &causes));
     TEST_ASSERT_EQUAL_UINT32(0, run.uncertain.causes.named); /* what a node reports */
 }
@@ -256,6 +257,31 @@ static void test_every_named_input_has_a_sentence(void)
     }
 }
 
+static void expect_of(int input, double value, const char *words)
+{
+    causes.named = 1;
+    causes.order[0] = 0;
+    causes.cause[0] = (auvid_cause_t){.value = (auvid_real_t)value, .input = (uint8_t)input};
+    expect(words, 0);
+}
+
+static void test_a_sentence_says_the_direction(void)
+{
+    expect_of(AUVID_UNCERTAIN_FILTER, 0.1,
+              "the velocity is filtered in the world's axes, with a time constant of 0.1 s or so; "
+              "supply that of the DVL");
+    expect_of(AUVID_UNCERTAIN_FILTER, -0.1,
+              "the velocity leads in the world's axes, by 0.1 s or so; supply that of the DVL");
+    expect_of(INPUT_FORCE, 20.0,
+              "surge: a constant force acts, of 20 N or so; check lever arms and mounting of DVL "
+              "and IMU");
+    expect_of(INPUT_FORCE, -20.0,
+              "surge: a constant force acts, of -20 N or so; check lever arms and mounting of DVL "
+              "and IMU");
+    expect_of(INPUT_LIFT, -1.0,
+              "surge: the hull has lift; check lever arms and mounting of DVL and IMU");
+}
+
 /* ---- statuses ---- */
 
 static void test_refusals_change_nothing(void)
@@ -292,6 +318,7 @@ int main(void)
     RUN_TEST(test_after_a_change_of_the_vehicle_there_are_none);
     RUN_TEST(test_sentences_give_size_and_remedy);
     RUN_TEST(test_every_named_input_has_a_sentence);
+    RUN_TEST(test_a_sentence_says_the_direction);
     RUN_TEST(test_refusals_change_nothing);
     return UNITY_END();
 }

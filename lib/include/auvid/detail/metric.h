@@ -57,7 +57,7 @@
  *
  * The identifier calls `add` and `gap` from the control tick, the rest from work().
  * Cost, Girona500: add takes 0.4k multiplications a cell, and four rows of Givens rotations every
- * half second; a cost evaluation takes 78 multiplications. Memory: sizeof(auvid_metric_t), 16 KiB
+ * half second; a cost evaluation takes 78 multiplications. Memory: sizeof(auvid_metric_t), 17 KiB
  * with default sizes. Each completed set takes 1.0 KiB of it, at 16 bits a number. Completing a set
  * costs 11k instructions of a Cortex-M4F.
  */
