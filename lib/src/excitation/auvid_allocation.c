@@ -277,19 +277,77 @@ auvid_status_t auvid_allocation_init(auvid_allocation_t *a, const auvid_allocati
 
 /* ---- every tick ---- */
 
-/* Return the largest k in 0..1 for which all base + k f are within the limits; base is. */
-static auvid_real_t allocation_max_scale(const auvid_allocation_t *a, const auvid_real_t *base,
-                                         const auvid_real_t *f)
+/* Does the rest add more than rounding to the force of a thruster? */
+static bool allocation_adds(const auvid_thruster_t *t, auvid_real_t rest)
+{
+    return auvid_abs(rest) > AUVID_EPSILON * (t->max_N - t->min_N);
+}
+
+/* Return the largest k in 0..1 for which k first is within the limits of the thrusters to which the
+ * rest adds only rounding. */
+static auvid_real_t allocation_scale_alone(const auvid_allocation_t *a, const auvid_real_t *first,
+                                           const auvid_real_t *rest)
 {
     auvid_real_t k = AUVID_C(1.0);
     for (int j = 0; j < a->cfg.thrusters; ++j) {
-        auvid_real_t margin = f[j] > AUVID_C(0.0) ? a->cfg.thruster[j].max_N - base[j]
-                                                  : a->cfg.thruster[j].min_N - base[j];
-        if (auvid_abs(k * f[j]) > auvid_abs(margin)) {
-            k = margin / f[j];
+        auvid_real_t limit =
+            first[j] > AUVID_C(0.0) ? a->cfg.thruster[j].max_N : a->cfg.thruster[j].min_N;
+        if (!allocation_adds(&a->cfg.thruster[j], rest[j]) &&
+            auvid_abs(k * first[j]) > auvid_abs(limit)) {
+            k = limit / first[j];
         }
     }
-    return auvid_max(k, AUVID_C(0.0));
+    return k;
+}
+
+/* A bound of k2 as a function of k1. */
+typedef struct {
+    auvid_real_t value, slope;
+} allocation_bound_t;
+
+/* Compute the bounds of k2, within 0..1, so that k1 first + k2 rest is within the limits. */
+static void allocation_bound_rest(const auvid_allocation_t *a, const auvid_real_t *first,
+                                  const auvid_real_t *rest, auvid_real_t k1,
+                                  allocation_bound_t *low, allocation_bound_t *high)
+{
+    *low = (allocation_bound_t){AUVID_C(0.0), AUVID_C(0.0)};
+    *high = (allocation_bound_t){AUVID_C(1.0), AUVID_C(0.0)};
+    for (int j = 0; j < a->cfg.thrusters; ++j) {
+        const auvid_thruster_t *t = &a->cfg.thruster[j];
+        if (!allocation_adds(t, rest[j])) {
+            continue;
+        }
+        auvid_real_t size = auvid_abs(rest[j]), done = k1 * first[j];
+        bool forward = rest[j] > AUVID_C(0.0);
+        auvid_real_t to = forward ? t->max_N - done : done - t->min_N;
+        auvid_real_t from = forward ? t->min_N - done : done - t->max_N;
+        if (to < high->value * size) {
+            *high = (allocation_bound_t){to / size, -first[j] / rest[j]};
+        }
+        if (from > low->value * size) {
+            *low = (allocation_bound_t){from / size, -first[j] / rest[j]};
+        }
+    }
+}
+
+/* Find the largest k1, then the largest k2, both in 0..1, for which k1 first + k2 rest is within
+ * the limits. The room for k2, high - low, is a concave function of k1 in straight pieces, and not
+ * negative at k1 = 0. Newton's method finds its root from above, a piece each step. */
+static void allocation_scale(const auvid_allocation_t *a, const auvid_real_t *first,
+                             const auvid_real_t *rest, auvid_real_t *k1, auvid_real_t *k2)
+{
+    allocation_bound_t low, high;
+    *k1 = allocation_scale_alone(a, first, rest);
+    allocation_bound_rest(a, first, rest, *k1, &low, &high);
+    for (int i = 0; i < 2 * AUVID_MAX_THRUSTERS && low.value > high.value; ++i) {
+        auvid_real_t next = *k1 - (low.value - high.value) / (low.slope - high.slope);
+        if (!(next < *k1)) {
+            break; /* only rounding is left */
+        }
+        *k1 = auvid_max(next, AUVID_C(0.0));
+        allocation_bound_rest(a, first, rest, *k1, &low, &high);
+    }
+    *k2 = auvid_max(high.value, AUVID_C(0.0));
 }
 
 static auvid_status_t allocation_given(const auvid_allocation_t *a, const void *from,
@@ -330,15 +388,11 @@ auvid_status_t auvid_allocation_solve(const auvid_allocation_t *a, const auvid_r
             f[j] += a->inverse[j][i] * wrench[i];
         }
     }
-    result->scale_priority = allocation_max_scale(a, result->force_N, first); /* still zero */
+    allocation_scale(a, first, rest, &result->scale_priority, &result->scale);
     for (int j = 0; j < a->cfg.thrusters; ++j) {
-        first[j] *= result->scale_priority;
-    }
-    result->scale = allocation_max_scale(a, first, rest);
-    for (int j = 0; j < a->cfg.thrusters; ++j) {
-        result->force_N[j] =
-            auvid_clamp_here(first[j] + result->scale * rest[j], /* against rounding */
-                             a->cfg.thruster[j].min_N, a->cfg.thruster[j].max_N);
+        auvid_real_t f = result->scale_priority * first[j] + result->scale * rest[j];
+        result->force_N[j] = auvid_clamp_here(f, /* against rounding */
+                                              a->cfg.thruster[j].min_N, a->cfg.thruster[j].max_N);
     }
     (void)auvid_allocation_wrench(a, result->force_N, result->wrench);
     return result->dropped != 0 || result->scale_priority < AUVID_C(1.0) ||

@@ -149,6 +149,66 @@ static void test_yaw_beyond_the_limit_is_scaled_and_takes_all(void)
     assert_wrench(0, 0, 0, 0, 0, -0.8 * 153.8);
 }
 
+/* Two propellers side by side that work ahead only: X = f0 + f1, N = 0.3 (f1 - f0). */
+static void twin_propellers(void)
+{
+    auvid_allocation_defaults(&cfg);
+    add(1, 0, 0, 0, 0, -0.3);
+    add(1, 0, 0, 0, 0, 0.3);
+    for (int i = 0; i < 2; ++i) {
+        cfg.thruster[i].min_N = 0;
+        cfg.thruster[i].max_N = 50;
+    }
+    TEST_ASSERT_EQUAL_INT(AUVID_OK, auvid_allocation_init(&a, &cfg));
+}
+
+/* Surge lets them turn the vehicle, though neither can work astern. */
+static void test_what_all_thrusters_can_do_together_is_not_scaled(void)
+{
+    twin_propellers();
+    TEST_ASSERT_EQUAL_INT(AUVID_OK, solve(40, 0, 0, 0, 0, 3));
+    assert_wrench(40, 0, 0, 0, 0, 3);
+    TEST_ASSERT_EQUAL_DOUBLE(1.0, (double)out.scale_priority);
+    TEST_ASSERT_EQUAL_DOUBLE(1.0, (double)out.scale);
+}
+
+/* Yaw has as much as any surge up to the requested one allows. */
+static void test_yaw_is_scaled_by_the_largest_factor_with_any_surge(void)
+{
+    twin_propellers();
+    TEST_ASSERT_EQUAL_INT(AUVID_SATURATED, solve(40, 0, 0, 0, 0, 12)); /* (0, 40) N */
+    assert_wrench(40, 0, 0, 0, 0, 12 * (double)out.scale_priority);
+    TEST_ASSERT_DOUBLE_WITHIN(tolerance(), 1.0, (double)out.scale_priority);
+    TEST_ASSERT_EQUAL_INT(AUVID_SATURATED, solve(80, 0, 0, 0, 0, 30)); /* (0, 50) N */
+    TEST_ASSERT_DOUBLE_WITHIN(tolerance(), 0.5, (double)out.scale_priority);
+    assert_wrench(50, 0, 0, 0, 0, 15);
+    TEST_ASSERT_EQUAL_INT(AUVID_SATURATED, solve(0, 0, 0, 0, 0, 3));
+    assert_wrench(0, 0, 0, 0, 0, 0);
+    TEST_ASSERT_EQUAL_INT(AUVID_SATURATED, solve(-10, 0, 0, 0, 0, 3));
+    assert_wrench(0, 0, 0, 0, 0, 0);
+}
+
+/* A filter that decays leaves numbers of any size. */
+static void test_what_is_only_rounding_does_not_block(void)
+{
+    twin_propellers();
+    TEST_ASSERT_EQUAL_INT(AUVID_SATURATED, solve(1e-36, 0, 0, 0, 0, 3));
+    assert_wrench(0, 0, 0, 0, 0, 0);
+    TEST_ASSERT_EQUAL_INT(AUVID_OK, solve(40, 0, 0, 0, 0, 1e-36));
+    assert_wrench(40, 0, 0, 0, 0, 0);
+}
+
+static void test_what_is_within_the_check_is_never_scaled(void)
+{
+    const auvid_real_t peak[6] = {5, 0, 0, 0, 0, 4}, hold[6] = {40};
+    twin_propellers();
+    TEST_ASSERT_EQUAL_INT(AUVID_OK, auvid_allocation_check(&a, peak, hold, NULL));
+    for (int signs = 0; signs < 4; ++signs) {
+        TEST_ASSERT_EQUAL_INT(
+            AUVID_OK, solve((signs & 1) != 0 ? 45 : 35, 0, 0, 0, 0, (signs & 2) != 0 ? 4 : -4));
+    }
+}
+
 static void test_without_priority_the_whole_wrench_is_scaled(void)
 {
     cfg = auvid_allocation_girona500;
@@ -516,6 +576,10 @@ int main(void)
     RUN_TEST(test_saturation_keeps_the_direction);
     RUN_TEST(test_yaw_is_kept_and_surge_is_reduced);
     RUN_TEST(test_yaw_beyond_the_limit_is_scaled_and_takes_all);
+    RUN_TEST(test_what_all_thrusters_can_do_together_is_not_scaled);
+    RUN_TEST(test_yaw_is_scaled_by_the_largest_factor_with_any_surge);
+    RUN_TEST(test_what_is_only_rounding_does_not_block);
+    RUN_TEST(test_what_is_within_the_check_is_never_scaled);
     RUN_TEST(test_without_priority_the_whole_wrench_is_scaled);
     RUN_TEST(test_no_force_ever_exceeds_its_limit);
     RUN_TEST(test_a_thruster_out_of_order_is_not_used);
