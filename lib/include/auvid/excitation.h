@@ -168,9 +168,9 @@ void auvid_excitation_defaults(auvid_excitation_config_t *cfg);
  * sines, independently per DoF, all degrees of freedom at the same time. Steps are held 4-8 s
  * (set_s / 4 to set_s / 2 if that is shorter, set_s < 16). Sines: five or AUVID_MAX_SINES,
  * whichever is less, 0.03-0.25 Hz (not below 1 / set_s). Roll and pitch have restoring moments and
- * periods of seconds: steps of 1-2 s, 0.1-0.8 Hz. Segment fades 0.2 s, no pairs. Excursion limit
- * 5 m in surge and sway, 3 m in heave, 2 pi in yaw, none in roll and pitch. The caller may change
- * all of this afterwards.
+ * periods of seconds: steps of 1-2 s (not below set_s / AUVID_EXCITATION_HOLDS), 0.1-0.8 Hz.
+ * Segment fades 0.2 s, no pairs. Excursion limit 5 m in surge and sway, 3 m in heave, 2 pi in yaw,
+ * none in roll and pitch. The caller may change all of this afterwards.
  * @param cfg    written: segment, segments, duration_s = sets * set_s, excursion_limit, seed;
  *                  the rest is unchanged. Call auvid_excitation_defaults first.
  * @param amplitude 6: peak per DoF [N, Nm], >= 0; zero omits that DoF. Girona500: 100 N in X, Y, Z
