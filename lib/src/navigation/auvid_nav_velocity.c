@@ -50,6 +50,9 @@ AUVID_INLINE void nav_update_cross_covariance_row(auvid_nav_t *nav, int i, auvid
     nav->ekf.pv[i][2] = r * w[2];
 }
 
+/* Largest ratio of a diagonal element of S to its pivot. */
+#define LARGEST_PIVOT_LOSS AUVID_C(1e3)
+
 /*
  * Apply all axes of a velocity at the filter's time: H = [0 I], R = r I, S = Pvv + r I. With
  * W = Ppv S^-1
@@ -63,7 +66,6 @@ AUVID_INLINE void nav_update_cross_covariance_row(auvid_nav_t *nav, int i, auvid
  * is too far from diagonal: S^-1 loses the digits that a pivot loses. Not inlined, to save stack on
  * the slow path.
  */
-#define LARGEST_PIVOT_LOSS AUVID_C(1e3)
 static AUVID_NOINLINE bool nav_apply_velocity(auvid_nav_t *nav, const auvid_nav_measurement_t *m)
 {
     auvid_nav_diagnostics_t *d = &nav->diagnostics[m->sensor];
