@@ -20,7 +20,9 @@
 #define DOFS AUVID_DOF_COUNT
 
 /* A row of T is dependent if its component outside the span of the others, relative to its length,
- * is below this. Also the tolerance of (U U')_ii from 1. T is measured with a tape: 0.1 %. */
+ * is below this; and zero if its length is, relative to the longest row of forces or moments: the
+ * cosine of a right angle is not zero. Also the tolerance of (U U')_ii from 1. T is measured with a
+ * tape: 0.1 %. */
 #define DEPENDENT AUVID_C(1e-3)
 #define LARGEST_ENTRY AUVID_C(1e6)
 #define LARGEST_WRENCH AUVID_C(1e9)
@@ -117,11 +119,27 @@ static void allocation_orthogonalise(auvid_real_t *v, const auvid_real_t *basis,
     }
 }
 
+/* Compute the shortest length of a row that counts: for forces, and for moments. */
+static void allocation_shortest_rows(const auvid_allocation_config_t *cfg, auvid_real_t shortest[2])
+{
+    auvid_real_t row[AUVID_MAX_THRUSTERS];
+    shortest[0] = shortest[1] = AUVID_C(0.0);
+    for (int i = 0; i < DOFS; ++i) {
+        auvid_real_t *longest = &shortest[i >= AUVID_ROLL];
+        allocation_row(cfg, i, row);
+        *longest = auvid_max(*longest, auvid_sqrt(allocation_dot(row, row, cfg->thrusters)));
+    }
+    shortest[0] *= DEPENDENT;
+    shortest[1] *= DEPENDENT;
+}
+
 /* Compute orthonormal rows Q that span the rows of B. Pivoting takes the row with the largest
  * component outside the span, relative to its length, since rows have different units. */
 static void allocation_span_rows(decomposition_t *d)
 {
     int n = d->cfg->thrusters;
+    auvid_real_t shortest[2];
+    allocation_shortest_rows(d->cfg, shortest);
     d->rank = 0;
     while (d->rank < DOFS) {
         auvid_real_t best = DEPENDENT;
@@ -131,7 +149,7 @@ static void allocation_span_rows(decomposition_t *d)
             auvid_real_t length = auvid_sqrt(allocation_dot(row, row, n));
             allocation_orthogonalise(row, &d->q[0][0], AUVID_MAX_THRUSTERS, d->rank, n, NULL);
             auvid_real_t left = auvid_sqrt(allocation_dot(row, row, n));
-            if (left > best * length) {
+            if (length > shortest[i >= AUVID_ROLL] && left > best * length) {
                 best = left / length;
                 for (int j = 0; j < n; ++j) {
                     d->q[d->rank][j] = row[j] / left;

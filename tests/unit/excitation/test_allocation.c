@@ -149,6 +149,38 @@ static void test_yaw_beyond_the_limit_is_scaled_and_takes_all(void)
     assert_wrench(0, 0, 0, 0, 0, -0.8 * 153.8);
 }
 
+/* Four vectored thrusters in a plane; `up`: the sine of 180 degrees, as a computer has it. */
+static void vectored(double up)
+{
+    const double place[4][2] = {{0.3, 0.2}, {0.3, -0.2}, {-0.3, 0.25}, {-0.3, -0.225}};
+    const double heading[4] = {-0.785, 0.785, -2.356, 2.356};
+    auvid_allocation_defaults(&cfg);
+    for (int i = 0; i < 4; ++i) {
+        double x = place[i][0], y = place[i][1], ahead = cos(heading[i]), aside = sin(heading[i]);
+        add(ahead, aside, up, y * up, -x * up, x * aside - y * ahead);
+    }
+    TEST_ASSERT_EQUAL_INT(AUVID_OK, auvid_allocation_init(&a, &cfg));
+}
+
+static void test_a_rounding_error_in_the_configuration_is_no_thruster(void)
+{
+    const double errors[] = {0, 1.2246e-16, -4.3711e-8, 1e-5};
+    for (int i = 0; i < 4; ++i) {
+        vectored(errors[i]);
+        TEST_ASSERT_EQUAL_HEX8(AUVID_DOF_BIT(AUVID_SURGE) | AUVID_DOF_BIT(AUVID_SWAY) |
+                                   AUVID_DOF_BIT(AUVID_YAW),
+                               a.actuated);
+        TEST_ASSERT_EQUAL_INT(3, a.rank);
+        TEST_ASSERT_EQUAL_INT(AUVID_SATURATED, solve(10, 5, 3, 0, 0, 1));
+        TEST_ASSERT_EQUAL_INT(AUVID_DOF_BIT(AUVID_HEAVE), out.dropped);
+        TEST_ASSERT_DOUBLE_WITHIN(1e-3, 10, (double)out.wrench[AUVID_SURGE]);
+        TEST_ASSERT_DOUBLE_WITHIN(1e-3, 5, (double)out.wrench[AUVID_SWAY]);
+        TEST_ASSERT_DOUBLE_WITHIN(1e-3, 1, (double)out.wrench[AUVID_YAW]);
+    }
+    vectored(0.01); /* half a degree is a direction */
+    TEST_ASSERT_TRUE((a.actuated & AUVID_DOF_BIT(AUVID_HEAVE)) != 0);
+}
+
 /* Two propellers side by side that work ahead only: X = f0 + f1, N = 0.3 (f1 - f0). */
 static void twin_propellers(void)
 {
@@ -576,6 +608,7 @@ int main(void)
     RUN_TEST(test_saturation_keeps_the_direction);
     RUN_TEST(test_yaw_is_kept_and_surge_is_reduced);
     RUN_TEST(test_yaw_beyond_the_limit_is_scaled_and_takes_all);
+    RUN_TEST(test_a_rounding_error_in_the_configuration_is_no_thruster);
     RUN_TEST(test_what_all_thrusters_can_do_together_is_not_scaled);
     RUN_TEST(test_yaw_is_scaled_by_the_largest_factor_with_any_surge);
     RUN_TEST(test_what_is_only_rounding_does_not_block);
