@@ -19,8 +19,8 @@ enum {
     INPUT_FORCE,
     INPUT_CROSS,
     INPUT_LIFT,
-    INPUT_ASTERN,     /* centre of gravity astern */
-    INPUT_PORT,       /* centre of gravity to port */
+    INPUT_ASTERN, /* centre of gravity astern */
+    INPUT_PORT,   /* centre of gravity to port */
     INPUT_CROSS_FLOW, /* drag that follows the whole speed */
     INPUTS
 };

@@ -242,8 +242,8 @@ static void test_peak_is_the_largest_of_each_degree_of_freedom(void)
     TEST_ASSERT_EQUAL_DOUBLE(0.0, (double)peak[1]);
 }
 
-/* Return the lowest peak of the sums of sines in sets of set_s, relative to the amplitude: 60 seeds,
- * all DoFs with an amplitude, 100 Hz. The amplitude is never exceeded. */
+/* Return the lowest peak of the sums of sines in sets of set_s, relative to the amplitude: 60
+ * seeds, all DoFs with an amplitude, 100 Hz. The amplitude is never exceeded. */
 static double lowest_peak(const auvid_real_t amplitude[6], unsigned set_s)
 {
     double lowest = 1.0;
