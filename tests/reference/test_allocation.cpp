@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <random>
+#include <utility>
 
 #include "auvid/allocation.h"
 
@@ -156,20 +157,30 @@ static void test_actuated_dofs_are_those_in_the_range()
     }
 }
 
-// The largest scale in 0..1 with low <= base + scale * f <= high, by bisection.
-static double largest_scale(const auvid_allocation_t &a, const VectorXd &base, const VectorXd &f)
+// The range of k in 0..1 with low <= base + k f <= high.
+static std::pair<double, double> range_of_scale(const auvid_allocation_t &a, const VectorXd &base,
+                                                const VectorXd &f)
+{
+    std::pair<double, double> range(0, 1);
+    for (int j = 0; j < f.size(); ++j) {
+        double k[2] = {(double(a.cfg.thruster[j].min_N) - base(j)) / f(j),
+                       (double(a.cfg.thruster[j].max_N) - base(j)) / f(j)};
+        range.first = std::max(range.first, std::min(k[0], k[1]));
+        range.second = std::min(range.second, std::max(k[0], k[1]));
+    }
+    return range;
+}
+
+// The largest scale in 0..1 of `first` that leaves a range for that of `rest`, by bisection.
+static double largest_first(const auvid_allocation_t &a, const VectorXd &first,
+                            const VectorXd &rest)
 {
     double low = 0, high = 1;
     for (int i = 0; i < 60; ++i) {
         double k = i == 0 ? 1 : 0.5 * (low + high);
-        bool fits = true;
-        for (int j = 0; j < f.size(); ++j) {
-            double force = base(j) + k * f(j);
-            fits = fits && force <= double(a.cfg.thruster[j].max_N) * (1 + 1e-12) &&
-                   force >= double(a.cfg.thruster[j].min_N) * (1 + 1e-12);
-        }
-        (fits ? low : high) = k;
-        if (i == 0 && fits) {
+        auto range = range_of_scale(a, k * first, rest);
+        (range.first <= range.second ? low : high) = k;
+        if (low == high) {
             break;
         }
     }
@@ -178,7 +189,7 @@ static double largest_scale(const auvid_allocation_t &a, const VectorXd &base, c
 
 static void test_saturation_is_the_largest_scale_with_yaw_first()
 {
-    int saturated = 0;
+    int saturated = 0, helped = 0;
     for (int trial = 0; trial < 4000; ++trial) {
         MatrixXd t = random_matrix(6, std::max(6, AUVID_MAX_THRUSTERS));
         if (condition(t, 6) > 20) {
@@ -195,8 +206,8 @@ static void test_saturation_is_the_largest_scale_with_yaw_first()
 
         MatrixXd inverse = decomposed(t).pseudoInverse();
         VectorXd yaw = inverse.col(5) * wrench(5), rest = inverse * wrench - yaw;
-        double first = largest_scale(a, VectorXd::Zero(yaw.size()), yaw);
-        double second = largest_scale(a, first * yaw, rest);
+        double first = largest_first(a, yaw, rest);
+        double second = range_of_scale(a, first * yaw, rest).second;
         VectorXd force = first * yaw + second * rest, applied = t * force;
         TEST_ASSERT_EQUAL_INT(first < 1 || second < 1 ? AUVID_SATURATED : AUVID_OK, status);
         TEST_ASSERT_DOUBLE_WITHIN(2e-4, first, double(out.scale_priority));
@@ -205,8 +216,10 @@ static void test_saturation_is_the_largest_scale_with_yaw_first()
             TEST_ASSERT_DOUBLE_WITHIN(0.02, applied(i), double(out.wrench[i]));
         }
         saturated += status == AUVID_SATURATED;
+        helped += first > range_of_scale(a, VectorXd::Zero(yaw.size()), yaw).second + 1e-3;
     }
     TEST_ASSERT_TRUE(saturated > 500);
+    TEST_ASSERT_TRUE(helped > 20); // yaw alone would be scaled more
 }
 
 int main()

@@ -59,9 +59,11 @@ typedef enum {
     AUVID_SEGMENT_SINE,      /**< A sin(2 pi frequency_hz s + phase) */
     /** Sum of `sines` sines of equal amplitude and random phase. The frequencies are geometrically
      * spaced between frequency_hz and frequency_high_hz, each then changed at random by up to 12 %.
-     * The sum is scaled so that its peak within the segment, before fades, is at most A; with the
-     * plan's sines it is at least 0.93 A. The peak is lower in segments of more than
-     * AUVID_EXCITATION_SCAN / 8 periods of the highest frequency, and if the sines cancel. */
+     * The sum is scaled so that its peak within the segment, before fades, is at most A. With the
+     * plan's sines in sets of 30 s it is at least 0.93 A, in roll and pitch 0.9 A (2000 seeds). The
+     * peak is lower in segments of more than AUVID_EXCITATION_SCAN / 8 periods of the highest
+     * frequency, and in short ones, where close frequencies cancel: 0.8 A in sets of 10 s, 0.24 A
+     * in those of 5 s. */
     AUVID_SEGMENT_SINES,
     /** Steps to A or 0.3 A at random (two speeds separate linear from quadratic drag), each held
      * hold_min_s..hold_max_s. The first sign is random; the sign then changes with probability 3/4.
@@ -168,9 +170,9 @@ void auvid_excitation_defaults(auvid_excitation_config_t *cfg);
  * sines, independently per DoF, all degrees of freedom at the same time. Steps are held 4-8 s
  * (set_s / 4 to set_s / 2 if that is shorter, set_s < 16). Sines: five or AUVID_MAX_SINES,
  * whichever is less, 0.03-0.25 Hz (not below 1 / set_s). Roll and pitch have restoring moments and
- * periods of seconds: steps of 1-2 s, 0.1-0.8 Hz. Segment fades 0.2 s, no pairs. Excursion limit
- * 5 m in surge and sway, 3 m in heave, 2 pi in yaw, none in roll and pitch. The caller may change
- * all of this afterwards.
+ * periods of seconds: steps of 1-2 s (not below set_s / AUVID_EXCITATION_HOLDS), 0.1-0.8 Hz.
+ * Segment fades 0.2 s, no pairs. Excursion limit 5 m in surge and sway, 3 m in heave, 2 pi in yaw,
+ * none in roll and pitch. The caller may change all of this afterwards.
  * @param cfg    written: segment, segments, duration_s = sets * set_s, excursion_limit, seed;
  *                  the rest is unchanged. Call auvid_excitation_defaults first.
  * @param amplitude 6: peak per DoF [N, Nm], >= 0; zero omits that DoF. Girona500: 100 N in X, Y, Z

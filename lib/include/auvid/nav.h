@@ -87,8 +87,9 @@ typedef struct {
 } auvid_nav_mount_t;
 
 /** Configuration. Fill with auvid_nav_defaults(), then change individual fields. Within the stated
- * ranges single precision can represent the covariance, if ticks are at most a second apart (with
- * the default sigma_acceleration: at any interval). */
+ * ranges single precision keeps all variances positive, if sigma_position is at least 1e-3 s times
+ * sigma_velocity, and ticks are at most a second apart (with the default sigma_acceleration: at any
+ * interval). */
 typedef struct {
     auvid_real_t sigma_acceleration[3]; /**< process noise n_u n_v n_w of Eq. 5 at ticks of
         `reference_tick` [m/s2]; default 1 (gain of a DVL update >= 0.96); 1e-4..100 */

@@ -20,7 +20,9 @@
 #define DOFS AUVID_DOF_COUNT
 
 /* A row of T is dependent if its component outside the span of the others, relative to its length,
- * is below this. Also the tolerance of (U U')_ii from 1. T is measured with a tape: 0.1 %. */
+ * is below this; and zero if its length is, relative to the longest row of forces or moments: the
+ * cosine of a right angle is not zero. Also the tolerance of (U U')_ii from 1. T is measured with a
+ * tape: 0.1 %. */
 #define DEPENDENT AUVID_C(1e-3)
 #define LARGEST_ENTRY AUVID_C(1e6)
 #define LARGEST_WRENCH AUVID_C(1e9)
@@ -117,11 +119,27 @@ static void allocation_orthogonalise(auvid_real_t *v, const auvid_real_t *basis,
     }
 }
 
+/* Compute the shortest length of a row that counts: for forces, and for moments. */
+static void allocation_shortest_rows(const auvid_allocation_config_t *cfg, auvid_real_t shortest[2])
+{
+    auvid_real_t row[AUVID_MAX_THRUSTERS];
+    shortest[0] = shortest[1] = AUVID_C(0.0);
+    for (int i = 0; i < DOFS; ++i) {
+        auvid_real_t *longest = &shortest[i >= AUVID_ROLL];
+        allocation_row(cfg, i, row);
+        *longest = auvid_max(*longest, auvid_sqrt(allocation_dot(row, row, cfg->thrusters)));
+    }
+    shortest[0] *= DEPENDENT;
+    shortest[1] *= DEPENDENT;
+}
+
 /* Compute orthonormal rows Q that span the rows of B. Pivoting takes the row with the largest
  * component outside the span, relative to its length, since rows have different units. */
 static void allocation_span_rows(decomposition_t *d)
 {
     int n = d->cfg->thrusters;
+    auvid_real_t shortest[2];
+    allocation_shortest_rows(d->cfg, shortest);
     d->rank = 0;
     while (d->rank < DOFS) {
         auvid_real_t best = DEPENDENT;
@@ -131,7 +149,7 @@ static void allocation_span_rows(decomposition_t *d)
             auvid_real_t length = auvid_sqrt(allocation_dot(row, row, n));
             allocation_orthogonalise(row, &d->q[0][0], AUVID_MAX_THRUSTERS, d->rank, n, NULL);
             auvid_real_t left = auvid_sqrt(allocation_dot(row, row, n));
-            if (left > best * length) {
+            if (length > shortest[i >= AUVID_ROLL] && left > best * length) {
                 best = left / length;
                 for (int j = 0; j < n; ++j) {
                     d->q[d->rank][j] = row[j] / left;
@@ -277,19 +295,77 @@ auvid_status_t auvid_allocation_init(auvid_allocation_t *a, const auvid_allocati
 
 /* ---- every tick ---- */
 
-/* Return the largest k in 0..1 for which all base + k f are within the limits; base is. */
-static auvid_real_t allocation_max_scale(const auvid_allocation_t *a, const auvid_real_t *base,
-                                         const auvid_real_t *f)
+/* Does the rest add more than rounding to the force of a thruster? */
+static bool allocation_adds(const auvid_thruster_t *t, auvid_real_t rest)
+{
+    return auvid_abs(rest) > AUVID_EPSILON * (t->max_N - t->min_N);
+}
+
+/* Return the largest k in 0..1 for which k first is within the limits of the thrusters to which the
+ * rest adds only rounding. */
+static auvid_real_t allocation_scale_alone(const auvid_allocation_t *a, const auvid_real_t *first,
+                                           const auvid_real_t *rest)
 {
     auvid_real_t k = AUVID_C(1.0);
     for (int j = 0; j < a->cfg.thrusters; ++j) {
-        auvid_real_t margin = f[j] > AUVID_C(0.0) ? a->cfg.thruster[j].max_N - base[j]
-                                                  : a->cfg.thruster[j].min_N - base[j];
-        if (auvid_abs(k * f[j]) > auvid_abs(margin)) {
-            k = margin / f[j];
+        auvid_real_t limit =
+            first[j] > AUVID_C(0.0) ? a->cfg.thruster[j].max_N : a->cfg.thruster[j].min_N;
+        if (!allocation_adds(&a->cfg.thruster[j], rest[j]) &&
+            auvid_abs(k * first[j]) > auvid_abs(limit)) {
+            k = limit / first[j];
         }
     }
-    return auvid_max(k, AUVID_C(0.0));
+    return k;
+}
+
+/* A bound of k2 as a function of k1. */
+typedef struct {
+    auvid_real_t value, slope;
+} allocation_bound_t;
+
+/* Compute the bounds of k2, within 0..1, so that k1 first + k2 rest is within the limits. */
+static void allocation_bound_rest(const auvid_allocation_t *a, const auvid_real_t *first,
+                                  const auvid_real_t *rest, auvid_real_t k1,
+                                  allocation_bound_t *low, allocation_bound_t *high)
+{
+    *low = (allocation_bound_t){AUVID_C(0.0), AUVID_C(0.0)};
+    *high = (allocation_bound_t){AUVID_C(1.0), AUVID_C(0.0)};
+    for (int j = 0; j < a->cfg.thrusters; ++j) {
+        const auvid_thruster_t *t = &a->cfg.thruster[j];
+        if (!allocation_adds(t, rest[j])) {
+            continue;
+        }
+        auvid_real_t size = auvid_abs(rest[j]), done = k1 * first[j];
+        bool forward = rest[j] > AUVID_C(0.0);
+        auvid_real_t to = forward ? t->max_N - done : done - t->min_N;
+        auvid_real_t from = forward ? t->min_N - done : done - t->max_N;
+        if (to < high->value * size) {
+            *high = (allocation_bound_t){to / size, -first[j] / rest[j]};
+        }
+        if (from > low->value * size) {
+            *low = (allocation_bound_t){from / size, -first[j] / rest[j]};
+        }
+    }
+}
+
+/* Find the largest k1, then the largest k2, both in 0..1, for which k1 first + k2 rest is within
+ * the limits. The room for k2, high - low, is a concave function of k1 in straight pieces, and not
+ * negative at k1 = 0. Newton's method finds its root from above, a piece each step. */
+static void allocation_scale(const auvid_allocation_t *a, const auvid_real_t *first,
+                             const auvid_real_t *rest, auvid_real_t *k1, auvid_real_t *k2)
+{
+    allocation_bound_t low, high;
+    *k1 = allocation_scale_alone(a, first, rest);
+    allocation_bound_rest(a, first, rest, *k1, &low, &high);
+    for (int i = 0; i < 2 * AUVID_MAX_THRUSTERS && low.value > high.value; ++i) {
+        auvid_real_t next = *k1 - (low.value - high.value) / (low.slope - high.slope);
+        if (!(next < *k1)) {
+            break; /* only rounding is left */
+        }
+        *k1 = auvid_max(next, AUVID_C(0.0));
+        allocation_bound_rest(a, first, rest, *k1, &low, &high);
+    }
+    *k2 = auvid_max(high.value, AUVID_C(0.0));
 }
 
 static auvid_status_t allocation_given(const auvid_allocation_t *a, const void *from,
@@ -330,15 +406,11 @@ auvid_status_t auvid_allocation_solve(const auvid_allocation_t *a, const auvid_r
             f[j] += a->inverse[j][i] * wrench[i];
         }
     }
-    result->scale_priority = allocation_max_scale(a, result->force_N, first); /* still zero */
+    allocation_scale(a, first, rest, &result->scale_priority, &result->scale);
     for (int j = 0; j < a->cfg.thrusters; ++j) {
-        first[j] *= result->scale_priority;
-    }
-    result->scale = allocation_max_scale(a, first, rest);
-    for (int j = 0; j < a->cfg.thrusters; ++j) {
-        result->force_N[j] =
-            auvid_clamp_here(first[j] + result->scale * rest[j], /* against rounding */
-                             a->cfg.thruster[j].min_N, a->cfg.thruster[j].max_N);
+        auvid_real_t f = result->scale_priority * first[j] + result->scale * rest[j];
+        result->force_N[j] = auvid_clamp_here(f, /* against rounding */
+                                              a->cfg.thruster[j].min_N, a->cfg.thruster[j].max_N);
     }
     (void)auvid_allocation_wrench(a, result->force_N, result->wrench);
     return result->dropped != 0 || result->scale_priority < AUVID_C(1.0) ||

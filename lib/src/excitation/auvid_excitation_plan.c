@@ -39,8 +39,11 @@ static void excitation_add_sets(auvid_excitation_config_t *cfg, auvid_dof_t dof,
     s->fade_s = EXCITATION_STEP_FADE_S;
     s->frequency_hz = auvid_max(righted ? AUVID_C(0.1) : AUVID_C(0.03), AUVID_C(1.0) / set_s);
     s->frequency_high_hz = righted ? AUVID_C(0.8) : AUVID_C(0.25);
-    s->hold_min_s = auvid_min(hold_s, set_s * AUVID_C(0.25));
+    /* at most AUVID_EXCITATION_HOLDS steps, as init demands */
+    s->hold_min_s = auvid_max(auvid_min(hold_s, set_s * AUVID_C(0.25)),
+                              set_s / (auvid_real_t)AUVID_EXCITATION_HOLDS);
     s->hold_max_s = auvid_min(righted ? AUVID_C(2.0) : AUVID_C(8.0), set_s * AUVID_C(0.5));
+    s->hold_max_s = auvid_max(s->hold_max_s, s->hold_min_s);
     s->sines = AUVID_MAX_SINES < 5 ? AUVID_MAX_SINES : 5;
     s[1] = s[0];
     s[1].kind = AUVID_SEGMENT_SINES;

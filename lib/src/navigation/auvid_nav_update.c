@@ -251,12 +251,13 @@ static auvid_status_t nav_test_gate(auvid_nav_t *nav, auvid_nav_measurement_t *m
 }
 
 /* Re-initialise the velocity along h from a measurement, with u = [0; h], g = P u:
- * P = (I - u u') P (I - u u') + variance u u' = P - g u' - u g' + (u'g + variance) u u' */
+ * P = (I - u u') P (I - u u') + variance u u' = P - g u' - u g' + (u'g + variance) u u'
+ * A variance far below that of P would be lost in the differences. */
 static void nav_restart_velocity(auvid_nav_t *nav, const auvid_real_t h[3], auvid_real_t step,
                                  auvid_real_t variance)
 {
-    auvid_real_t g[6];
-    auvid_real_t sum = nav_velocity_covariance(nav, h, g) + variance;
+    auvid_real_t g[6], hph = nav_velocity_covariance(nav, h, g);
+    auvid_real_t sum = hph + auvid_max(variance, NAV_MIN_VARIANCE_RATIO * hph);
     for (int k = 0; k < 3; ++k) {
         nav_add(nav->ekf.pv[k], -g[k], h);
         for (int l = k; l < 3; ++l) {

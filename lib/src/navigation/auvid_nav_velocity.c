@@ -50,6 +50,9 @@ AUVID_INLINE void nav_update_cross_covariance_row(auvid_nav_t *nav, int i, auvid
     nav->ekf.pv[i][2] = r * w[2];
 }
 
+/* Largest ratio of a diagonal element of S to its pivot. */
+#define LARGEST_PIVOT_LOSS AUVID_C(1e3)
+
 /*
  * Apply all axes of a velocity at the filter's time: H = [0 I], R = r I, S = Pvv + r I. With
  * W = Ppv S^-1
@@ -59,8 +62,9 @@ AUVID_INLINE void nav_update_cross_covariance_row(auvid_nav_t *nav, int i, auvid
  *
  * This equals three scalar updates for two thirds of the work. S^-1 comes from S = L D L',
  * L^-1 = [1; a 1; b c 1]. The last form of Pvv is used off the diagonal, where it needs no
- * subtraction. Return false, with the filter unchanged, if the sample does not pass the gate. Not
- * inlined, to save stack on the slow path.
+ * subtraction. Return false, with the filter unchanged, if the sample does not pass the gate, or S
+ * is too far from diagonal: S^-1 loses the digits that a pivot loses. Not inlined, to save stack on
+ * the slow path.
  */
 static AUVID_NOINLINE bool nav_apply_velocity(auvid_nav_t *nav, const auvid_nav_measurement_t *m)
 {
@@ -80,6 +84,9 @@ static AUVID_NOINLINE bool nav_apply_velocity(auvid_nav_t *nav, const auvid_nav_
     auvid_real_t d1 = AUVID_C(1.0) / (s[1] + a * v[1]);
     auvid_real_t f = v[4] + a * v[2], c = -f * d1;
     auvid_real_t d2 = AUVID_C(1.0) / (s[2] - l2 * v[2] + c * f);
+    if (!(s[1] * d1 <= LARGEST_PIVOT_LOSS && s[2] * d2 <= LARGEST_PIVOT_LOSS)) {
+        return false;
+    }
     auvid_real_t b = c * a - l2;
     auvid_real_t bd = b * d2, cd = c * d2, ad = a * d1;
     const auvid_real_t inverse[6] = {d0 + a * ad + b * bd, ad + c * bd, bd, d1 + c * cd, cd, d2};

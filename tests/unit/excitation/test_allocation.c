@@ -149,6 +149,98 @@ static void test_yaw_beyond_the_limit_is_scaled_and_takes_all(void)
     assert_wrench(0, 0, 0, 0, 0, -0.8 * 153.8);
 }
 
+/* Four vectored thrusters in a plane; `up`: the sine of 180 degrees, as a computer has it. */
+static void vectored(double up)
+{
+    const double place[4][2] = {{0.3, 0.2}, {0.3, -0.2}, {-0.3, 0.25}, {-0.3, -0.225}};
+    const double heading[4] = {-0.785, 0.785, -2.356, 2.356};
+    auvid_allocation_defaults(&cfg);
+    for (int i = 0; i < 4; ++i) {
+        double x = place[i][0], y = place[i][1], ahead = cos(heading[i]), aside = sin(heading[i]);
+        add(ahead, aside, up, y * up, -x * up, x * aside - y * ahead);
+    }
+    TEST_ASSERT_EQUAL_INT(AUVID_OK, auvid_allocation_init(&a, &cfg));
+}
+
+static void test_a_rounding_error_in_the_configuration_is_no_thruster(void)
+{
+    const double errors[] = {0, 1.2246e-16, -4.3711e-8, 1e-5};
+    for (int i = 0; i < 4; ++i) {
+        vectored(errors[i]);
+        TEST_ASSERT_EQUAL_HEX8(AUVID_DOF_BIT(AUVID_SURGE) | AUVID_DOF_BIT(AUVID_SWAY) |
+                                   AUVID_DOF_BIT(AUVID_YAW),
+                               a.actuated);
+        TEST_ASSERT_EQUAL_INT(3, a.rank);
+        TEST_ASSERT_EQUAL_INT(AUVID_SATURATED, solve(10, 5, 3, 0, 0, 1));
+        TEST_ASSERT_EQUAL_INT(AUVID_DOF_BIT(AUVID_HEAVE), out.dropped);
+        TEST_ASSERT_DOUBLE_WITHIN(1e-3, 10, (double)out.wrench[AUVID_SURGE]);
+        TEST_ASSERT_DOUBLE_WITHIN(1e-3, 5, (double)out.wrench[AUVID_SWAY]);
+        TEST_ASSERT_DOUBLE_WITHIN(1e-3, 1, (double)out.wrench[AUVID_YAW]);
+    }
+    vectored(0.01); /* half a degree is a direction */
+    TEST_ASSERT_TRUE((a.actuated & AUVID_DOF_BIT(AUVID_HEAVE)) != 0);
+}
+
+/* Two propellers side by side that work ahead only: X = f0 + f1, N = 0.3 (f1 - f0). */
+static void twin_propellers(void)
+{
+    auvid_allocation_defaults(&cfg);
+    add(1, 0, 0, 0, 0, -0.3);
+    add(1, 0, 0, 0, 0, 0.3);
+    for (int i = 0; i < 2; ++i) {
+        cfg.thruster[i].min_N = 0;
+        cfg.thruster[i].max_N = 50;
+    }
+    TEST_ASSERT_EQUAL_INT(AUVID_OK, auvid_allocation_init(&a, &cfg));
+}
+
+/* Surge lets them turn the vehicle, though neither can work astern. */
+static void test_what_all_thrusters_can_do_together_is_not_scaled(void)
+{
+    twin_propellers();
+    TEST_ASSERT_EQUAL_INT(AUVID_OK, solve(40, 0, 0, 0, 0, 3));
+    assert_wrench(40, 0, 0, 0, 0, 3);
+    TEST_ASSERT_EQUAL_DOUBLE(1.0, (double)out.scale_priority);
+    TEST_ASSERT_EQUAL_DOUBLE(1.0, (double)out.scale);
+}
+
+/* Yaw has as much as any surge up to the requested one allows. */
+static void test_yaw_is_scaled_by_the_largest_factor_with_any_surge(void)
+{
+    twin_propellers();
+    TEST_ASSERT_EQUAL_INT(AUVID_SATURATED, solve(40, 0, 0, 0, 0, 12)); /* (0, 40) N */
+    assert_wrench(40, 0, 0, 0, 0, 12 * (double)out.scale_priority);
+    TEST_ASSERT_DOUBLE_WITHIN(tolerance(), 1.0, (double)out.scale_priority);
+    TEST_ASSERT_EQUAL_INT(AUVID_SATURATED, solve(80, 0, 0, 0, 0, 30)); /* (0, 50) N */
+    TEST_ASSERT_DOUBLE_WITHIN(tolerance(), 0.5, (double)out.scale_priority);
+    assert_wrench(50, 0, 0, 0, 0, 15);
+    TEST_ASSERT_EQUAL_INT(AUVID_SATURATED, solve(0, 0, 0, 0, 0, 3));
+    assert_wrench(0, 0, 0, 0, 0, 0);
+    TEST_ASSERT_EQUAL_INT(AUVID_SATURATED, solve(-10, 0, 0, 0, 0, 3));
+    assert_wrench(0, 0, 0, 0, 0, 0);
+}
+
+/* A filter that decays leaves numbers of any size. */
+static void test_what_is_only_rounding_does_not_block(void)
+{
+    twin_propellers();
+    TEST_ASSERT_EQUAL_INT(AUVID_SATURATED, solve(1e-36, 0, 0, 0, 0, 3));
+    assert_wrench(0, 0, 0, 0, 0, 0);
+    TEST_ASSERT_EQUAL_INT(AUVID_OK, solve(40, 0, 0, 0, 0, 1e-36));
+    assert_wrench(40, 0, 0, 0, 0, 0);
+}
+
+static void test_what_is_within_the_check_is_never_scaled(void)
+{
+    const auvid_real_t peak[6] = {5, 0, 0, 0, 0, 4}, hold[6] = {40};
+    twin_propellers();
+    TEST_ASSERT_EQUAL_INT(AUVID_OK, auvid_allocation_check(&a, peak, hold, NULL));
+    for (int signs = 0; signs < 4; ++signs) {
+        TEST_ASSERT_EQUAL_INT(
+            AUVID_OK, solve((signs & 1) != 0 ? 45 : 35, 0, 0, 0, 0, (signs & 2) != 0 ? 4 : -4));
+    }
+}
+
 static void test_without_priority_the_whole_wrench_is_scaled(void)
 {
     cfg = auvid_allocation_girona500;
@@ -516,6 +608,11 @@ int main(void)
     RUN_TEST(test_saturation_keeps_the_direction);
     RUN_TEST(test_yaw_is_kept_and_surge_is_reduced);
     RUN_TEST(test_yaw_beyond_the_limit_is_scaled_and_takes_all);
+    RUN_TEST(test_a_rounding_error_in_the_configuration_is_no_thruster);
+    RUN_TEST(test_what_all_thrusters_can_do_together_is_not_scaled);
+    RUN_TEST(test_yaw_is_scaled_by_the_largest_factor_with_any_surge);
+    RUN_TEST(test_what_is_only_rounding_does_not_block);
+    RUN_TEST(test_what_is_within_the_check_is_never_scaled);
     RUN_TEST(test_without_priority_the_whole_wrench_is_scaled);
     RUN_TEST(test_no_force_ever_exceeds_its_limit);
     RUN_TEST(test_a_thruster_out_of_order_is_not_used);

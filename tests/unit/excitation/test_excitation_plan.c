@@ -149,6 +149,21 @@ static void test_roll_and_pitch_have_faster_signals_than_the_others(void)
     begin();
 }
 
+/* Sets beyond 256 s need longer steps in roll and pitch: AUVID_EXCITATION_HOLDS. */
+static void test_a_plan_of_any_length_can_be_played(void)
+{
+    const auvid_real_t all[6] = {40, 40, 35, 5, 6, 6};
+    for (double set_s = 5; set_s <= 600; set_s += set_s < 300 ? 0.7 : 33.3) {
+        TEST_ASSERT_EQUAL_INT(AUVID_OK,
+                              auvid_excitation_plan(&cfg, all, (auvid_real_t)set_s, 2, 1));
+        TEST_ASSERT_EQUAL_INT(AUVID_OK, auvid_excitation_init(&e, &cfg));
+    }
+    TEST_ASSERT_EQUAL_INT(AUVID_OK, auvid_excitation_plan(&cfg, all, 600, 2, 1));
+    begin();
+    at(299 * S);
+    TEST_ASSERT_TRUE(fabs((double)wrench[AUVID_ROLL]) > 0);
+}
+
 static void test_a_schedule_refuses_what_it_cannot_make(void)
 {
     auvid_excitation_config_t before = cfg;
@@ -389,6 +404,7 @@ int main(void)
     RUN_TEST(test_one_by_one_excites_one_degree_of_freedom_at_a_time_in_turn);
     RUN_TEST(test_a_schedule_without_pause_all_at_once_is_the_plan);
     RUN_TEST(test_roll_and_pitch_have_faster_signals_than_the_others);
+    RUN_TEST(test_a_plan_of_any_length_can_be_played);
     RUN_TEST(test_a_schedule_refuses_what_it_cannot_make);
     RUN_TEST(test_within_the_excursion_limit_the_wrench_is_unchanged);
     RUN_TEST(test_random_steps_beyond_the_excursion_limit_bring_back);

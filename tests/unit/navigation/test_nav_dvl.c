@@ -281,6 +281,57 @@ static void test_velocity_is_reinitialised_without_changing_the_other_axes(void)
     TEST_ASSERT_EQUAL_UINT(1, nav.diagnostics[AUVID_NAV_DVL_BOTTOM].resets);
 }
 
+/* The variance of an exact DVL is below the resolution of that which it replaces. */
+static void test_a_reinitialised_velocity_has_a_positive_variance(void)
+{
+    cfg.sigma_velocity = 10;
+    cfg.sigma_dvl = real(1e-4);
+    cfg.max_acceleration = 0;
+    cfg.speed_limit = 0;
+    cfg.max_consecutive_rejections = 1;
+    for (int turn = 0; turn < 60; ++turn) {
+        cfg.mount.dvl_euler[0] = real(0.11 * turn);
+        cfg.mount.dvl_euler[1] = real(0.07 * turn);
+        cfg.mount.dvl_euler[2] = real(0.16 * turn);
+        start();
+        TEST_ASSERT_EQUAL_INT(AUVID_OK, give(AUVID_DVL_BOTTOM, AUVID_DVL_X, 90, 0, 0));
+        TEST_ASSERT_EQUAL_UINT(1, nav.diagnostics[AUVID_NAV_DVL_BOTTOM].resets);
+        double along = 0;
+        auvid_real_t p[6][6];
+        TEST_ASSERT_EQUAL_INT(AUVID_OK, auvid_nav_covariance(&nav, p));
+        for (int k = 0; k < 9; ++k) {
+            along += (double)p[3 + k / 3][3 + k % 3] * (double)nav.cfg.mount[k / 3][0] *
+                     (double)nav.cfg.mount[k % 3][0];
+        }
+        TEST_ASSERT_TRUE(along > 5e-9 && along < 1e-3);
+    }
+}
+
+/* Two axes of a turned instrument make the velocity known in a plane; in the third direction its
+ * variance is a million times larger, and correlated with that of the position. A complete sample
+ * removes both. */
+static void test_the_first_complete_sample_after_partial_ones_leaves_no_negative_variance(void)
+{
+    for (int i = 0; i < 3; ++i) {
+        cfg.sigma_acceleration[i] = real(1e-4);
+        cfg.mount.dvl_euler[i] = real(0.7);
+    }
+    cfg.sigma_velocity = 5;
+    cfg.sigma_dvl = real(1.5e-4);
+    cfg.sigma_position = real(0.04);
+    for (int ticks = 1; ticks <= 25; ++ticks) {
+        start();
+        TEST_ASSERT_EQUAL_INT(AUVID_OK, give(AUVID_DVL_BOTTOM, AUVID_DVL_X | AUVID_DVL_Z, 0, 0, 0));
+        for (int k = 0; k < ticks; ++k) {
+            tick(20000);
+        }
+        TEST_ASSERT_EQUAL_INT(AUVID_OK, bottom(0, 0, 0));
+        for (int i = 0; i < 6; i += i == 0 ? 3 : 2) { /* xx yy zz */
+            TEST_ASSERT_DOUBLE_WITHIN(1e-5, 1.6e-3, (double)nav.ekf.pp[i]);
+        }
+    }
+}
+
 static void test_ground_sample_is_the_velocity_just_after_a_bottom_lock(void)
 {
     TEST_ASSERT_EQUAL_UINT32(0, nav.ground.sequence);
@@ -399,6 +450,8 @@ int main(void)
     RUN_TEST(test_what_a_manoeuvre_explains_is_no_outlier);
     RUN_TEST(test_without_max_acceleration_only_the_gate_decides);
     RUN_TEST(test_velocity_is_reinitialised_without_changing_the_other_axes);
+    RUN_TEST(test_a_reinitialised_velocity_has_a_positive_variance);
+    RUN_TEST(test_the_first_complete_sample_after_partial_ones_leaves_no_negative_variance);
     RUN_TEST(test_ground_sample_is_the_velocity_just_after_a_bottom_lock);
     RUN_TEST(test_ground_sample_of_a_late_dvl_sample_has_its_time);
     RUN_TEST(test_water_lock_is_not_applied_while_bottom_lock_is_fresh);
