@@ -66,7 +66,8 @@ typedef struct {
     auvid_allocation_config_t cfg;                              /**< copy */
     auvid_real_t inverse[AUVID_MAX_THRUSTERS][AUVID_DOF_COUNT]; /**< T+ of the controlled rows */
     /** DoFs in which a wrench is possible without the others in the mask. Not those with less than
-     * 0.1 % of the largest force, or the largest moment, per newton: T is not known so well. */
+     * 0.1 % of the largest force, or the largest moment, per newton (T is not known so well), or
+     * less than 1e-6. */
     uint8_t actuated;
     uint8_t rank;     /**< rank of the controlled rows of T, 1..6 */
 } auvid_allocation_t;

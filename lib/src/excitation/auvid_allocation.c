@@ -25,6 +25,7 @@
  * tape: 0.1 %. */
 #define DEPENDENT AUVID_C(1e-3)
 #define LARGEST_ENTRY AUVID_C(1e6)
+#define SHORTEST_ROW AUVID_C(1e-6) /* of T, of forces or moments: below it T+ is out of range */
 #define LARGEST_WRENCH AUVID_C(1e9)
 
 #if AUVID_MAX_THRUSTERS >= 5
@@ -129,8 +130,8 @@ static void allocation_shortest_rows(const auvid_allocation_config_t *cfg, auvid
         allocation_row(cfg, i, row);
         *longest = auvid_max(*longest, auvid_sqrt(allocation_dot(row, row, cfg->thrusters)));
     }
-    shortest[0] *= DEPENDENT;
-    shortest[1] *= DEPENDENT;
+    shortest[0] = auvid_max(shortest[0] * DEPENDENT, SHORTEST_ROW);
+    shortest[1] = auvid_max(shortest[1] * DEPENDENT, SHORTEST_ROW);
 }
 
 /* Compute orthonormal rows Q that span the rows of B. Pivoting takes the row with the largest

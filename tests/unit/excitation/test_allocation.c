@@ -181,6 +181,17 @@ static void test_a_rounding_error_in_the_configuration_is_no_thruster(void)
     TEST_ASSERT_TRUE((a.actuated & AUVID_DOF_BIT(AUVID_HEAVE)) != 0);
 }
 
+/* Its inverse would exceed the largest number, and forces would be no numbers. */
+static void test_a_thruster_of_hardly_any_effect_is_none(void)
+{
+    const double entries[] = {1e-38, 1e-7};
+    for (int i = 0; i < 2; ++i) {
+        auvid_allocation_defaults(&cfg);
+        add(entries[i], 0, 0, 0, 0, 0);
+        TEST_ASSERT_EQUAL_INT(AUVID_ERR_SINGULAR, auvid_allocation_init(&a, &cfg));
+    }
+}
+
 /* Two propellers side by side that work ahead only: X = f0 + f1, N = 0.3 (f1 - f0). */
 static void twin_propellers(void)
 {
@@ -609,6 +620,7 @@ int main(void)
     RUN_TEST(test_yaw_is_kept_and_surge_is_reduced);
     RUN_TEST(test_yaw_beyond_the_limit_is_scaled_and_takes_all);
     RUN_TEST(test_a_rounding_error_in_the_configuration_is_no_thruster);
+    RUN_TEST(test_a_thruster_of_hardly_any_effect_is_none);
     RUN_TEST(test_what_all_thrusters_can_do_together_is_not_scaled);
     RUN_TEST(test_yaw_is_scaled_by_the_largest_factor_with_any_surge);
     RUN_TEST(test_what_is_only_rounding_does_not_block);
