@@ -43,7 +43,7 @@
  * before the first one have none, and count a sixteenth once there is one; those from before the
  * second one count less where there is a current.
  *
- * More rows than those of four minutes (480) average noise, but count as 480: what the model and the
+ * More rows than the 480 of four minutes average noise, but count as 480: what the model and the
  * columns lack depends on the motion, and does not average out. So half-widths do not shrink with a
  * longer record of the same motion; larger motion makes them smaller. With instruments all rows
  * count.
