@@ -43,6 +43,11 @@
  * before the first one have none, and count a sixteenth once there is one; those from before the
  * second one count less where there is a current.
  *
+ * More rows than the 480 of four minutes average noise, but count as 480: what the model and the
+ * columns lack depends on the motion, and does not average out. So half-widths do not shrink with a
+ * longer record of the same motion; larger motion makes them smaller. With instruments all rows
+ * count.
+ *
  * A passive vehicle adds rows until the first excitation; from then on only the excitation does,
  * unless it ends before it has given a set of rows. In closed loop nothing is identifiable from
  * passive rows (AUVID_NOTE_FEEDBACK), unless it is that of a few DoF (closed_loop in
@@ -72,7 +77,7 @@
  * columns.
  *
  * Sources: Fuller 1987 (errors in variables); Ljung 1999, 7 (prediction error); Schmidt 1966
- * (considered parameters). None of it is in the paper.
+ * (considered parameters); Miller and Dunson 2019 (coarsening). None of it is in the paper.
  */
 #ifndef AUVID_UNCERTAIN_H
 #define AUVID_UNCERTAIN_H

@@ -306,7 +306,8 @@ static void confidence_append_sentence(auvid_words_t *w, const auvid_confidence_
     }
     if (note == AUVID_NOTE_INPUTS) {
         auvid_words_append(w, "some numbers are known only if thrust and sensors are exact; "
-                              "record for longer, or measure the thrusters, also under way");
+                              "record larger and other motion, or measure the thrusters, "
+                              "also under way");
         return;
     }
     auvid_words_append_dof(w, parameter->dof);

@@ -17,6 +17,8 @@
 #define LEAST_THRUST AUVID_C(0.5)
 /* Squares of the residual over the noise that say where it belongs: as of four minutes. */
 #define MOST_SQUARES AUVID_C(150.0)
+/* Rows that count: those of four minutes. See auvid_uncertain_solve.c. */
+#define MOST_ROWS AUVID_C(480.0)
 /* Largest error of the thrust: its square, as a part of that of the thrust. */
 #define LARGEST_THRUST_ERROR AUVID_C(0.25)
 #define EARLY_ROW AUVID_C(0.0625)   /* weight of a row from before the first solution */
@@ -408,6 +410,17 @@ void auvid_uncertain_forget_early(uncertain_t *u, const auvid_metric_t *m, int j
     uncertain_reweigh_rows(u, j, keep * u->rows[j]);
 }
 
+/* Let DoF j's rows count as those of four minutes at most. */
+static void uncertain_limit_rows(uncertain_t *u, int j)
+{
+    auvid_uncertain_part_t *p = &u->work.part;
+    auvid_real_t part = auvid_min(MOST_ROWS / u->rows[j], AUVID_C(1.0)), root = auvid_sqrt(part);
+    for (int band = 0; band < AUVID_METRIC_BANDS; ++band) {
+        p->scale[band] *= root;
+    }
+    p->squares *= part;
+}
+
 void auvid_uncertain_prepare(uncertain_t *u, const auvid_metric_t *m, int j)
 {
     auvid_uncertain_part_t *p = &u->work.part;
@@ -436,6 +449,8 @@ void auvid_uncertain_prepare(uncertain_t *u, const auvid_metric_t *m, int j)
         auvid_real_t mean = (squares[0] + squares[1]) / u->rows[j];
         uncertain_weigh_projected(u, m, j,
                                   auvid_max(auvid_sqrt(AUVID_CONFIDENCE_SMOOTHED * mean), least));
+    } else {
+        uncertain_limit_rows(u, j);
     }
     uncertain_prepare_slopes(u, m, j, squares, weight);
 }

@@ -50,6 +50,15 @@
  *
  *     gamma = d / (1 - (1 - d / g) min(1, 150 s^2 / e'e)).
  *
+ * More than 480 rows, of four minutes, count as 480: s^2 is larger by rows / 480. Most of e is no
+ * noise but what model and inputs lack. It depends on the motion, and more of the same motion does
+ * not average it out, however long a log is. A likelihood that is only about right counts as that
+ * of a sample too small to tell it from the truth (coarsening, Miller and Dunson 2019). With all
+ * rows the inputs took what the hull had, far beyond their priors, and half-widths shrank below the
+ * errors: in half an hour of the simulated ROV 23 % of the drag forces were off by more than 20 %,
+ * in four minutes none. Rows that are projected onto instruments all count: there e is mostly
+ * noise, and Sargan's test sees the rest.
+ *
  * Columns c of the hull's inputs, and of its weight, become c - D a, a = (D'D)^-1 D'c, D the
  * columns of the DoF's drag in unweighted bands. So pi contains the best drag for the motion that
  * was seen. (A light vehicle tilts by 10 degrees if its centre of gravity is 2 cm off, and its tilt

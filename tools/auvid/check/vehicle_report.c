@@ -176,9 +176,9 @@ static void print_assumed(const vehicle_t *v)
 /* A measurement that would help. */
 typedef struct {
     char text[100];
-    double data, thrust, dvl; /* factors of the variances; 0: see with */
-    const result_t *with;     /* identified with it */
-    double gain;              /* sum of the logarithms by which it divides the masses' errors */
+    double dvl;           /* factor of its variance; 0: see with */
+    const result_t *with; /* identified with it */
+    double gain;          /* sum of the logarithms by which it divides the masses' errors */
 } measurement_t;
 
 /* Runs the excitation of the file on the simulated vehicle, with this known force; NULL: none.
@@ -218,7 +218,7 @@ static bool is_known_mass(const result_t *r, int i)
            r->vehicle->parameter[i].kind == AUVID_PARAMETER_MASS;
 }
 
-/* Relative standard error of parameter i after a measurement. By its factors: considered parameters
+/* Relative standard error of parameter i after a measurement. By its factor: considered parameters
  * (Schmidt 1966). */
 static double error_after(const measurement_t *m, const result_t *r, int i)
 {
@@ -228,8 +228,7 @@ static double error_after(const measurement_t *m, const result_t *r, int i)
     if (m->with != NULL) {
         return report_sigma(m->with, i) / fabs((double)m->with->estimate.pi[i]);
     }
-    return sqrt(m->data * told * told + m->thrust * t * t + m->dvl * d * d) /
-           fabs((double)r->estimate.pi[i]);
+    return sqrt(told * told + t * t + m->dvl * d * d) / fabs((double)r->estimate.pi[i]);
 }
 
 /* 1, 2 or 5 times a power of ten, not above x > 0. */
@@ -264,7 +263,7 @@ static int by_gain(const void *a, const void *b)
 /* Lists the measurements, best first, for the mass that is known worst. */
 static void print_measurements(const result_t *r, measurement_t *all, size_t count)
 {
-    const measurement_t none = {.data = 1.0, .thrust = 1.0, .dvl = 1.0};
+    const measurement_t none = {.dvl = 1.0};
     int shown = -1;
     for (int i = 0; i < r->vehicle->parameters; ++i) {
         if (!is_known_mass(r, i)) {
@@ -296,19 +295,15 @@ static bool advise(const vehicle_t *v)
 {
     static result_t plain, calibrated;
     vehicle_calibration_t trial;
-    measurement_t all[3] = {{.thrust = 1.0, .data = 0.5, .dvl = 1.0},
-                            {.thrust = 1.0, .data = 1.0, .dvl = 0.25},
-                            {.with = &calibrated}};
-    (void)snprintf(all[0].text, sizeof all[0].text, "%d s more of the excitation",
-                   SETS * WORLD_SET_S);
-    (void)snprintf(all[1].text, sizeof all[1].text,
+    measurement_t all[2] = {{.dvl = 0.25}, {.with = &calibrated}};
+    (void)snprintf(all[0].text, sizeof all[0].text,
                    "a run over a known distance that halves the error of the DVL scale");
-    choose_trial(v, &trial, all[2].text, sizeof all[2].text);
+    choose_trial(v, &trial, all[1].text, sizeof all[1].text);
     if (!simulate(v, NULL, &plain)) {
         return false;
     }
     bool seen = simulate(v, &trial, &calibrated) && calibrated.calibration == REPORT_CALIBRATED;
-    print_measurements(&plain, all, seen ? 3 : 2);
+    print_measurements(&plain, all, seen ? 2 : 1);
     return true;
 }
 
