@@ -13,7 +13,7 @@
 #include "../base/auvid_math_internal.h"
 
 const auvid_core_t auvid_cores[AUVID_CORE_COUNT] = {
-    [AUVID_CORE_M0PLUS] = {"m0plus", 471000, 6800, AUVID_C(1.33)},
+    [AUVID_CORE_M0PLUS] = {"m0plus", 472000, 6800, AUVID_C(1.33)},
     [AUVID_CORE_M3] = {"m3", 226000, 3130, AUVID_C(1.5)},
     [AUVID_CORE_M4F] = {"m4f", 67300, 320, AUVID_C(1.5)},
     [AUVID_CORE_M7] = {"m7", 67200, 320, AUVID_C(1.5)},
