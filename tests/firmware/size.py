@@ -78,8 +78,8 @@ POINTERS = PATHS | {
     r"(u->strong|row->prior)\(": NOTHING,
     r"node->report_causes\(": NOTHING,
     r"part->check\(": NOTHING,
-    r"uncertain(_functions)?->(add_cell|rotate|begin|solve|publish|estimate|accept|change_vehicle)\(":
-        NOTHING,
+    r"uncertain(_functions)?->(add_cell|rotate|begin|solve|publish)\(": NOTHING,
+    r"uncertain_functions->(estimate|accept|change_vehicle)\(": NOTHING,
     r"uncertain->(sag|drag)\(": NOTHING,
     r"\bprior->(add_rows|weight|change_vehicle)\(":
         r"auvid_prior_rows\.c:prior_(add_rows|weight|change_vehicle)$",
