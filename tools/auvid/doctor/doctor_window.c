@@ -8,6 +8,8 @@
 #include "doctor.h"
 
 #define WINDOW_S (DOCTOR_WINDOW * DOCTOR_CELL_S)
+#define RIGHT_ANGLE 1.5707963267948966
+#define UPRIGHT 0.3    /* from a right angle [rad] */
 #define ACTS 0.02      /* an input, relative to its largest so far */
 #define REST_CELLS 150 /* without input, until a vehicle is at rest */
 
@@ -32,10 +34,26 @@ static double slope(const doctor_t *d, int signal)
            WINDOW_S;
 }
 
+/* Is pitch near a right angle in the window? There roll and heading turn by half a circle at once,
+ * and their means are those of no attitude. */
+static bool is_upright(const doctor_t *d, int pitch)
+{
+    bool upright = false;
+    for (int k = 0; k <= DOCTOR_WINDOW; ++k) {
+        double theta = fabs(cell_before(d, k)->mean[pitch]);
+        upright = upright || fabs(theta - RIGHT_ANGLE) < UPRIGHT;
+    }
+    return upright;
+}
+
 /* Body rates of the attitude (Fossen 2011, Eq. 2.26 inverted). A log without psi has its rate from
  * q and r: roll and pitch of a tilted vehicle depend on it. The axis of r is not compared then. */
 static void turn_rates(const doctor_t *d, int first, double side, double out[3])
 {
+    if (is_upright(d, first + 1)) {
+        out[0] = out[1] = out[2] = NAN;
+        return;
+    }
     double phi = average(d, first), theta = average(d, first + 1);
     double roll = slope(d, first), pitch = slope(d, first + 1);
     bool has_psi = d->has[CSV_ATTITUDE + 2], has_rates = d->has[CSV_NU + 4] && d->has[CSV_NU + 5];
