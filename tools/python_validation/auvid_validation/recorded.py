@@ -81,11 +81,6 @@ def fit(train, test, arguments):
     if found["status"] == "not_excited":
         raise UserError(f"{train}: nothing to identify: the log is too short, or no degree of "
                         "freedom has an input that varies")
-    velocity = Log(train).velocity
-    for i, axis in enumerate("XYZN"):
-        if found["r2_force"][axis] is not None and np.ptp(velocity[:, i]) == 0:
-            raise UserError(f"{train}: {VELOCITIES[i]} never changes although its input does: "
-                            "check the sensor, or remove the column")
     return found
 
 

@@ -79,10 +79,6 @@ BAD = {
     "nothing to identify": ("x.csv", "train.csv", lambda b: b"\n".join(
         line if line.startswith(b"t_s") else line.split(b",")[0] + b",0" * 15
         for line in b.splitlines()) + b"\n"),
-    "w_mps never changes": ("x.csv", "train.csv", lambda b: b"\n".join(
-        line if line.startswith(b"t_s") else b",".join(
-            b"0" if i == 6 else cell for i, cell in enumerate(line.split(b",")))
-        for line in b.splitlines()) + b"\n"),
     "the row ends": ("x.csv", "train.csv", lambda b: b[:50000] + b"\n"),
     " line of": ("x.log", "bus.log", lambda b: b[:100000] + b"\n(1.0\n"),
     "is cut off": ("x.asc", "bus.asc", lambda b: b[:100000]),
@@ -102,6 +98,15 @@ def test_a_bad_log_gives_a_message_of_one_line_and_exit_status_2(words, logs, tm
     *before, error = capsys.readouterr().err.splitlines()
     assert status == 2 and words in error and name in error
     assert all(line.startswith(f"auvid: {path}: ") for line in before)
+
+
+def test_a_velocity_that_is_always_zero_is_left_out_and_said(logs, tmp_path, capsys):
+    path = change(logs / "train.csv", tmp_path / "x.csv", lambda b: b"\n".join(
+        line if line.startswith(b"t_s") else b",".join(
+            b"0" if i == 6 else cell for i, cell in enumerate(line.split(b",")))
+        for line in b.splitlines()) + b"\n")
+    status, _ = residuals(tmp_path / "out", path)
+    assert status == 0 and "w_mps is always 0" in capsys.readouterr().err
 
 
 def test_a_log_with_a_byte_order_mark_is_read(logs, tmp_path):
